@@ -1,0 +1,150 @@
+"""The errors of laticauda, and the checks that raise them.
+
+A bad argument is a `ValueError` that names the argument, the rule with its unit and the value it got.
+What goes wrong in the world, and not in an argument, derives from `LaticaudaError`.
+Each check returns the cleaned value, so that a dataclass can check and convert in one line.
+"""
+
+import math
+from collections.abc import Sequence
+from numbers import Integral, Real
+
+
+class LaticaudaError(Exception):
+    """Base of everything that laticauda raises, apart from the `ValueError` for a bad argument."""
+
+
+class SimulationFailed(LaticaudaError, RuntimeError):
+    """A run blew up: it says when, and what to try."""
+
+
+class TrialFileError(LaticaudaError, ValueError):
+    """A trial file cannot be read: it says which file, and why."""
+
+
+class RobotFileError(LaticaudaError, ValueError):
+    """A robot, water or ground file is wrong: it says which file, key, rule and value."""
+
+
+class MissingExtra(LaticaudaError, ImportError):
+    """A feature needs a package that comes with one of laticauda's extras.
+
+    Args:
+        feature: What was asked for, in words.
+        package: The package that it needs.
+        extra: The extra of laticauda that installs the package.
+    """
+
+    def __init__(self, feature: str, package: str, extra: str) -> None:
+        # All three become `args`: an error that crosses a process boundary is rebuilt from them.
+        super().__init__(feature, package, extra)
+
+    def __str__(self) -> str:
+        """The sentence that the user reads."""
+        feature, package, extra = self.args
+        return f'{feature} needs {package}; run `pip install "laticauda[{extra}]"`.'
+
+
+def finite(name: str, value: object, unit: str = "") -> float:
+    """Return `value` as a float if it is one finite number.
+
+    Numbers of numpy are as good as Python's. A truth value, a text, an array, nan and the infinities are refused.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        unit: The unit that the argument is in, "" for a pure number.
+
+    Raises:
+        ValueError: If `value` is no finite number.
+    """
+    in_unit = f" in {unit}" if unit else ""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ValueError(f"`{name}` must be a number{in_unit}, got {_shown(value)}.")
+    try:
+        number = float(value)
+    except OverflowError:  # a Python integer beyond the largest float
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"`{name}` must be a finite number{in_unit}, got {number}.")
+    return number
+
+
+def positive(name: str, value: object, unit: str = "") -> float:
+    """Return `value` as a float if it is a finite number > 0; arguments and errors as for `finite`."""
+    number = finite(name, value, unit)
+    if number <= 0.0:
+        raise ValueError(f"`{name}` must be > 0{_spaced(unit)}, got {value}.")
+    return number
+
+
+def not_negative(name: str, value: object, unit: str = "") -> float:
+    """Return `value` as a float if it is a finite number >= 0; arguments and errors as for `finite`."""
+    number = finite(name, value, unit)
+    if number < 0.0:
+        raise ValueError(f"`{name}` must be >= 0{_spaced(unit)}, got {value}.")
+    return number
+
+
+def within(name: str, value: object, low: float, high: float, unit: str = "") -> float:
+    """Return `value` as a float if `low <= value <= high`; other arguments and errors as for `finite`."""
+    number = finite(name, value, unit)
+    if not low <= number <= high:
+        raise ValueError(f"`{name}` must be between {low:g} and {high:g}{_spaced(unit)}, got {value}.")
+    return number
+
+
+def whole(name: str, value: object, least: int) -> int:
+    """Return `value` as an int if it is a whole number >= `least`.
+
+    Raises:
+        ValueError: If `value` is no integer (2.0 is none either), or too small.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+        raise ValueError(f"`{name}` must be a whole number >= {least}, got {_shown(value)}.")
+    return int(value)
+
+
+def one_of(name: str, value: object, choices: Sequence[str]) -> str:
+    """Return `value` if it is one of the texts in `choices`.
+
+    Raises:
+        ValueError: If it is not; the message lists the choices and suggests the nearest.
+    """
+    if isinstance(value, str):
+        if value in choices:
+            return value
+        hint = nearest(value, choices)
+    else:
+        hint = ""
+    listed = ", ".join(f"`{choice}`" for choice in choices)
+    raise ValueError(f"`{name}` must be one of {listed}, got {_shown(value)}{hint or '.'}")
+
+
+def nearest(word: str, choices: Sequence[str]) -> str:
+    """The end of a message about a mistyped word: "; did you mean `x`?", or "" if nothing comes near."""
+    import difflib
+
+    by_plain = {_plain(choice): choice for choice in choices}
+    found = difflib.get_close_matches(_plain(word), by_plain, n=1)
+    return f"; did you mean `{by_plain[found[0]]}`?" if found else ""
+
+
+def _plain(word: str) -> str:
+    """`word` without what people mix up: capitals, hyphens and underscores."""
+    return word.casefold().replace("-", "_")
+
+
+def _spaced(unit: str) -> str:
+    return f" {unit}" if unit else ""
+
+
+def _shown(value: object) -> str:
+    """`value` as a message shows it: on one line, and short."""
+    shape = getattr(value, "shape", ())
+    if shape:
+        return f"an array of shape {shape}"
+    if isinstance(value, Real):  # numpy's numbers read like Python's
+        return str(value)
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

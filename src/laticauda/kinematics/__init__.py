@@ -1,0 +1,29 @@
+"""From one pose and the joint angles to every link and the center of mass, and back."""
+
+from laticauda.kinematics.poses import (
+    center_of_mass,
+    center_of_mass_velocity,
+    heading,
+    joint_angles,
+    joint_positions,
+    link_angles,
+    link_centers,
+    link_ends,
+    link_velocities,
+    trailing_edge,
+    trailing_edge_velocity,
+)
+
+__all__ = [
+    "center_of_mass",
+    "center_of_mass_velocity",
+    "heading",
+    "joint_angles",
+    "joint_positions",
+    "link_angles",
+    "link_centers",
+    "link_ends",
+    "link_velocities",
+    "trailing_edge",
+    "trailing_edge_velocity",
+]

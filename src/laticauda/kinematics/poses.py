@@ -1,0 +1,322 @@
+"""Where every part of a planar robot is, from its center of mass and link angles, and back from one marker.
+
+Every point of the robot is the center of mass plus a fixed combination of the links' directions:
+
+    r = p + sum_i b_i t_i,    r' = p' + sum_i b_i theta_i' n_i,    t_i = (cos theta_i, sin theta_i), n_i = (-sin theta_i, cos theta_i)
+
+so a robot is a few rows of levers b [m], and positions and velocities use the same rows. Links are numbered tail
+first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
+number of leading axes (time first). The robot is taken as it is: reduce one with pitch joints by `robot.planar()`.
+nan passes through: a marker that was lost gives a pose that is unknown, at that sample only.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import whole
+from laticauda.robot import Robot
+
+
+def heading(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch"]:
+    """Mean of the body's link angles [rad], equation (6) of the paper; the fin does not count.
+
+    Args:
+        link_angle: theta [rad].
+    """
+    return np.mean(link_angle, axis=-1)
+
+
+def joint_angles(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch n_joints"]:
+    """Joint angles phi_i = theta_{i+1} - theta_i [rad], tail first; rates from rates.
+
+    Args:
+        link_angle: theta [rad], or theta' [rad/s].
+    """
+    return np.diff(link_angle, axis=-1)
+
+
+def link_angles(
+    joint_angle: Float[np.ndarray, "*batch n_joints"],
+    *,
+    angle: Float[np.ndarray, "*batch"] | float,
+    link: int | None = None,
+) -> Float[np.ndarray, "*batch n_links"]:
+    """Angles of all links, from the joint angles and one angle more; rates from rates.
+
+    Args:
+        joint_angle: phi [rad], or phi' [rad/s].
+        angle: Angle of `link`, or the heading (6) if `link` is None [rad]; its rate [rad/s] if rates are given.
+        link: Whose angle is known, 0 = tail; None means the mean of all.
+
+    Returns:
+        theta [rad], not wrapped, or theta' [rad/s]. `joint_angles` gives `joint_angle` back.
+
+    Raises:
+        ValueError: If the robot has no such link.
+
+    Example:
+        >>> link_angles(np.array([0.1, 0.1]), angle=0.0)
+        array([-0.1,  0. ,  0.1])
+    """
+    joint_angle = np.asarray(joint_angle, dtype=np.float64)
+    start = np.zeros((*joint_angle.shape[:-1], 1))
+    from_tail = np.concatenate((start, np.cumsum(joint_angle, axis=-1)), axis=-1)
+    if link is None:
+        known = np.mean(from_tail, axis=-1)
+    else:
+        known = from_tail[..., _link_index(link, from_tail.shape[-1])]
+    return from_tail + (np.asarray(angle) - known)[..., np.newaxis]
+
+
+def link_centers(
+    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+) -> Float[np.ndarray, "*batch n_links 2"]:
+    """Middle of each body link's length [m], world axes; the link's own center of mass may be off it.
+
+    Args:
+        robot: Whose body it is.
+        center_of_mass: p of the whole robot, with its fin [m], world axes.
+        link_angle: theta [rad].
+
+    Raises:
+        ValueError: If an array does not fit the robot.
+    """
+    return _points(_levers(robot).center, center_of_mass, link_angle)
+
+
+def link_velocities(
+    robot: Robot,
+    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    link_rate: Float[np.ndarray, "*batch n_links"],
+) -> Float[np.ndarray, "*batch n_links 2"]:
+    """Velocity of the middle of each body link [m/s], world axes.
+
+    Args:
+        robot: Whose body it is.
+        center_of_mass_velocity: p' of the whole robot, with its fin [m/s], world axes.
+        link_angle: theta [rad].
+        link_rate: theta' [rad/s].
+
+    Raises:
+        ValueError: If an array does not fit the robot.
+    """
+    return _point_velocities(_levers(robot).center, center_of_mass_velocity, link_angle, link_rate)
+
+
+def link_ends(
+    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+) -> Float[np.ndarray, "*batch n_ends 2"]:
+    """Tail end, every joint and head end of the body [m], world axes: the posture as one line of n_links + 1 points.
+
+    Args:
+        robot: Whose body it is.
+        center_of_mass: p of the whole robot, with its fin [m], world axes.
+        link_angle: theta [rad].
+
+    Raises:
+        ValueError: If an array does not fit the robot.
+    """
+    return _points(_levers(robot).end, center_of_mass, link_angle)
+
+
+def joint_positions(
+    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+) -> Float[np.ndarray, "*batch n_joints 2"]:
+    """Positions of the joints [m], world axes; arguments and errors as for `link_ends`."""
+    return link_ends(robot, center_of_mass, link_angle)[..., 1:-1, :]
+
+
+def trailing_edge(
+    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+) -> Float[np.ndarray, "*batch 2"]:
+    """Trailing edge of the fin [m], world axes; of a robot without a fin the tail end.
+
+    The fin is rigid: it extends the tail link backward from its tail end.
+
+    Args:
+        robot: Whose tail it is.
+        center_of_mass: p of the whole robot, with its fin [m], world axes.
+        link_angle: theta of the body links [rad].
+
+    Raises:
+        ValueError: If an array does not fit the robot.
+    """
+    return _points(_levers(robot).edge, center_of_mass, link_angle)[..., 0, :]
+
+
+def trailing_edge_velocity(
+    robot: Robot,
+    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    link_rate: Float[np.ndarray, "*batch n_links"],
+) -> Float[np.ndarray, "*batch 2"]:
+    """Velocity of the `trailing_edge` [m/s], world axes; arguments and errors as for `link_velocities`."""
+    return _point_velocities(_levers(robot).edge, center_of_mass_velocity, link_angle, link_rate)[..., 0, :]
+
+
+def center_of_mass(
+    robot: Robot,
+    position: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    link: int = 0,
+    offset: tuple[float, float] = (0.0, 0.0),
+) -> Float[np.ndarray, "*batch 2"]:
+    """Center of mass of the whole robot, with its fin, from one marker and the link angles.
+
+    Motion capture follows one link and the joints report their angles; `link_angles` makes the link angles of these.
+
+    Args:
+        robot: Whose body it is.
+        position: Where the marker is [m], world axes.
+        link_angle: theta [rad].
+        link: The link that carries the marker, 0 = tail.
+        offset: The marker's place from the middle of the link: toward the head, to the left [m].
+
+    Returns:
+        p [m], world axes. `link_centers` of it gives `position` back where `offset` is zero.
+
+    Raises:
+        ValueError: If an array does not fit the robot, or it has no such link.
+    """
+    row = _levers(robot).center[[_link_index(link, robot.n_links)]]
+    position, link_angle = _vector("position", position), _columns("link_angle", link_angle, robot.n_links)
+    return position - _rotated(offset, link_angle[..., link]) - _offsets(row, link_angle)[..., 0, :]
+
+
+def center_of_mass_velocity(
+    robot: Robot,
+    velocity: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    link_rate: Float[np.ndarray, "*batch n_links"],
+    *,
+    link: int = 0,
+    offset: tuple[float, float] = (0.0, 0.0),
+) -> Float[np.ndarray, "*batch 2"]:
+    """Velocity of the center of mass [m/s], from that of one marker and the links' angles and rates.
+
+    Args:
+        robot: Whose body it is.
+        velocity: The marker's velocity [m/s], world axes.
+        link_angle: theta [rad].
+        link_rate: theta' [rad/s].
+        link: The link that carries the marker, 0 = tail.
+        offset: The marker's place from the middle of the link: toward the head, to the left [m].
+
+    Raises:
+        ValueError: If an array does not fit the robot, or it has no such link.
+    """
+    row = _levers(robot).center[[_link_index(link, robot.n_links)]]
+    velocity, link_angle = _vector("velocity", velocity), _columns("link_angle", link_angle, robot.n_links)
+    link_rate = _columns("link_rate", link_rate, robot.n_links)
+    across = _rotated((-offset[1], offset[0]), link_angle[..., link])
+    mount = across * link_rate[..., link, np.newaxis]
+    return velocity - mount - _offset_rates(row, link_angle, link_rate)[..., 0, :]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Levers:
+    """Rows b of the points of one robot, relative to its center of mass."""
+
+    center: Float[np.ndarray, "n_links n_links"]
+    """Middles of the links [m]."""
+    end: Float[np.ndarray, "n_ends n_links"]
+    """Tail end, joints, head end [m]."""
+    edge: Float[np.ndarray, "1 n_links"]
+    """Trailing edge [m]."""
+
+
+@lru_cache(maxsize=64)
+def _levers(robot: Robot) -> _Levers:
+    """The rows of levers: first from the tail end, then shifted by the center of mass, which is such a row itself."""
+    length = np.array([module.length for module in robot.modules])
+    mass = np.array([module.mass for module in robot.modules])
+    off_middle = np.array([module.center for module in robot.modules])
+    n = len(length)
+
+    end = np.tril(np.ones((n + 1, n)), k=-1) * length
+    center = 0.5 * (end[:-1] + end[1:])
+    moment = mass @ (center + np.diag(off_middle))
+    total = np.sum(mass)
+    fin = robot.caudal_fin
+    edge = np.zeros((1, n))
+    if fin is not None:
+        moment[0] -= fin.mass * 0.5 * fin.length
+        total += fin.mass
+        edge[0, 0] = -fin.length
+
+    to_center = moment / total
+    return _Levers(center=center - to_center, end=end - to_center, edge=edge - to_center)
+
+
+def _points(
+    lever: Float[np.ndarray, "n_points n_links"],
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+) -> Float[np.ndarray, "*batch n_points 2"]:
+    center = _vector("center_of_mass", center_of_mass)
+    return center[..., np.newaxis, :] + _offsets(lever, _columns("link_angle", link_angle, lever.shape[1]))
+
+
+def _point_velocities(
+    lever: Float[np.ndarray, "n_points n_links"],
+    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    link_rate: Float[np.ndarray, "*batch n_links"],
+) -> Float[np.ndarray, "*batch n_points 2"]:
+    velocity = _vector("center_of_mass_velocity", center_of_mass_velocity)
+    n_links = lever.shape[1]
+    link_angle, link_rate = _columns("link_angle", link_angle, n_links), _columns("link_rate", link_rate, n_links)
+    return velocity[..., np.newaxis, :] + _offset_rates(lever, link_angle, link_rate)
+
+
+def _offsets(
+    lever: Float[np.ndarray, "n_points n_links"], link_angle: Float[np.ndarray, "*batch n_links"]
+) -> Float[np.ndarray, "*batch n_points 2"]:
+    """sum_i b_i t_i of every point [m]."""
+    return np.stack((np.cos(link_angle) @ lever.T, np.sin(link_angle) @ lever.T), axis=-1)
+
+
+def _offset_rates(
+    lever: Float[np.ndarray, "n_points n_links"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    link_rate: Float[np.ndarray, "*batch n_links"],
+) -> Float[np.ndarray, "*batch n_points 2"]:
+    """sum_i b_i theta_i' n_i of every point [m/s]."""
+    x, y = -np.sin(link_angle) * link_rate, np.cos(link_angle) * link_rate
+    return np.stack((x @ lever.T, y @ lever.T), axis=-1)
+
+
+# A wrong last axis would broadcast silently to a wrong answer, so the two checks below stand at every public door.
+
+
+def _columns(name: str, values: Float[np.ndarray, "*batch columns"], n_links: int) -> Float[np.ndarray, "*batch columns"]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != n_links:
+        raise ValueError(f"`{name}` must have {n_links} columns, one per link of the robot, got shape {array.shape}.")
+    return array
+
+
+def _vector(name: str, values: Float[np.ndarray, "*batch columns"]) -> Float[np.ndarray, "*batch columns"]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != 2:
+        raise ValueError(f"`{name}` must have 2 columns, x and y, got shape {array.shape}.")
+    return array
+
+
+def _link_index(link: int, n_links: int) -> int:
+    index = whole("link", link, 0)
+    if index >= n_links:
+        raise ValueError(f"`link` must be < {n_links}, the number of links, got {link}.")
+    return index
+
+
+def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch 2"]:
+    """`vector`, given in link axes, in world axes."""
+    along, across = vector
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack((cos * along - sin * across, sin * along + cos * across), axis=-1)

@@ -1,0 +1,424 @@
+"""One O(n) recursion: the accelerations of a chain of bodies in water, any joint prescribed or free.
+
+Articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 and sec. 9.2) in planar spatial
+vectors (one rotation, two translations) in world axes, each body's vectors taken at its tail end, where its joint is.
+The 3x3 inertia of a body holds its anisotropic added mass. A prescribed joint passes its child's whole inertia and
+known acceleration on; a free joint passes on what is left after the joint has given way. Body 0, the tail-most, floats:
+its acceleration is the last 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
+freedom.
+
+A template (see `specialize`). `S` is the flat array of `rows`; `n` the number of bodies; every loop over `k` runs over
+the lanes. No function allocates.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from laticauda.fluid import laws
+from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
+from laticauda.planar.specialize import bindings, compiled
+
+_names = bindings(__name__)
+W = _names["WIDTH"]
+# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+law = compiled(_names["fluid_law"], OPTIONS)
+plate_law = compiled(laws.plate, OPTIONS)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def sincos(x):
+    """sin and cos to 2e-16 for |x| < 1e5, without branches so that lanes stay in vector registers.
+
+    Reduction by multiples of pi/2 in three parts (Cody and Waite) and the minimax polynomials of fdlibm's kernels.
+    """
+    q = np.floor(x.real * 0.6366197723675814 + 0.5)
+    y = x - q * 1.5707963267341256
+    y = y - q * 6.077100506303966e-11
+    y = y - q * 2.0222662487959506e-21
+    z = y * y
+    s = y + y * z * (
+        -1.66666666666666324348e-01
+        + z
+        * (
+            8.33333333332248946124e-03
+            + z
+            * (
+                -1.98412698298579493134e-04
+                + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
+            )
+        )
+    )
+    c = 1.0 - 0.5 * z + z * z * (
+        4.16666666666666019037e-02
+        + z
+        * (
+            -1.38888888888741095749e-03
+            + z
+            * (
+                2.48015872894767294178e-05
+                + z * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
+            )
+        )
+    )
+    quadrant = int(q) & 3
+    swap = quadrant & 1
+    sine = c if swap else s
+    cosine = s if swap else c
+    return (-sine if quadrant & 2 else sine), (-cosine if (quadrant + 1) & 2 else cosine)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
+    """Accelerations of the base and of the joints, for the state in S."""
+    velocities(S, n)
+    if has_extras:
+        extra_loads(S, n, first_strip, first_plate, tether_body)
+    inward(S, n, is_free)
+    floating_base(S)
+    outward(S, n, is_free)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def velocities(S, n):
+    """Angle, rate and velocity of every body from heading, center of mass and joints."""
+    H = HEADER_ROWS
+    for k in range(W):
+        angle = S[HEADING * W + k]
+        rate = S[HEADING_RATE * W + k]
+        for i in range(1, n):
+            b = H + i * BODY_ROWS
+            angle -= S[(b + HEADING_SHARE) * W + k] * S[(b + ANGLE) * W + k]
+            rate -= S[(b + HEADING_SHARE) * W + k] * S[(b + RATE) * W + k]
+        S[(H + LINK_ANGLE) * W + k] = angle
+        S[(H + LINK_RATE) * W + k] = rate
+        S[(H + UX) * W + k] = 0.0
+        S[(H + UY) * W + k] = 0.0
+        S[SUM_X * W + k] = 0.0
+        S[SUM_Y * W + k] = 0.0
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        for k in range(W):
+            if i > 0:
+                a = b - BODY_ROWS
+                turn = S[(a + LENGTH) * W + k] * S[(a + LINK_RATE) * W + k]
+                S[(b + UX) * W + k] = S[(a + UX) * W + k] - turn * S[(a + SIN) * W + k]
+                S[(b + UY) * W + k] = S[(a + UY) * W + k] + turn * S[(a + COS) * W + k]
+                S[(b + LINK_ANGLE) * W + k] = S[(a + LINK_ANGLE) * W + k] + S[(b + ANGLE) * W + k]
+                S[(b + LINK_RATE) * W + k] = S[(a + LINK_RATE) * W + k] + S[(b + RATE) * W + k]
+            s, c = sincos(S[(b + LINK_ANGLE) * W + k])
+            S[(b + SIN) * W + k] = s
+            S[(b + COS) * W + k] = c
+            turn = S[(b + FIRST_MOMENT_SHARE) * W + k] * S[(b + LINK_RATE) * W + k]
+            S[SUM_X * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + UX) * W + k] - turn * s
+            S[SUM_Y * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + UY) * W + k] + turn * c
+    for k in range(W):
+        S[ROOT_VX * W + k] = S[VX * W + k] - S[SUM_X * W + k] - S[CURRENT_X * W + k]
+        S[ROOT_VY * W + k] = S[VY * W + k] - S[SUM_Y * W + k] - S[CURRENT_Y * W + k]
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        for k in range(W):
+            c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+            vx = S[ROOT_VX * W + k] + S[(b + UX) * W + k]
+            vy = S[ROOT_VY * W + k] + S[(b + UY) * W + k]
+            S[(b + V_T) * W + k] = c * vx + s * vy
+            S[(b + V_N) * W + k] = c * vy - s * vx
+
+
+@njit(**OPTIONS)
+@no_type_check
+def extra_loads(S, n, first_strip, first_plate, tether_body):
+    """Fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
+    H = HEADER_ROWS
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        for k in range(W):
+            S[(b + EXTRA_T) * W + k] = 0.0
+            S[(b + EXTRA_N) * W + k] = 0.0
+            S[(b + EXTRA_MOMENT) * W + k] = 0.0
+        for e in range(first_strip[i], first_strip[i + 1]):
+            strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
+        for e in range(first_plate[i], first_plate[i + 1]):
+            plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
+    tether(S, H + tether_body * BODY_ROWS)
+    trailing_edge(S)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def strip_drag(S, b, e):
+    """Drag of one strip, rigid on body b at its own distance from the tail end."""
+    for k in range(W):
+        rate = S[(b + LINK_RATE) * W + k]
+        x = S[(e + STRIP_POSITION) * W + k]
+        f_t, f_n, tau = law(
+            S[(b + V_T) * W + k],
+            S[(b + V_N) * W + k] + x * rate,
+            rate,
+            S[(e + STRIP_C_T) * W + k],
+            S[(e + STRIP_C_N) * W + k],
+            S[(e + STRIP_LAMBDA_2) * W + k],
+            S[(e + STRIP_LAMBDA_3) * W + k],
+            S[REFERENCE_SPEED * W + k],
+            S[LINEAR * W + k],
+            S[QUADRATIC * W + k],
+        )
+        S[(b + EXTRA_T) * W + k] += f_t
+        S[(b + EXTRA_N) * W + k] += f_n
+        S[(b + EXTRA_MOMENT) * W + k] += tau + x * f_n
+
+
+@njit(**OPTIONS)
+@no_type_check
+def plate_load(S, b, e):
+    """Lift and drag of one pectoral fin mounted on body b."""
+    for k in range(W):
+        rate = S[(b + LINK_RATE) * W + k]
+        x = S[(e + PLATE_X) * W + k]
+        y = S[(e + PLATE_Y) * W + k]
+        v_t = S[(b + V_T) * W + k] - y * rate
+        v_n = S[(b + V_N) * W + k] + x * rate
+        s, c = sincos(S[(e + PLATE_ANGLE) * W + k])
+        f_chord, f_normal = plate_law(
+            c * v_t + s * v_n,
+            c * v_n - s * v_t,
+            S[(e + PLATE_AREA) * W + k],
+            S[(e + PLATE_LIFT_SLOPE) * W + k],
+            S[(e + PLATE_STALL_ANGLE) * W + k],
+            S[(e + PLATE_SHARPNESS) * W + k],
+            S[(e + PLATE_DRAG) * W + k],
+        )
+        f_t = c * f_chord - s * f_normal
+        f_n = s * f_chord + c * f_normal
+        S[(b + EXTRA_T) * W + k] += f_t
+        S[(b + EXTRA_N) * W + k] += f_n
+        S[(b + EXTRA_MOMENT) * W + k] += x * f_n - y * f_t
+
+
+@njit(**OPTIONS)
+@no_type_check
+def tether(S, b):
+    """F = -k |v| v + constant, at the tail end of the tail link."""
+    for k in range(W):
+        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+        v_t, v_n = S[(b + V_T) * W + k], S[(b + V_N) * W + k]
+        drag = S[TETHER_DRAG * W + k] * (v_t * v_t + v_n * v_n) ** 0.5
+        S[(b + EXTRA_T) * W + k] += c * S[TETHER_FORCE_X * W + k] + s * S[TETHER_FORCE_Y * W + k] - drag * v_t
+        S[(b + EXTRA_N) * W + k] += c * S[TETHER_FORCE_Y * W + k] - s * S[TETHER_FORCE_X * W + k] - drag * v_n
+
+
+@njit(**OPTIONS)
+@no_type_check
+def trailing_edge(S):
+    """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
+    b = HEADER_ROWS
+    for k in range(W):
+        x = S[WAKE_POSITION * W + k]
+        u = S[(b + V_T) * W + k]
+        w = S[(b + V_N) * W + k] + x * S[(b + LINK_RATE) * W + k]
+        shed = S[WAKE_MASS * W + k] if u.real > 0.0 else 0.0 * u
+        f_n = -shed * u * w
+        S[(b + EXTRA_T) * W + k] += 0.5 * shed * w * w
+        S[(b + EXTRA_N) * W + k] += f_n
+        S[(b + EXTRA_MOMENT) * W + k] += x * f_n
+
+
+@njit(**OPTIONS)
+@no_type_check
+def inward(S, n, is_free):
+    """Articulated inertia and bias force of every body, from the head to the tail."""
+    for i in range(n - 1, -1, -1):
+        b = HEADER_ROWS + i * BODY_ROWS
+        own_inertia(S, b)
+        own_bias(S, b)
+        if i < n - 1:
+            if is_free[i + 1]:
+                give_way(S, b + BODY_ROWS)
+            add_child(S, b, is_free[i + 1])
+
+
+@njit(**OPTIONS)
+@no_type_check
+def own_inertia(S, b):
+    """Inertia of the body and of the water it takes along, about its tail end, world axes."""
+    for k in range(W):
+        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+        mass_t, mass_n = S[(b + MASS_T) * W + k], S[(b + MASS_N) * W + k]
+        S[(b + A00) * W + k] = S[(b + INERTIA) * W + k]
+        S[(b + A01) * W + k] = -s * S[(b + COUPLING) * W + k]
+        S[(b + A02) * W + k] = c * S[(b + COUPLING) * W + k]
+        S[(b + A11) * W + k] = mass_t * c * c + mass_n * s * s
+        S[(b + A12) * W + k] = (mass_t - mass_n) * c * s
+        S[(b + A22) * W + k] = mass_t * s * s + mass_n * c * c
+
+
+@njit(**OPTIONS)
+@no_type_check
+def added_mass_velocity_terms(S, b, k):
+    """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end."""
+    rate = S[(b + LINK_RATE) * W + k]
+    v_t, v_n = S[(b + V_T) * W + k], S[(b + V_N) * W + k]
+    mu_t, mu_n = S[(b + MU_T) * W + k], S[(b + MU_N) * W + k]
+    moment_t, moment_n = S[(b + MOMENT_T) * W + k], S[(b + MOMENT_N) * W + k]
+    # The classic form sees the current only: its velocity is -V where the others have v - V.
+    own, keep = S[OWN_VELOCITY * W + k], S[KIRCHHOFF * W + k]
+    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+    V_t = c * S[CURRENT_X * W + k] + s * S[CURRENT_Y * W + k]
+    V_n = c * S[CURRENT_Y * W + k] - s * S[CURRENT_X * W + k]
+    seen_t = own * (v_t + V_t) - V_t
+    seen_n = own * (v_n + V_n) - V_n
+    momentum_n = mu_n * v_n + moment_n * rate
+    f_t = rate * (keep * momentum_n - mu_t * seen_n)
+    f_n = rate * (mu_n * seen_t - keep * mu_t * v_t)
+    munk = -keep * v_t * (momentum_n - mu_t * v_n - moment_t * rate)
+    return f_t, f_n, munk + rate * (moment_n * seen_t - keep * moment_t * v_t)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def own_bias(S, b):
+    """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
+    for k in range(W):
+        rate = S[(b + LINK_RATE) * W + k]
+        x = S[(b + CENTER) * W + k]
+        f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
+        drag_t, drag_n, tau = law(
+            S[(b + V_T) * W + k],
+            S[(b + V_N) * W + k] + x * rate,
+            rate,
+            S[(b + C_T) * W + k],
+            S[(b + C_N) * W + k],
+            S[(b + LAMBDA_2) * W + k],
+            S[(b + LAMBDA_3) * W + k],
+            S[REFERENCE_SPEED * W + k],
+            S[LINEAR * W + k],
+            S[QUADRATIC * W + k],
+        )
+        f_t += drag_t + S[(b + THRUST_T) * W + k] + S[(b + EXTRA_T) * W + k]
+        f_t += S[(b + CENTRIPETAL) * W + k] * rate * rate
+        f_n += drag_n + S[(b + THRUST_N) * W + k] + S[(b + EXTRA_N) * W + k]
+        moment += tau + x * drag_n + S[(b + THRUST_MOMENT) * W + k] + S[(b + EXTRA_MOMENT) * W + k]
+        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+        S[(b + P0) * W + k] = -moment
+        S[(b + P1) * W + k] = s * f_n - c * f_t
+        S[(b + P2) * W + k] = -(s * f_t + c * f_n)
+
+
+@njit(**OPTIONS)
+@no_type_check
+def give_way(S, b):
+    """What a free joint leaves to do: its torque less the bias it has to hold."""
+    for k in range(W):
+        a = b - BODY_ROWS
+        pull_x, pull_y = centripetal(S, a, k)
+        bias = S[(b + P0) * W + k] + S[(b + A01) * W + k] * pull_x + S[(b + A02) * W + k] * pull_y
+        S[(b + TORQUE_LEFT) * W + k] = S[(b + TOTAL_TORQUE) * W + k] - bias
+
+
+@njit(**OPTIONS)
+@no_type_check
+def centripetal(S, a, k):
+    """Acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
+    pull = -S[(a + LENGTH) * W + k] * S[(a + LINK_RATE) * W + k] * S[(a + LINK_RATE) * W + k]
+    return pull * S[(a + COS) * W + k], pull * S[(a + SIN) * W + k]
+
+
+@njit(**OPTIONS)
+@no_type_check
+def add_child(S, b, joint_is_free):
+    """Add to body b the articulated inertia and bias of its child, seen through the joint."""
+    for k in range(W):
+        j = b + BODY_ROWS
+        a00, a01, a02 = S[(j + A00) * W + k], S[(j + A01) * W + k], S[(j + A02) * W + k]
+        a11, a12, a22 = S[(j + A11) * W + k], S[(j + A12) * W + k], S[(j + A22) * W + k]
+        pull_x, pull_y = centripetal(S, b, k)
+        p0 = S[(j + P0) * W + k] + a01 * pull_x + a02 * pull_y
+        p1 = S[(j + P1) * W + k] + a11 * pull_x + a12 * pull_y
+        p2 = S[(j + P2) * W + k] + a12 * pull_x + a22 * pull_y
+        if joint_is_free:
+            give = 1.0 / (a00 + S[(j + IMPLICIT) * W + k])
+            swing = S[(j + TORQUE_LEFT) * W + k] * give
+            p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
+            u0, u1, u2 = a00, a01, a02
+            a00, a01, a02 = a00 - u0 * u0 * give, a01 - u0 * u1 * give, a02 - u0 * u2 * give
+            a11, a12, a22 = a11 - u1 * u1 * give, a12 - u1 * u2 * give, a22 - u2 * u2 * give
+        else:
+            swing = S[(j + REFERENCE_2) * W + k]
+            p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
+        arm_x = -S[(b + LENGTH) * W + k] * S[(b + SIN) * W + k]  # velocity of the joint per unit of rotation
+        arm_y = S[(b + LENGTH) * W + k] * S[(b + COS) * W + k]
+        shifted_1 = a01 + arm_x * a11 + arm_y * a12
+        shifted_2 = a02 + arm_x * a12 + arm_y * a22
+        S[(b + A00) * W + k] += a00 + arm_x * (a01 + shifted_1) + arm_y * (a02 + shifted_2)
+        S[(b + A01) * W + k] += shifted_1
+        S[(b + A02) * W + k] += shifted_2
+        S[(b + A11) * W + k] += a11
+        S[(b + A12) * W + k] += a12
+        S[(b + A22) * W + k] += a22
+        S[(b + P0) * W + k] += p0 + arm_x * p1 + arm_y * p2
+        S[(b + P1) * W + k] += p1
+        S[(b + P2) * W + k] += p2
+
+
+@njit(**OPTIONS)
+@no_type_check
+def floating_base(S):
+    """Acceleration of body 0 from A a + p = 0."""
+    b = HEADER_ROWS
+    for k in range(W):
+        a00, a01, a02 = S[(b + A00) * W + k], S[(b + A01) * W + k], S[(b + A02) * W + k]
+        a11, a12, a22 = S[(b + A11) * W + k], S[(b + A12) * W + k], S[(b + A22) * W + k]
+        p0, p1, p2 = S[(b + P0) * W + k], S[(b + P1) * W + k], S[(b + P2) * W + k]
+        determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
+        x_1 = (a22 * a01 - a12 * a02) / determinant
+        x_2 = (a11 * a02 - a12 * a01) / determinant
+        rotation = -(p0 - x_1 * p1 - x_2 * p2) / (a00 - x_1 * a01 - x_2 * a02)
+        S[(b + LINK_ACCELERATION) * W + k] = rotation
+        S[(b + QX) * W + k] = (a12 * p2 - a22 * p1) / determinant - x_1 * rotation
+        S[(b + QY) * W + k] = (a12 * p1 - a11 * p2) / determinant - x_2 * rotation
+
+
+@njit(**OPTIONS)
+@no_type_check
+def outward(S, n, is_free):
+    """Accelerations of all bodies and joints, joint torques, and those of heading and center of mass."""
+    H = HEADER_ROWS
+    for k in range(W):
+        S[HEADING_ACCELERATION * W + k] = S[(H + LINK_ACCELERATION) * W + k]
+        S[AX * W + k] = 0.0
+        S[AY * W + k] = 0.0
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        for k in range(W):
+            if i > 0:
+                a = b - BODY_ROWS
+                pull_x, pull_y = centripetal(S, a, k)
+                turn = S[(a + LENGTH) * W + k] * S[(a + LINK_ACCELERATION) * W + k]
+                carried_x = S[(a + QX) * W + k] - turn * S[(a + SIN) * W + k]
+                carried_y = S[(a + QY) * W + k] + turn * S[(a + COS) * W + k]
+                spin = S[(a + LINK_ACCELERATION) * W + k]
+                a00, a01, a02 = S[(b + A00) * W + k], S[(b + A01) * W + k], S[(b + A02) * W + k]
+                if is_free[i]:
+                    load = a00 * spin + a01 * carried_x + a02 * carried_y
+                    swing = (S[(b + TORQUE_LEFT) * W + k] - load) / (a00 + S[(b + IMPLICIT) * W + k])
+                    qx, qy = carried_x + pull_x, carried_y + pull_y
+                else:
+                    swing = S[(b + REFERENCE_2) * W + k]
+                    qx, qy = carried_x + pull_x, carried_y + pull_y
+                    S[(b + TOTAL_TORQUE) * W + k] = a00 * (spin + swing) + a01 * qx + a02 * qy + S[(b + P0) * W + k]
+                S[(b + ACCELERATION) * W + k] = swing
+                S[(b + LINK_ACCELERATION) * W + k] = spin + swing
+                S[(b + QX) * W + k] = qx
+                S[(b + QY) * W + k] = qy
+                S[HEADING_ACCELERATION * W + k] += S[(b + HEADING_SHARE) * W + k] * swing
+            rate = S[(b + LINK_RATE) * W + k]
+            arm = S[(b + FIRST_MOMENT_SHARE) * W + k]
+            spin_arm, pull = arm * S[(b + LINK_ACCELERATION) * W + k], arm * rate * rate
+            c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+            S[AX * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + QX) * W + k] - spin_arm * s - pull * c
+            S[AY * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + QY) * W + k] + spin_arm * c - pull * s

@@ -1,0 +1,181 @@
+"""Where every number of a planar run sits in the one flat array that the kernels work on.
+
+The array is a list of *rows*; a row holds one number per lane, so that number `q` of lane `k` is
+``S[q * WIDTH + k]``. First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then
+one record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin. One array with fixed
+strides is what lets the compiler see that two rows never overlap and so keep all lanes in vector registers.
+"""
+
+# --- Header: parameters -------------------------------------------------------------------------------------------
+(
+    CURRENT_X,  # V_x [m/s]
+    CURRENT_Y,  # V_y [m/s]
+    OWN_VELOCITY,  # 1: added-mass velocity terms see v - V (relative, kirchhoff); 0: only -V (classic)
+    KIRCHHOFF,  # 1: momentum-keeping terms and Munk moment on; 0: off
+    REFERENCE_SPEED,  # U_ref [m/s]
+    LINEAR,  # 1 or 0
+    QUADRATIC,  # 1 or 0
+    WAKE_MASS,  # m' of the trailing edge [kg/m]; 0: off
+    WAKE_POSITION,  # x of the trailing edge from the tail end of body 0 [m], headward positive
+    TETHER_DRAG,  # k [kg/m]
+    TETHER_FORCE_X,  # [N]
+    TETHER_FORCE_Y,  # [N]
+    # the gait asked for
+    AMPLITUDE,  # alpha [rad]
+    FREQUENCY,  # omega [rad/s]
+    PHASE_SHIFT,  # delta [rad]
+    OFFSET,  # phi_0 [rad]
+    BANDWIDTH,  # of the filters on those four [rad/s]
+    RAMP,  # T of the smooth start [s]; 0: none
+    # --- Header: state --------------------------------------------------------------------------------------------
+    TIME,  # [s]
+    HEADING,  # mean angle of the body's links [rad]
+    X,  # center of mass [m]
+    Y,
+    HEADING_RATE,  # [rad/s]
+    VX,  # velocity of the center of mass [m/s]
+    VY,
+    PHASE,  # integral of the frequency [rad]
+    AMPLITUDE_NOW,  # filtered values and their rates
+    AMPLITUDE_RATE,
+    FREQUENCY_NOW,
+    FREQUENCY_RATE,
+    PHASE_SHIFT_NOW,
+    PHASE_SHIFT_RATE,
+    OFFSET_NOW,
+    OFFSET_RATE,
+    WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
+    WORK_NET,  # integral of sum u phi' [J]
+    WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
+    WORK_ELECTRICAL,  # integral of the servos' supply power [J]
+    # --- Header: scratch ------------------------------------------------------------------------------------------
+    HEADING_ACCELERATION,
+    AX,
+    AY,
+    POWER_ABSOLUTE,
+    POWER_NET,
+    POWER_POSITIVE,
+    POWER_ELECTRICAL,
+    ROOT_VX,  # velocity of the tail end of body 0 in the water's frame
+    ROOT_VY,
+    SUM_X,
+    SUM_Y,
+    SIN_PHASE,
+    COS_PHASE,
+    SIN_SHIFT,
+    COS_SHIFT,
+    AMP,  # ramped amplitude and its derivatives
+    AMP_1,
+    AMP_2,
+    FREQUENCY_2,  # derivative of the filtered frequency
+    SHIFT_2,
+    OFFSET_2,
+    SAVED,  # six rows: the base's state at the start of a step
+    SAVED_1,
+    SAVED_2,
+    SAVED_3,
+    SAVED_4,
+    SAVED_5,
+    SUM,  # six rows: the weighted sum of a step's slopes
+    SUM_1,
+    SUM_2,
+    SUM_3,
+    SUM_4,
+    SUM_5,
+    HEADER_ROWS,
+) = range(72)
+
+# --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
+LOG_STATE = HEADING_ACCELERATION - TIME
+
+# --- One record per body; the joint of a record is the one at the body's tail end -----------------------------------
+(
+    LENGTH,  # 2l [m]
+    INERTIA,  # I00, rigid plus added, about the tail end [kg m^2]
+    COUPLING,  # m c + sum mu_n x [kg m]
+    CENTRIPETAL,  # m c (+ sum mu_t x in the classic form) [kg m]
+    MASS_T,  # m + sum mu_t [kg]
+    MASS_N,  # m + sum mu_n [kg]
+    MU_T,  # sum mu_t [kg]
+    MU_N,  # sum mu_n [kg]
+    MOMENT_T,  # sum mu_t x [kg m]
+    MOMENT_N,  # sum mu_n x [kg m]
+    MASS_SHARE,  # m / m_t
+    FIRST_MOMENT_SHARE,  # m c / m_t [m]
+    CENTER,  # where the body's own drag acts, from its tail end [m]
+    C_T,
+    C_N,
+    LAMBDA_2,
+    LAMBDA_3,
+    THRUST_T,  # thrusters, in link axes [N]
+    THRUST_N,
+    THRUST_MOMENT,  # about the tail end [N m]
+    HEADING_SHARE,  # share of the body's links on the head side of the joint
+    ENVELOPE,  # g
+    STIFFNESS,  # skin or hinge [N m/rad]
+    DAMPING,  # [N m s/rad]
+    LAW_0,  # parameters of the joint law (actuation.laws)
+    LAW_1,
+    LAW_2,
+    LAW_3,
+    LAW_4,
+    LAW_5,
+    # --- state
+    ANGLE,  # phi
+    RATE,  # phi'
+    # --- scratch
+    REFERENCE,  # phi_ref and its derivatives
+    REFERENCE_1,
+    REFERENCE_2,
+    ACCELERATION,  # phi''
+    TORQUE,  # u: what the actuator delivers [N m]
+    TOTAL_TORQUE,  # right-hand side of a free joint: actuator, skin and implicit terms
+    IMPLICIT,  # what the joint law adds to S^T I S [kg m^2]
+    SLOPE_P,  # -du/dphi, skin included, at the start of a step
+    SLOPE_D,  # -du/dphi'
+    COS,
+    SIN,
+    LINK_RATE,  # theta'
+    LINK_ANGLE,  # theta
+    UX,  # velocity of the tail end of this body relative to that of body 0
+    UY,
+    V_T,  # velocity of its tail end relative to the water, link axes
+    V_N,
+    EXTRA_T,  # loads besides the body's own drag, link axes, moment about the tail end
+    EXTRA_N,
+    EXTRA_MOMENT,
+    A00,  # articulated inertia about the joint, world axes (rotation, x, y)
+    A01,
+    A02,
+    A11,
+    A12,
+    A22,
+    P0,  # bias force
+    P1,
+    P2,
+    TORQUE_LEFT,  # free joints: torque minus bias
+    LINK_ACCELERATION,  # theta''
+    QX,  # acceleration of the tail end of this body
+    QY,
+    SAVED_ANGLE,
+    SAVED_RATE,
+    SLOPE_ANGLE,
+    SLOPE_RATE,
+    BODY_ROWS,
+) = range(70)
+
+# --- One record per fin strip -----------------------------------------------------------------------------------------
+(STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)
+
+# --- One record per pectoral fin (fluid.laws.plate) --------------------------------------------------------------------
+(
+    PLATE_X,  # from the tail end of its body [m]
+    PLATE_Y,
+    PLATE_ANGLE,
+    PLATE_AREA,  # rho S / 2 [kg/m]
+    PLATE_LIFT_SLOPE,
+    PLATE_STALL_ANGLE,
+    PLATE_SHARPNESS,
+    PLATE_DRAG,
+    PLATE_ROWS,
+) = range(9)

@@ -1,0 +1,124 @@
+"""Compile the kernels for a lane width and a fluid law.
+
+`recursion` and `stepping` are templates: each reads `WIDTH` and its fluid law from here while it is loaded, and
+`specialize` loads them once per combination. A specialization's name carries a digest of all sources it is made of and
+of the law's own code, so compiled code on disk is found again by the next process and is never stale: an edited law, or
+an edited kernel, has another name and compiles anew.
+"""
+
+import functools
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import CellType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+from numba import njit
+
+from laticauda.fluid import laws
+
+FluidLaw = Callable[..., tuple[float, float, float]]
+
+_PACKAGE = Path(__file__).parent.parent
+_SOURCES = (
+    "planar/rows.py",
+    "planar/recursion.py",
+    "planar/stepping.py",
+    "planar/specialize.py",
+    "fluid/laws.py",
+    "actuation/laws.py",
+    "gaits/reference.py",
+)
+_loading: dict[str, dict[str, Any]] = {}
+
+
+def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> ModuleType:
+    """The stepping kernels for `width` lanes and one fluid law.
+
+    Args:
+        width: Number of trials that run side by side in one set of vector registers.
+        fluid_law: Function with the signature of `laticauda.fluid.laws.polynomial_drag`; plain Python that Numba can
+            compile. What it closes over, and the functions it calls, count as part of it.
+
+    Returns:
+        The module `laticauda.planar.stepping`, compiled for them on first call.
+    """
+    return _specialize(width, fluid_law, fingerprint(fluid_law))
+
+
+@functools.cache
+def _specialize(width: int, fluid_law: FluidLaw, law_digest: str) -> ModuleType:
+    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()}".encode()).hexdigest()[:16]
+    recursion = _load("recursion", key, {"WIDTH": width, "fluid_law": fluid_law})
+    return _load("stepping", key, {"WIDTH": width, "recursion": recursion})
+
+
+def bindings(module_name: str) -> dict[str, Any]:
+    """What the template that is being loaded under this name is specialized for."""
+    return _loading[module_name]
+
+
+def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Compile a plain scalar function together with the plain functions that it calls.
+
+    Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
+    """
+    function = getattr(function, "py_func", function)
+    code = function.__code__
+    names = dict(function.__globals__)
+    for name in code.co_names:
+        if isinstance(names.get(name), FunctionType):
+            names[name] = compiled(names[name], options)
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    cells = [compiled(c, options) if isinstance(c, FunctionType) else c for c in cells]
+    closure = tuple(CellType(c) for c in cells)
+    return njit(**options)(FunctionType(code, names, function.__name__, function.__defaults__, closure))
+
+
+def fingerprint(function: Callable[..., Any]) -> str:
+    """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to."""
+    digest = hashlib.sha256()
+    for part in _parts(function, set()):
+        digest.update(part.encode())
+    return digest.hexdigest()
+
+
+def _parts(value: Any, seen: set[int]) -> list[str]:
+    function = getattr(value, "py_func", value)
+    code = getattr(function, "__code__", None)
+    if not isinstance(code, CodeType):
+        return [f"{type(value).__name__} {value!r}"] if isinstance(value, int | float | str | tuple) else [repr(type(value))]
+    if id(code) in seen:
+        return []
+    seen.add(id(code))
+    constants = [c for c in code.co_consts if not isinstance(c, CodeType)]
+    parts = [code.co_code.hex(), repr(constants), repr(code.co_names), repr(function.__defaults__)]
+    for cell in function.__closure__ or ():
+        parts += _parts(cell.cell_contents, seen)
+    for name in code.co_names:
+        if name in function.__globals__:
+            parts += [name, *_parts(function.__globals__[name], seen)]
+    return parts
+
+
+@functools.cache
+def _sources_digest() -> str:
+    digest = hashlib.sha256()
+    for source in _SOURCES:
+        digest.update((_PACKAGE / source).read_bytes())
+    return digest.hexdigest()
+
+
+def _load(template: str, key: str, names: dict[str, Any]) -> ModuleType:
+    name = f"laticauda_{template}_{key}"
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).parent / f"{template}.py")
+    if spec is None or spec.loader is None:  # pragma: no cover - the file is part of the package
+        raise ImportError(f"cannot load the kernel template {template}")
+    module = importlib.util.module_from_spec(spec)
+    _loading[name] = names
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    del _loading[name]
+    return module

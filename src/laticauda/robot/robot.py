@@ -1,0 +1,143 @@
+"""`Robot`: everything about what swims. Bodies and joints are counted from the tail."""
+
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from laticauda.errors import not_negative, whole
+from laticauda.robot.checks import instance, items, label, put, settle_required, text
+from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
+from laticauda.robot.joints import Joint
+from laticauda.robot.modules import Module
+from laticauda.robot.reduction import Reduction, reduce_to_plane
+
+Effector = TypeVar("Effector", Thruster, PectoralFin)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robot:
+    """A chain of modules and joints, tail first, with what is mounted on it.
+
+    For a sweep, use `dataclasses.replace`; every copy is validated anew.
+    """
+
+    name: str
+    """What messages and stored trials call it."""
+    description: str = ""
+    """One line about it."""
+    modules: tuple[Module, ...]
+    """The rigid pieces, from tail to head."""
+    joints: tuple[Joint, ...] = ()
+    """Joint i connects modules i and i + 1."""
+    caudal_fin: CaudalFin | None = None
+    """The fin behind module 0, or None."""
+    thrusters: tuple[Thruster, ...] = ()
+    """Thrusters, in any order."""
+    pectoral_fins: tuple[PectoralFin, ...] = ()
+    """Pectoral fins, in any order."""
+    tether: Tether = Tether()
+    """The cable at the tail end."""
+    electronics_power: float = 0.0
+    """What the robot draws at rest besides its actuators' idle current [W]."""
+
+    def __post_init__(self) -> None:
+        label("name", self.name)
+        text("description", self.description)
+        put(self, "modules", items("modules", self.modules, Module))
+        put(self, "joints", items("joints", self.joints, Joint))
+        if self.caudal_fin is not None:
+            instance("caudal_fin", self.caudal_fin, CaudalFin)
+        put(self, "thrusters", items("thrusters", self.thrusters, Thruster))
+        put(self, "pectoral_fins", items("pectoral_fins", self.pectoral_fins, PectoralFin))
+        instance("tether", self.tether, Tether)
+        settle_required(self, not_negative, "W", "electronics_power")
+        self._check_chain()
+
+    def _check_chain(self) -> None:
+        n = len(self.modules)
+        if n == 0:
+            raise ValueError("`modules` must hold at least one Module, got none.")
+        if len(self.joints) != n - 1:
+            raise ValueError(
+                f"`joints` must hold one Joint less than there are modules, {n - 1} for {n} modules, "
+                f"got {len(self.joints)}."
+            )
+        for group in ("thrusters", "pectoral_fins"):
+            for i, effector in enumerate(getattr(self, group)):
+                if effector.link >= n:
+                    raise ValueError(
+                        f"`{group}[{i}].link` must be between 0 (tail) and {n - 1} (head), got {effector.link}."
+                    )
+
+    @property
+    def n_links(self) -> int:
+        """Number of modules n, the fin not counted."""
+        return len(self.modules)
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints, n - 1."""
+        return len(self.joints)
+
+    @property
+    def length(self) -> float:
+        """Length of the straight body without the fin [m]."""
+        return sum(module.length for module in self.modules)
+
+    @property
+    def mass(self) -> float:
+        """Mass with the fin [kg]."""
+        return sum(module.mass for module in self.modules) + (self.caudal_fin.mass if self.caudal_fin else 0.0)
+
+    @property
+    def volume(self) -> float:
+        """Displaced volume with the fin [m^3]."""
+        return sum(module.volume for module in self.modules) + (self.caudal_fin.volume if self.caudal_fin else 0.0)
+
+    @property
+    def idle_power(self) -> float:
+        """What the robot draws at rest: electronics and idle actuators [W]."""
+        return self.electronics_power + sum(joint.actuator.idle_power for joint in self.joints)
+
+    def planar(self) -> "Robot":
+        """The robot as the planar model sees it: pitch joints held at 0, what they join merged to one link.
+
+        Lengths and masses add, moments of inertia add by the parallel-axis theorem, effectors stay where they were on
+        the body, and the idle power stays what it was. A robot without pitch joints comes back as it is.
+
+        Raises:
+            ValueError: If modules that would merge differ in section or fluid coefficients.
+        """
+        held = [joint for joint in self.joints if joint.axis == "pitch"]
+        if not held:
+            return self
+        reduction = reduce_to_plane(self.modules, self.joints)
+        return replace(
+            self,
+            modules=reduction.modules,
+            joints=tuple(joint for joint in self.joints if joint.axis == "yaw"),
+            thrusters=tuple(_moved(thruster, reduction) for thruster in self.thrusters),
+            pectoral_fins=tuple(_moved(fin, reduction) for fin in self.pectoral_fins),
+            electronics_power=self.electronics_power + sum(joint.actuator.idle_power for joint in held),
+        )
+
+    def with_links(self, n_links: int) -> "Robot":
+        """The same robot with another number of links.
+
+        Raises:
+            ValueError: If its modules or its joints are not all alike, or `n_links` is no whole number >= 1.
+        """
+        n = whole("n_links", n_links, 1)
+        if n == self.n_links:
+            return self
+        if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:
+            raise ValueError(
+                f"`n_links` must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all "
+                f"alike, got {n}."
+            )
+        return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
+
+
+def _moved(effector: Effector, reduction: Reduction) -> Effector:
+    """The same effector on the link that its module became part of."""
+    old = effector.link
+    return replace(effector, link=reduction.link[old], x=effector.x + reduction.shift[old])

@@ -1,0 +1,184 @@
+"""Whole gait cycles of a log: where they lie, values between samples, means over one cycle.
+
+A swimming snake's path and heading carry the ripple of its gait; a mean over exactly one cycle is free of it. Nothing
+here knows about robots: signals in, signals out. A signal may have more axes behind the time axis.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+Time = Float[np.ndarray, " n_samples"]
+Signal = Float[np.ndarray, "n_samples ..."]
+
+TRANSIENT = 10.0  # the start of a run counts as transient for its first third, and at least this long [s]
+SAMPLES_PER_CYCLE = 10  # fewer do not show a cycle
+_ROUNDING = 1e-9  # of a cycle: how much of one may be missing from a whole number of them
+
+
+class CycleMean(NamedTuple):
+    """A signal averaged over the gait cycle around each moment."""
+
+    time: Time
+    """Middles of the cycles [s]: all samples at least half a cycle away from both ends of the log."""
+    value: Signal
+    """Mean over that cycle, in the signal's unit."""
+
+
+class SteadyPart(NamedTuple):
+    """The part of a run that counts as steady."""
+
+    start: float
+    """Begin [s]."""
+    stop: float
+    """End, that of the run [s]."""
+    n_cycles: int | None
+    """Whole gait cycles in it; None where no gait is known."""
+
+
+def steady_part(time: Time, period: float | None) -> SteadyPart:
+    """Whole gait cycles at the end of the run, after its first third and at least 10 s.
+
+    As many cycles as fit into that time; without a period, all of it.
+
+    Args:
+        time: Of the samples [s].
+        period: Of the gait [s]; None where no gait is known.
+
+    Raises:
+        ValueError: If the run is too short for one cycle; the message says how long it must be.
+    """
+    start, stop = (float(time[0]), float(time[-1])) if time.size else (0.0, 0.0)
+    duration = stop - start
+    rest = duration - max(duration / 3.0, TRANSIENT)
+    if period is None:
+        if rest <= 0.0:
+            raise ValueError(f"`time` must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s.")
+        return SteadyPart(stop - rest, stop, None)
+    _refuse_coarse(time, period)
+    n_cycles = int(np.floor(rest / period + _ROUNDING)) if rest > 0.0 else 0
+    if n_cycles < 1:
+        least = max(TRANSIENT + period, 1.5 * period)
+        raise ValueError(
+            f"`time` must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third, "
+            f"then one whole cycle of {period:.4g} s; got {duration:.6g} s."
+        )
+    return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
+
+
+def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]) -> Signal:
+    """The signal between its samples: cubic Hermite polynomials, which use its known rate (error ~ step^4).
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        signal: Values at the samples.
+        rate: Its time derivative at the samples.
+        at: When the values are wanted [s], inside the log.
+
+    Returns:
+        One row per moment in `at`.
+    """
+    i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
+    step = time[i + 1] - time[i]
+    s = (at - time[i]) / step
+    over_axes = (..., *(np.newaxis,) * (signal.ndim - 1))
+    s, step = s[over_axes], step[over_axes]
+    value = signal[i] + s * s * (3.0 - 2.0 * s) * (signal[i + 1] - signal[i])
+    return value + step * s * (1.0 - s) * ((1.0 - s) * rate[i] - s * rate[i + 1])
+
+
+def cycle_mean(time: Time, signal: Signal, rate: Signal, period: float) -> CycleMean:
+    """Mean of a signal over the whole gait cycle centered at each moment.
+
+        m(t) = 1/T integral of s over [t - T/2, t + T/2]
+
+    Free of every ripple whose period divides T; a straight line is its own cycle mean.
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        signal: Values at the samples.
+        rate: Its time derivative at the samples.
+        period: T, of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle.
+    """
+    middle = cycle_middles(time, period)
+    step = np.diff(time)[(..., *(np.newaxis,) * (signal.ndim - 1))]
+    # The trapezoid's end correction makes the integral as exact as the interpolation.
+    piece = 0.5 * step * (signal[:-1] + signal[1:]) + step**2 / 12.0 * (rate[:-1] - rate[1:])
+    integral = np.concatenate((np.zeros_like(signal[:1]), np.cumsum(piece, axis=0)))
+    before, after = middle - 0.5 * period, middle + 0.5 * period
+    whole = interpolated(time, integral, signal, after) - interpolated(time, integral, signal, before)
+    return CycleMean(middle, whole / period)
+
+
+def course_cycle_mean(
+    time: Time,
+    center_of_mass: Float[np.ndarray, "n_samples n_axes"],
+    velocity: Float[np.ndarray, "n_samples n_axes"],
+    period: float,
+) -> CycleMean:
+    """Direction of travel [rad], unwrapped: that of the displacement over the cycle centered at each moment.
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        center_of_mass: p [m], world axes; x and y count.
+        velocity: p' [m/s], world axes.
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or the robot stands still over one.
+    """
+    middle = cycle_middles(time, period)
+    ends = np.concatenate((middle - 0.5 * period, middle + 0.5 * period))
+    before, after = np.split(interpolated(time, center_of_mass, velocity, ends), 2)
+    return CycleMean(middle, np.unwrap(direction(after - before)))
+
+
+def cycle_middles(time: Time, period: float) -> Time:
+    """The samples that have half a cycle before and behind them [s].
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+    """
+    _refuse_coarse(time, period)
+    # A log of exactly one cycle has one middle, whatever the last digit of its times.
+    slack = _ROUNDING * period
+    middle = time[(time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)]
+    if not middle.size and time[-1] - time[0] >= period - slack:
+        middle = np.array([0.5 * (time[0] + time[-1])])
+    if not middle.size:
+        raise ValueError(
+            f"`time` must span at least one gait cycle of {period:.4g} s, got {float(time[-1] - time[0]):.6g} s."
+        )
+    return middle
+
+
+def direction(displacement: Float[np.ndarray, "... n_axes"]) -> Float[np.ndarray, "..."]:
+    """Angle of displacements in the plane to the world x axis [rad].
+
+    Raises:
+        ValueError: If one of them is shorter than a micrometer: it has no direction.
+    """
+    x, y = displacement[..., 0], displacement[..., 1]
+    shortest = float(np.min(np.hypot(x, y)))
+    if shortest < 1e-6:
+        raise ValueError(f"The robot must travel to have a course: it moved only {shortest:.1e} m.")
+    return np.arctan2(y, x)
+
+
+def _refuse_coarse(time: Time, period: float) -> None:
+    if time.size < 2:
+        raise ValueError(f"`time` must have at least 2 samples, got {time.size}.")
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    if step * SAMPLES_PER_CYCLE > period * (1.0 + _ROUNDING):
+        raise ValueError(
+            f"`time` must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s, "
+            f"got one every {step:.4g} s."
+        )
