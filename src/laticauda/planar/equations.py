@@ -1,20 +1,23 @@
 """The paper's equations of motion (1) and (2) with every matrix written out, for reading and as a test oracle.
 
-Nothing here is fast: every matrix is dense and a solve costs n**3. The model that runs is a separately written
-recursion, and its tests compare it with this module.
+Nothing here is fast. The model that runs is a separately written recursion; its tests compare it with this module.
 
 World axes are x forward and y left; links are numbered tail first; theta_i is the counter-clockwise angle of link i
 to the x axis. t_hat = (cos theta, sin theta) points along a link toward the head, n_hat = (-sin theta, cos theta)
-across it. v_t and v_n are the velocity of the link's center relative to the water along t_hat and n_hat.
+across it; v_t and v_n are the velocity of the link's center relative to the water along them.
 Quantities in both directions are stacked: n values for x, then n values for y.
+
+Arguments that every function shares: `theta` [rad] and `theta_rate` [rad/s], the link angles and their rates, shape
+(n,); `velocity` [m/s] of the center of mass in world axes, shape (2,); `chain`, the links; `options`, the loads.
 
 The symbols of the paper name the matrices. One sign differs from the print: there D^T u pairs with
 theta_i - theta_{i+1}. With the joint angle phi_i = theta_{i+1} - theta_i, the power u . phi' equals
 (-D^T u) . theta', so the joint torques enter as -D^T u.
 
-Source: (1) and (2) of the paper; Kelasidi et al. 2014 for the matrices with one common tangential and normal law;
-Kirchhoff's equations (Lamb, Hydrodynamics, chapter 6); Lighthill 1971 for the elongated trailing edge.
+Sources: (1) and (2) of the paper; Kirchhoff's equations (Lamb, Hydrodynamics, 6th ed., chapter 6); for the trailing
+edge Lighthill, Large-amplitude elongated-body theory of fish locomotion, Proc. R. Soc. Lond. B 179 (1971) 125-138.
 """
+
 # The matrices keep the capital letters of the paper.
 # ruff: noqa: N806
 
@@ -33,6 +36,13 @@ Joints = Float[np.ndarray, " n_links-1"]
 LinkPlane = Float[np.ndarray, "n_links 2"]
 Square = Float[np.ndarray, "n_links n_links"]
 Stacked = Float[np.ndarray, " 2*n_links"]
+StackedSquare = Float[np.ndarray, "2*n_links 2*n_links"]
+PlaneByStacked = Float[np.ndarray, "2 2*n_links"]
+StackedByPlane = Float[np.ndarray, "2*n_links 2"]
+LinksByStacked = Float[np.ndarray, "n_links 2*n_links"]
+JointsByLinks = Float[np.ndarray, "n_links-1 n_links"]
+TwoByTwo = Float[np.ndarray, "2 2"]
+JointFlags = Bool[np.ndarray, " n_links-1"]
 
 _SOLID = ("half_length", "mass", "inertia")
 
@@ -101,44 +111,43 @@ class Options:
 
 
 class Matrices(NamedTuple):
-    """Every matrix of (1) and (2); x halves come before y halves."""
+    """Every matrix of (1) and (2), the x half of stacked rows and columns before the y half.
+
+    - Kbar [m]: link positions from link angles, X = -Kbar^T cos(theta) + e p_x. Vbar [kg m2]: inertia of the centers.
+    - M_p [1/kg]: inverse of the mass with added mass. N_p, L_p [kg]: N2 and Gamma summed over the links.
+    - M_theta, W_theta [kg m2] multiply theta'' and theta'^2; V [N m s] is V_{theta,theta'} and multiplies theta'.
+    - N, P [N s] are N_{theta,theta'}, P_{theta,theta'} and multiply e p_x' - V_x and e p_y' - V_y.
+    - Q = [K_x K_y] [m]: lever arms of the forces on the links.
+    - Gamma [kg]: added mass in world axes. N2 [kg]: its turning, see `matrices`.
+    """
 
     Kbar: Square
-    """Link positions from link angles: X = -Kbar^T cos(theta) + e p_x [m]."""
     Vbar: Square
-    """Inertia of the centers of mass seen by the link angles [kg m2]."""
-    M_p: Float[np.ndarray, "2 2"]
-    """Inverse of the total mass with added mass [1/kg]."""
-    N_p: Float[np.ndarray, "2 2*n_links"]
-    """Sum of the rows of N2 in x and in y [kg]."""
-    L_p: Float[np.ndarray, "2 2*n_links"]
-    """Sum of the rows of Gamma in x and in y [kg]."""
+    M_p: TwoByTwo
+    N_p: PlaneByStacked
+    L_p: PlaneByStacked
     M_theta: Square
-    """Inertia of the link angles, the center of mass eliminated [kg m2]."""
     W_theta: Square
-    """Centripetal terms, multiplies theta'^2 [kg m2]."""
     V: Square
-    """V_{theta,theta'}: rotational drag and turning added mass, multiplies theta' [N m s]."""
     N: Square
-    """N_{theta,theta'}, multiplies e p_x' - V_x [N s]."""
     P: Square
-    """P_{theta,theta'}, multiplies e p_y' - V_y [N s]."""
     K_x: Square
-    """Lever arms of link forces in x [m]."""
     K_y: Square
-    """Lever arms of link forces in y [m]."""
-    Q: Float[np.ndarray, "n_links 2*n_links"]
-    """K_x beside K_y [m]."""
-    Gamma: Float[np.ndarray, "2*n_links 2*n_links"]
-    """Added mass in world axes [kg]."""
-    N2: Float[np.ndarray, "2*n_links 2*n_links"]
-    """Rate of the added mass' axes: N2 diag(theta', theta') multiplies the relative velocity [kg]."""
+    Q: LinksByStacked
+    Gamma: StackedSquare
+    N2: StackedSquare
 
 
-def _adjacent(n_links: int) -> tuple[Float[np.ndarray, "n_links-1 n_links"], Float[np.ndarray, "n_links-1 n_links"]]:
+def _adjacent(n_links: int) -> tuple[JointsByLinks, JointsByLinks]:
     """Return A, which adds neighboring links, and D, which subtracts the head-side one from the tail-side one."""
     tail_side, head_side = np.eye(n_links)[:-1], np.eye(n_links)[1:]
     return tail_side + head_side, tail_side - head_side
+
+
+def _both(e: Links) -> StackedByPlane:
+    """Return E = blkdiag(e, e)."""
+    zero = np.zeros_like(e)
+    return np.column_stack([np.concatenate([e, zero]), np.concatenate([zero, e])])
 
 
 def _constant_matrices(chain: Chain) -> tuple[Square, Square]:
@@ -162,25 +171,18 @@ def matrices(theta: Links, theta_rate: Links, chain: Chain, options: Options) ->
         N2_i = mu_t t_hat n_hat^T - mu_n n_hat t_hat^T,
 
     which is [mu_n s c, mu_n s^2; -mu_n c^2, -mu_n s c] + [-mu_t s c, mu_t c^2; -mu_t s^2, mu_t s c]. The other forms
-    add forces: see `fluid_forces`.
-
-    Args:
-        theta: Link angles [rad].
-        theta_rate: Their rates [rad/s].
-        chain: The links.
-        options: Switches and reference speed; its form, current and wake are not used.
+    add forces: see `fluid_forces`. Of the options, only the drag switches and the reference speed matter here.
     """
     n = len(theta)
     S, C, Th = np.diag(np.sin(theta)), np.diag(np.cos(theta)), np.diag(theta_rate)
     mu_t, mu_n = np.diag(chain.mu_t), np.diag(chain.mu_n)
-    zero = np.zeros((n, 1))
-    E = np.block([[zero + 1, zero], [zero, zero + 1]])
+    E = _both(np.ones(n))
     Kbar, Vbar = _constant_matrices(chain)
 
-    Gamma = np.block(
+    Gamma: StackedSquare = np.block(
         [[mu_n @ S @ S + mu_t @ C @ C, (mu_t - mu_n) @ S @ C], [(mu_t - mu_n) @ S @ C, mu_n @ C @ C + mu_t @ S @ S]]
     )
-    N2 = np.block(
+    N2: StackedSquare = np.block(
         [[(mu_n - mu_t) @ S @ C, mu_n @ S @ S + mu_t @ C @ C], [-mu_n @ C @ C - mu_t @ S @ S, (mu_t - mu_n) @ S @ C]]
     )
     M_p = np.linalg.inv(np.sum(chain.mass) * np.eye(2) + E.T @ Gamma @ E)
@@ -217,6 +219,19 @@ def _along_and_across(theta: Links, vectors: LinkPlane) -> tuple[Links, Links]:
     return c * vectors[:, 0] + s * vectors[:, 1], -s * vectors[:, 0] + c * vectors[:, 1]
 
 
+def _to_world(theta: Links, along: Links, across: Links) -> tuple[Links, Links]:
+    """Return the world components of the vectors along t_hat + across n_hat."""
+    s, c = np.sin(theta), np.cos(theta)
+    return c * along - s * across, s * along + c * across
+
+
+def _water_velocities(
+    theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options
+) -> tuple[Links, Links]:
+    """Return v_t and v_n of every link, relative to the water [m/s]."""
+    return _along_and_across(theta, link_velocities(theta, theta_rate, velocity, chain) - options.current)
+
+
 def _drag(speed: Links, coefficient: Links, options: Options) -> Links:
     """Return -c v (U_ref + |v|), with either part left out on request."""
     return -coefficient * speed * (options.linear_drag * options.reference_speed + options.quadratic_drag * abs(speed))
@@ -240,23 +255,15 @@ def fluid_forces(
     - Wake, at the tail end of the first link while u > 0: f_t = 1/2 m' w^2, f_n = -m' u w.
 
     The rotational drag and added inertia (lambda) are in `matrices`, not here.
-
-    Args:
-        theta: Link angles [rad].
-        theta_rate: Their rates [rad/s].
-        velocity: Velocity of the center of mass, world axes [m/s].
-        chain: The links.
-        options: Form, switches, current and wake.
     """
-    v = link_velocities(theta, theta_rate, velocity, chain)
-    v_t, v_n = _along_and_across(theta, v - options.current)
+    v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
     f_t, f_n, tau = _drag(v_t, chain.c_t, options), _drag(v_n, chain.c_n, options), np.zeros(len(theta))
     if options.form == "kirchhoff":
         f_t = f_t + chain.mu_n * v_n * theta_rate
         f_n = f_n - chain.mu_t * v_t * theta_rate
         tau = tau - (chain.mu_n - chain.mu_t) * v_t * v_n
     elif options.form == "classic":
-        absolute_t, absolute_n = _along_and_across(theta, v)
+        absolute_t, absolute_n = _along_and_across(theta, link_velocities(theta, theta_rate, velocity, chain))
         f_t = f_t + chain.mu_t * theta_rate * absolute_n
         f_n = f_n - chain.mu_n * theta_rate * absolute_t
     u, w = _trailing_edge(theta_rate, v_t, v_n, chain)
@@ -265,14 +272,12 @@ def fluid_forces(
         f_t = f_t + tail * options.wake_mass * w**2 / 2
         f_n = f_n - tail * options.wake_mass * u * w
         tau = tau + tail * chain.half_length[0] * options.wake_mass * u * w  # f_n acts at -l t_hat
-    s, c = np.sin(theta), np.cos(theta)
-    return c * f_t - s * f_n, s * f_t + c * f_n, tau
+    return *_to_world(theta, f_t, f_n), tau
 
 
 def dissipated_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options) -> float:
     """Return the power that drag takes from the robot in the water's frame [W]; never negative."""
-    v = link_velocities(theta, theta_rate, velocity, chain)
-    v_t, v_n = _along_and_across(theta, v - options.current)
+    v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
     rotation = chain.lambda_2 * options.reference_speed * options.linear_drag
     rotation = rotation + chain.lambda_3 * np.abs(theta_rate) * options.quadratic_drag
     drag = _drag(v_t, chain.c_t, options) * v_t + _drag(v_n, chain.c_n, options) * v_n
@@ -281,8 +286,7 @@ def dissipated_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Ch
 
 def wake_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options) -> float:
     """Return the kinetic energy left in the wake per time, 1/2 m' w^2 u while u > 0 [W]; never negative."""
-    v = link_velocities(theta, theta_rate, velocity, chain)
-    u, w = _trailing_edge(theta_rate, *_along_and_across(theta, v - options.current), chain)
+    u, w = _trailing_edge(theta_rate, *_water_velocities(theta, theta_rate, velocity, chain, options), chain)
     return options.wake_mass * w**2 * max(u, 0.0) / 2
 
 
@@ -305,17 +309,13 @@ def _com_acceleration(
     options: Options, m: Matrices, force: Stacked,
 ) -> Plane:  # fmt: skip
     """Return p'' [m/s2] from (1), given theta'' [rad/s2] and f_D + f_t [N]."""
-    n = len(theta)
     S, C, KbarT = np.diag(np.sin(theta)), np.diag(np.cos(theta)), m.Kbar.T
     Th2 = np.diag(np.tile(theta_rate, 2))
-    E = np.kron(np.eye(2), np.ones((n, 1)))
+    E = _both(np.ones(len(theta)))
     turning = np.concatenate([KbarT @ S @ theta_rate, -KbarT @ C @ theta_rate]) - E @ options.current
-    bending = np.concatenate(
-        [
-            KbarT @ (C @ theta_rate**2 + S @ theta_acceleration),
-            KbarT @ (S @ theta_rate**2 - C @ theta_acceleration),
-        ]
-    )
+    bending_x = KbarT @ (C @ theta_rate**2 + S @ theta_acceleration)
+    bending_y = KbarT @ (S @ theta_rate**2 - C @ theta_acceleration)
+    bending = np.concatenate([bending_x, bending_y])
     N_p_Th2 = m.N_p @ Th2
     return m.M_p @ (-N_p_Th2 @ E @ velocity - N_p_Th2 @ turning - m.L_p @ bending + E.T @ force)
 
@@ -326,45 +326,27 @@ def accelerations(
 ) -> tuple[Links, Plane]:  # fmt: skip
     """Solve (2) for theta'' [rad/s2], then (1) for the center of mass' p'' [m/s2], world axes.
 
-    Args:
-        theta: Link angles [rad].
-        theta_rate: Their rates [rad/s].
-        velocity: Velocity of the center of mass, world axes [m/s].
-        chain: The links.
-        options: Which fluid loads act, and the current.
-        joint_torque: Torque u on each joint, positive where it raises theta_{i+1} - theta_i [N m].
-        effector_force: Force of the effectors on each link, world axes [N].
-        effector_torque: Torque of the effectors about each link's center [N m].
+    `joint_torque` u [N m] is positive where it raises theta_{i+1} - theta_i; `effector_force` [N] acts at each link's
+    center in world axes, `effector_torque` [N m] beside it.
     """
     D = _adjacent(len(theta))[1]
     m, force, torque = _loads(theta, theta_rate, velocity, chain, options, effector_force, effector_torque)
     theta_acceleration = np.linalg.solve(m.M_theta, torque - D.T @ joint_torque)
-    return theta_acceleration, _com_acceleration(
-        theta, theta_rate, theta_acceleration, velocity, options, m, force
-    )
+    return theta_acceleration, _com_acceleration(theta, theta_rate, theta_acceleration, velocity, options, m, force)
 
 
 def constrained_accelerations(
     theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options,
     joint_acceleration: Joints, effector_force: LinkPlane, effector_torque: Links,
-    prescribed: Bool[np.ndarray, " n_links-1"] | None = None, joint_torque: Joints | None = None,
+    prescribed: JointFlags | None = None, joint_torque: Joints | None = None,
 ) -> tuple[Links, Plane, Joints]:  # fmt: skip
     """Return theta'' [rad/s2], p'' [m/s2] and the torque of every joint [N m] where joints follow a given motion.
 
     Solves (2) together with one row per joint: phi'' = -D theta'' is given where the joint is prescribed, its torque
     u where it is free. All joints prescribed is the model with three degrees of freedom; 0 locks a joint.
 
-    Args:
-        theta: Link angles [rad].
-        theta_rate: Their rates [rad/s].
-        velocity: Velocity of the center of mass, world axes [m/s].
-        chain: The links.
-        options: Which fluid loads act, and the current.
-        joint_acceleration: phi'' of the prescribed joints; not used where free [rad/s2].
-        effector_force: Force of the effectors on each link, world axes [N].
-        effector_torque: Torque of the effectors about each link's center [N m].
-        prescribed: Which joints are prescribed; all if not given.
-        joint_torque: Torque of the free joints, not used where prescribed; 0 if not given [N m].
+    Joints are prescribed where `prescribed` says so, all by default. `joint_acceleration` phi'' [rad/s2] is used
+    where they are, `joint_torque` (0 by default) where they are not. Effectors as for `accelerations`.
     """
     n = len(theta)
     D = _adjacent(n)[1]
@@ -381,8 +363,7 @@ def constrained_accelerations(
 
 def kinetic_energy(theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options) -> float:
     """Return the kinetic energy of body and added mass in the water's frame [J]."""
-    u = link_velocities(theta, theta_rate, velocity, chain) - options.current
-    v_t, v_n = _along_and_across(theta, u)
+    v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
     turning = (chain.inertia + chain.lambda_1) * theta_rate**2
     return float(np.sum((chain.mass + chain.mu_t) * v_t**2 + (chain.mass + chain.mu_n) * v_n**2 + turning) / 2)
 
@@ -395,11 +376,8 @@ def momentum(
     `position` [m] of the center of mass is taken in a frame that moves with the water (p - V t), and the angular
     momentum about the origin of that frame. Without outer forces `kirchhoff` keeps both.
     """
-    u = link_velocities(theta, theta_rate, velocity, chain) - options.current
-    v_t, v_n = _along_and_across(theta, u)
-    p_t, p_n = (chain.mass + chain.mu_t) * v_t, (chain.mass + chain.mu_n) * v_n
-    s, c = np.sin(theta), np.cos(theta)
-    p_x, p_y = c * p_t - s * p_n, s * p_t + c * p_n
+    v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
+    p_x, p_y = _to_world(theta, (chain.mass + chain.mu_t) * v_t, (chain.mass + chain.mu_n) * v_n)
     r = link_positions(theta, position, chain)
     spin = (chain.inertia + chain.lambda_1) * theta_rate + r[:, 0] * p_y - r[:, 1] * p_x
     return np.array([np.sum(p_x), np.sum(p_y)]), float(np.sum(spin))

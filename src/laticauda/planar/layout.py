@@ -126,7 +126,7 @@ def layout(
         first_plate=first_plate,
         law=law,
         tail_link=len(fin),
-        has_extras=bool(first_strip[-1] or first_plate[-1] or wake or pulled),
+        has_extras=bool(robot.thrusters or first_strip[-1] or first_plate[-1] or wake or pulled),
     )
 
 

@@ -23,7 +23,7 @@ from laticauda.planar.specialize import bindings, compiled
 _names = bindings(__name__)
 W = _names["WIDTH"]
 # Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
-OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "forceinline": True}
 law = compiled(_names["fluid_law"], OPTIONS)
 plate_law = compiled(laws.plate, OPTIONS)
 
@@ -133,14 +133,14 @@ def velocities(S, n):
 @njit(**OPTIONS)
 @no_type_check
 def extra_loads(S, n, first_strip, first_plate, tether_body):
-    """Fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
+    """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
     H = HEADER_ROWS
     for i in range(n):
         b = H + i * BODY_ROWS
         for k in range(W):
-            S[(b + EXTRA_T) * W + k] = 0.0
-            S[(b + EXTRA_N) * W + k] = 0.0
-            S[(b + EXTRA_MOMENT) * W + k] = 0.0
+            S[(b + EXTRA_T) * W + k] = S[(b + THRUST_T) * W + k]
+            S[(b + EXTRA_N) * W + k] = S[(b + THRUST_N) * W + k]
+            S[(b + EXTRA_MOMENT) * W + k] = S[(b + THRUST_MOMENT) * W + k]
         for e in range(first_strip[i], first_strip[i + 1]):
             strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
         for e in range(first_plate[i], first_plate[i + 1]):
@@ -234,27 +234,35 @@ def inward(S, n, is_free):
     """Articulated inertia and bias force of every body, from the head to the tail."""
     for i in range(n - 1, -1, -1):
         b = HEADER_ROWS + i * BODY_ROWS
-        own_inertia(S, b)
-        own_bias(S, b)
-        if i < n - 1:
-            if is_free[i + 1]:
-                give_way(S, b + BODY_ROWS)
-            add_child(S, b, is_free[i + 1])
+        has_child = i < n - 1
+        child_is_free = has_child and is_free[i + 1]
+        for k in range(W):
+            a00, a01, a02, a11, a12, a22 = own_inertia(S, b, k)
+            p0, p1, p2 = own_bias(S, b, k)
+            if has_child:
+                c00, c01, c02, c11, c12, c22, q0, q1, q2 = through_joint(S, b, k, child_is_free)
+                a00, a01, a02, a11, a12, a22 = a00 + c00, a01 + c01, a02 + c02, a11 + c11, a12 + c12, a22 + c22
+                p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
+            S[(b + A00) * W + k] = a00
+            S[(b + A01) * W + k] = a01
+            S[(b + A02) * W + k] = a02
+            S[(b + A11) * W + k] = a11
+            S[(b + A12) * W + k] = a12
+            S[(b + A22) * W + k] = a22
+            S[(b + P0) * W + k] = p0
+            S[(b + P1) * W + k] = p1
+            S[(b + P2) * W + k] = p2
 
 
 @njit(**OPTIONS)
 @no_type_check
-def own_inertia(S, b):
+def own_inertia(S, b, k):
     """Inertia of the body and of the water it takes along, about its tail end, world axes."""
-    for k in range(W):
-        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-        mass_t, mass_n = S[(b + MASS_T) * W + k], S[(b + MASS_N) * W + k]
-        S[(b + A00) * W + k] = S[(b + INERTIA) * W + k]
-        S[(b + A01) * W + k] = -s * S[(b + COUPLING) * W + k]
-        S[(b + A02) * W + k] = c * S[(b + COUPLING) * W + k]
-        S[(b + A11) * W + k] = mass_t * c * c + mass_n * s * s
-        S[(b + A12) * W + k] = (mass_t - mass_n) * c * s
-        S[(b + A22) * W + k] = mass_t * s * s + mass_n * c * c
+    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+    mass_t, mass_n = S[(b + MASS_T) * W + k], S[(b + MASS_N) * W + k]
+    coupling = S[(b + COUPLING) * W + k]
+    across = (mass_n - mass_t) * s
+    return S[(b + INERTIA) * W + k], -s * coupling, c * coupling, mass_t + across * s, -across * c, mass_n - across * s
 
 
 @njit(**OPTIONS)
@@ -281,43 +289,28 @@ def added_mass_velocity_terms(S, b, k):
 
 @njit(**OPTIONS)
 @no_type_check
-def own_bias(S, b):
+def own_bias(S, b, k):
     """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
-    for k in range(W):
-        rate = S[(b + LINK_RATE) * W + k]
-        x = S[(b + CENTER) * W + k]
-        f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
-        drag_t, drag_n, tau = law(
-            S[(b + V_T) * W + k],
-            S[(b + V_N) * W + k] + x * rate,
-            rate,
-            S[(b + C_T) * W + k],
-            S[(b + C_N) * W + k],
-            S[(b + LAMBDA_2) * W + k],
-            S[(b + LAMBDA_3) * W + k],
-            S[REFERENCE_SPEED * W + k],
-            S[LINEAR * W + k],
-            S[QUADRATIC * W + k],
-        )
-        f_t += drag_t + S[(b + THRUST_T) * W + k] + S[(b + EXTRA_T) * W + k]
-        f_t += S[(b + CENTRIPETAL) * W + k] * rate * rate
-        f_n += drag_n + S[(b + THRUST_N) * W + k] + S[(b + EXTRA_N) * W + k]
-        moment += tau + x * drag_n + S[(b + THRUST_MOMENT) * W + k] + S[(b + EXTRA_MOMENT) * W + k]
-        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-        S[(b + P0) * W + k] = -moment
-        S[(b + P1) * W + k] = s * f_n - c * f_t
-        S[(b + P2) * W + k] = -(s * f_t + c * f_n)
-
-
-@njit(**OPTIONS)
-@no_type_check
-def give_way(S, b):
-    """What a free joint leaves to do: its torque less the bias it has to hold."""
-    for k in range(W):
-        a = b - BODY_ROWS
-        pull_x, pull_y = centripetal(S, a, k)
-        bias = S[(b + P0) * W + k] + S[(b + A01) * W + k] * pull_x + S[(b + A02) * W + k] * pull_y
-        S[(b + TORQUE_LEFT) * W + k] = S[(b + TOTAL_TORQUE) * W + k] - bias
+    rate = S[(b + LINK_RATE) * W + k]
+    x = S[(b + CENTER) * W + k]
+    f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
+    drag_t, drag_n, tau = law(
+        S[(b + V_T) * W + k],
+        S[(b + V_N) * W + k] + x * rate,
+        rate,
+        S[(b + C_T) * W + k],
+        S[(b + C_N) * W + k],
+        S[(b + LAMBDA_2) * W + k],
+        S[(b + LAMBDA_3) * W + k],
+        S[REFERENCE_SPEED * W + k],
+        S[LINEAR * W + k],
+        S[QUADRATIC * W + k],
+    )
+    f_t += drag_t + S[(b + EXTRA_T) * W + k] + S[(b + CENTRIPETAL) * W + k] * rate * rate
+    f_n += drag_n + S[(b + EXTRA_N) * W + k]
+    moment += tau + x * drag_n + S[(b + EXTRA_MOMENT) * W + k]
+    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+    return -moment, s * f_n - c * f_t, -(s * f_t + c * f_n)
 
 
 @njit(**OPTIONS)
@@ -330,39 +323,34 @@ def centripetal(S, a, k):
 
 @njit(**OPTIONS)
 @no_type_check
-def add_child(S, b, joint_is_free):
-    """Add to body b the articulated inertia and bias of its child, seen through the joint."""
-    for k in range(W):
-        j = b + BODY_ROWS
-        a00, a01, a02 = S[(j + A00) * W + k], S[(j + A01) * W + k], S[(j + A02) * W + k]
-        a11, a12, a22 = S[(j + A11) * W + k], S[(j + A12) * W + k], S[(j + A22) * W + k]
-        pull_x, pull_y = centripetal(S, b, k)
-        p0 = S[(j + P0) * W + k] + a01 * pull_x + a02 * pull_y
-        p1 = S[(j + P1) * W + k] + a11 * pull_x + a12 * pull_y
-        p2 = S[(j + P2) * W + k] + a12 * pull_x + a22 * pull_y
-        if joint_is_free:
-            give = 1.0 / (a00 + S[(j + IMPLICIT) * W + k])
-            swing = S[(j + TORQUE_LEFT) * W + k] * give
-            p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
-            u0, u1, u2 = a00, a01, a02
-            a00, a01, a02 = a00 - u0 * u0 * give, a01 - u0 * u1 * give, a02 - u0 * u2 * give
-            a11, a12, a22 = a11 - u1 * u1 * give, a12 - u1 * u2 * give, a22 - u2 * u2 * give
-        else:
-            swing = S[(j + REFERENCE_2) * W + k]
-            p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
-        arm_x = -S[(b + LENGTH) * W + k] * S[(b + SIN) * W + k]  # velocity of the joint per unit of rotation
-        arm_y = S[(b + LENGTH) * W + k] * S[(b + COS) * W + k]
-        shifted_1 = a01 + arm_x * a11 + arm_y * a12
-        shifted_2 = a02 + arm_x * a12 + arm_y * a22
-        S[(b + A00) * W + k] += a00 + arm_x * (a01 + shifted_1) + arm_y * (a02 + shifted_2)
-        S[(b + A01) * W + k] += shifted_1
-        S[(b + A02) * W + k] += shifted_2
-        S[(b + A11) * W + k] += a11
-        S[(b + A12) * W + k] += a12
-        S[(b + A22) * W + k] += a22
-        S[(b + P0) * W + k] += p0 + arm_x * p1 + arm_y * p2
-        S[(b + P1) * W + k] += p1
-        S[(b + P2) * W + k] += p2
+def through_joint(S, b, k, joint_is_free):
+    """Articulated inertia and bias of the child of body b, seen through the joint and moved to the tail end of b."""
+    j = b + BODY_ROWS
+    a00, a01, a02 = S[(j + A00) * W + k], S[(j + A01) * W + k], S[(j + A02) * W + k]
+    a11, a12, a22 = S[(j + A11) * W + k], S[(j + A12) * W + k], S[(j + A22) * W + k]
+    pull_x, pull_y = centripetal(S, b, k)
+    p0 = S[(j + P0) * W + k] + a01 * pull_x + a02 * pull_y
+    p1 = S[(j + P1) * W + k] + a11 * pull_x + a12 * pull_y
+    p2 = S[(j + P2) * W + k] + a12 * pull_x + a22 * pull_y
+    if joint_is_free:
+        left = S[(j + TOTAL_TORQUE) * W + k] - p0
+        give = 1.0 / (a00 + S[(j + IMPLICIT) * W + k])
+        S[(j + TORQUE_LEFT) * W + k] = left
+        S[(j + GIVE) * W + k] = give
+        swing = left * give
+        p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
+        g0, g1, g2 = a00 * give, a01 * give, a02 * give
+        a11, a12, a22 = a11 - a01 * g1, a12 - a01 * g2, a22 - a02 * g2
+        a00, a01, a02 = a00 - a00 * g0, a01 - a01 * g0, a02 - a02 * g0
+    else:
+        swing = S[(j + REFERENCE_2) * W + k]
+        p0, p1, p2 = p0 + a00 * swing, p1 + a01 * swing, p2 + a02 * swing
+    arm_x = -S[(b + LENGTH) * W + k] * S[(b + SIN) * W + k]  # velocity of the joint per unit of rotation
+    arm_y = S[(b + LENGTH) * W + k] * S[(b + COS) * W + k]
+    b01 = a01 + arm_x * a11 + arm_y * a12
+    b02 = a02 + arm_x * a12 + arm_y * a22
+    b00 = a00 + arm_x * (a01 + b01) + arm_y * (a02 + b02)
+    return b00, b01, b02, a11, a12, a22, p0 + arm_x * p1 + arm_y * p2, p1, p2
 
 
 @njit(**OPTIONS)
@@ -405,7 +393,7 @@ def outward(S, n, is_free):
                 a00, a01, a02 = S[(b + A00) * W + k], S[(b + A01) * W + k], S[(b + A02) * W + k]
                 if is_free[i]:
                     load = a00 * spin + a01 * carried_x + a02 * carried_y
-                    swing = (S[(b + TORQUE_LEFT) * W + k] - load) / (a00 + S[(b + IMPLICIT) * W + k])
+                    swing = (S[(b + TORQUE_LEFT) * W + k] - load) * S[(b + GIVE) * W + k]
                     qx, qy = carried_x + pull_x, carried_y + pull_y
                 else:
                     swing = S[(b + REFERENCE_2) * W + k]

@@ -154,6 +154,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     P1,
     P2,
     TORQUE_LEFT,  # free joints: torque minus bias
+    GIVE,  # free joints: 1 / (S^T I S + what the joint law adds)
     LINK_ACCELERATION,  # theta''
     QX,  # acceleration of the tail end of this body
     QY,
@@ -162,7 +163,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(70)
+) = range(71)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)

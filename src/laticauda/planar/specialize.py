@@ -77,6 +77,20 @@ def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     return njit(**options)(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
 
+def cached(module_name: str, options: dict[str, Any]) -> Callable[[Callable[..., Any]], Any]:
+    """Decorator of a template's entry points: compile, and keep the machine code on disk.
+
+    Numba files it under the function's qualified name and does not look at what the function calls, so the digest goes
+    into that name.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        function.__qualname__ += module_name[module_name.rindex("_") :]
+        return njit(cache=True, **{**options, "forceinline": False})(function)
+
+    return decorate
+
+
 def fingerprint(function: Callable[..., Any]) -> str:
     """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to."""
     digest = hashlib.sha256()

@@ -17,7 +17,7 @@ from laticauda.actuation import laws
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
 from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
-from laticauda.planar.specialize import bindings, compiled
+from laticauda.planar.specialize import bindings, cached, compiled
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
@@ -42,7 +42,7 @@ GAMMA = 1.0 - 0.5**0.5
 BASE_ROWS = 6  # HEADING ... VY are contiguous
 
 
-@njit(cache=True, **OPTIONS)
+@cached(__name__, OPTIONS)
 @no_type_check
 def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in S by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
@@ -72,7 +72,7 @@ def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, 
     return written
 
 
-@njit(cache=True, **OPTIONS)
+@cached(__name__, OPTIONS)
 @no_type_check
 def evaluate(S, n, first_strip, first_plate, law, tether_body, has_extras):
     """Accelerations and torques for the state in S, without a step; the joint laws are taken as they are."""

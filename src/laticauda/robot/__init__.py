@@ -1,7 +1,10 @@
 """What swims and where: robots, water and ground as validated data, their TOML files, and the presets."""
 
-from laticauda.robot.environment import Environment, Ground, Water, check_fits
+from laticauda.robot.catalog import ground_names, load_ground, load_robot, load_water, robot_names, water_names
+from laticauda.robot.describe import describe, summary, summary_rows, summary_table
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
+from laticauda.robot.environment import Environment, Ground, Water, check_fits
+from laticauda.robot.files import RobotNotFound, from_toml, to_toml
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.modules import Module, Section
 from laticauda.robot.robot import Robot
@@ -15,9 +18,22 @@ __all__ = [
     "Module",
     "PectoralFin",
     "Robot",
+    "RobotNotFound",
     "Section",
     "Tether",
     "Thruster",
     "Water",
     "check_fits",
+    "describe",
+    "from_toml",
+    "ground_names",
+    "load_ground",
+    "load_robot",
+    "load_water",
+    "robot_names",
+    "summary",
+    "summary_rows",
+    "summary_table",
+    "to_toml",
+    "water_names",
 ]

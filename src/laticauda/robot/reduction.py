@@ -1,5 +1,6 @@
 """The planar reduction: modules that only bend out of the swimming plane become one rigid link."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -57,8 +58,8 @@ def _merge(pieces: Sequence[Module]) -> tuple[Module, list[float]]:
     if len(pieces) == 1:
         return pieces[0], [0.0]
     first = pieces[0]
-    length = sum(piece.length for piece in pieces)
-    mass = sum(piece.mass for piece in pieces)
+    length = math.fsum(piece.length for piece in pieces)
+    mass = math.fsum(piece.mass for piece in pieces)
     middles: list[float] = []
     start = -0.5 * length
     for piece in pieces:

@@ -1,5 +1,6 @@
 """`Robot`: everything about what swims. Bodies and joints are counted from the tail."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -81,17 +82,17 @@ class Robot:
     @property
     def length(self) -> float:
         """Length of the straight body without the fin [m]."""
-        return sum(module.length for module in self.modules)
+        return math.fsum(module.length for module in self.modules)
 
     @property
     def mass(self) -> float:
         """Mass with the fin [kg]."""
-        return sum(module.mass for module in self.modules) + (self.caudal_fin.mass if self.caudal_fin else 0.0)
+        return math.fsum(module.mass for module in self.modules) + (self.caudal_fin.mass if self.caudal_fin else 0.0)
 
     @property
     def volume(self) -> float:
         """Displaced volume with the fin [m^3]."""
-        return sum(module.volume for module in self.modules) + (self.caudal_fin.volume if self.caudal_fin else 0.0)
+        return math.fsum(module.volume for module in self.modules) + (self.caudal_fin.volume if self.caudal_fin else 0.0)
 
     @property
     def idle_power(self) -> float:

@@ -7,6 +7,7 @@ stood still or a steady velocity of a run of two seconds, they raise a `ValueErr
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.errors import positive
 from laticauda.kinematics import trailing_edge
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial.cycles import (
@@ -23,7 +24,6 @@ from laticauda.trial.cycles import (
 Path = Float[np.ndarray, "n_samples n_axes"]
 
 STANDARD_GRAVITY = 9.81  # [m/s2]
-IDLE_POWER = 35.0 * 1.18  # supply voltage times current before the joints move, of the paper's robot: V I_0 in (4) [W]
 _STILL = 1e-9  # a speed below this is rounding [m/s]
 
 
@@ -233,9 +233,9 @@ def cost_of_transport(power: float, weight: float, speed: float) -> float:
         speed: v [m/s].
 
     Raises:
-        ValueError: If the robot did not move.
+        ValueError: If the robot did not move, or weighs nothing.
     """
-    return power / (weight * _moving(speed))
+    return power / (positive("weight", weight, "N") * _moving(speed))
 
 
 def carried_weight(robot: Robot, environment: Water | Ground) -> float:
@@ -246,7 +246,7 @@ def carried_weight(robot: Robot, environment: Water | Ground) -> float:
     """
     if isinstance(environment, Ground):
         return robot.mass * environment.gravity
-    return environment.density * robot.displaced_volume * STANDARD_GRAVITY
+    return environment.density * robot.volume * STANDARD_GRAVITY
 
 
 def linear_drag_share(water: Water, speed: float) -> float:

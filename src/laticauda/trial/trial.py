@@ -193,12 +193,12 @@ class Trial:
 
     @property
     def total_power(self) -> float:
-        """Mean electrical power with the idle power of the paper's robot, 41.3 W [W].
+        """`electrical_power` with what the robot draws at rest, `robot.idle_power` (Mamba: V I_0 = 41.3 W) [W].
 
         Raises:
             ValueError: If the run has no power model.
         """
-        return self.electrical_power + metrics.IDLE_POWER
+        return self.electrical_power + self.robot.idle_power
 
     @property
     def mean_power(self) -> float:
@@ -237,7 +237,7 @@ class Trial:
             ValueError: On ground, or if the joints did no work.
         """
         speed = self.speed_through_water
-        drag = metrics.towing_drag(self.robot.planar(), self._water("a towing drag"), speed)
+        drag = metrics.towing_drag(self._chain, self._water("a towing drag"), speed)
         return metrics.quasi_propulsive_efficiency(drag, speed, self.mechanical_power)
 
     @property

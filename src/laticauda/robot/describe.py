@@ -1,0 +1,213 @@
+"""Robots, waters and grounds as text to read."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import TypeVar
+
+from laticauda.robot.catalog import load_robot, robot_names
+from laticauda.robot.effectors import CaudalFin
+from laticauda.robot.environment import Ground, Water
+from laticauda.robot.joints import Actuator, Joint
+from laticauda.robot.modules import Module
+from laticauda.robot.robot import Robot
+
+Row = tuple[str, str]
+T = TypeVar("T")
+
+
+def summary(robot: Robot) -> dict[str, str | int | float | bool]:
+    """The main facts of a robot by name: links, joints, length [m], mass [kg], fin, description."""
+    return {
+        "name": robot.name,
+        "n_links": robot.n_links,
+        "n_joints": robot.n_joints,
+        "length": robot.length,
+        "mass": robot.mass,
+        "caudal_fin": robot.caudal_fin is not None,
+        "description": robot.description,
+    }
+
+
+def summary_rows(names: Iterable[str] | None = None) -> list[dict[str, str | int | float | bool]]:
+    """`summary` of robots by name or path; of all presets by default."""
+    return [summary(load_robot(name)) for name in (robot_names() if names is None else names)]
+
+
+def summary_table(names: Iterable[str] | None = None) -> str:
+    """`summary_rows` as an aligned table."""
+    rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
+    for found in summary_rows(names):
+        rows.append((
+            str(found["name"]),
+            str(found["n_links"]),
+            str(found["n_joints"]),
+            f"{found['length']:.2f}",
+            f"{found['mass']:.2f}",
+            "yes" if found["caudal_fin"] else "no",
+            str(found["description"]),
+        ))  # fmt: skip
+    return _aligned(rows, right=(1, 2, 3, 4))
+
+
+def describe(thing: Robot | Water | Ground) -> str:
+    """All that is known of a robot, a water or a ground, one fact a line."""
+    if isinstance(thing, Robot):
+        rows = _robot_rows(thing)
+    elif isinstance(thing, Water):
+        rows = _water_rows(thing)
+    else:
+        rows = _ground_rows(thing)
+    return _aligned(rows)
+
+
+def _robot_rows(robot: Robot) -> list[Row]:
+    rows: list[Row] = [("robot", robot.name)]
+    if robot.description:
+        rows.append(("description", robot.description))
+    rows += [
+        ("links, joints", f"{robot.n_links}, {robot.n_joints}"),
+        ("length", f"{robot.length:.4g} m" + (" without the fin" if robot.caudal_fin else "")),
+        ("mass", f"{robot.mass:.4g} kg" + (" with the fin" if robot.caudal_fin else "")),
+        ("volume", f"{1e3 * robot.volume:.4g} L"),
+    ]
+    rows += [("modules " + place, _module(module)) for place, module in _runs(robot.modules)]
+    rows += _joint_rows(robot.joints)
+    for place, actuator in _runs([joint.actuator for joint in robot.joints]):
+        rows += _actuator_rows("actuators " + place, actuator)
+    if robot.caudal_fin is not None:
+        rows.append(("caudal fin", _fin(robot.caudal_fin)))
+    for thruster in robot.thrusters:
+        rows.append((
+            f"thruster on link {thruster.link}",
+            f"{thruster.thrust:g} N at {_degrees(thruster.angle)}, mounted at ({thruster.x:g}, {thruster.y:g}) m",
+        ))  # fmt: skip
+    for fin in robot.pectoral_fins:
+        rows.append((
+            f"pectoral fin on link {fin.link}",
+            f"{fin.area:g} m^2 at {_degrees(fin.angle)}, mounted at ({fin.x:g}, {fin.y:g}) m, "
+            f"lift slope {fin.lift_slope:g} 1/rad, stalls at {_degrees(fin.stall_angle)}",
+        ))  # fmt: skip
+    tether = robot.tether
+    if tether.drag or any(tether.force):
+        rows.append(("tether", f"drag {tether.drag:g} kg/m, force ({tether.force[0]:g}, {tether.force[1]:g}) N"))
+    if robot.idle_power:
+        rows.append(("power at rest", f"{robot.idle_power:g} W"))
+    return rows
+
+
+def _module(module: Module) -> str:
+    section = module.section
+    parts = [
+        f"{module.length:g} m, {module.mass:g} kg",
+        f"section {2.0 * section.half_height:g} m high, {2.0 * section.half_width:g} m wide",
+    ]
+    if module.center:
+        parts.append(f"center of mass at {module.center:g} m")
+    if module.inertia is not None:
+        parts.append(f"moment of inertia {module.inertia:g} kg m^2")
+    for name in ("tangential_friction", "normal_drag", "added_mass", "added_inertia"):
+        if getattr(module, name) is not None:
+            parts.append(f"{name} {getattr(module, name):g}")
+    return ", ".join(parts)
+
+
+def _joint_rows(joints: Sequence[Joint]) -> list[Row]:
+    if not joints:
+        return []
+    axes = "".join(joint.axis[0] for joint in joints)  # y and p, tail first
+    rows: list[Row] = []
+    if "p" not in axes:
+        rows.append(("axes", "all yaw"))
+    elif "yy" not in axes and "pp" not in axes:
+        rows.append(("axes", f"yaw and pitch in turn, {joints[0].axis} at the tail"))
+    else:
+        rows.append(("axes", f"{axes} from the tail (y yaw, p pitch)"))
+    for place, joint in _runs([replace(joint, axis="yaw", actuator=Actuator()) for joint in joints]):
+        text = f"to {_degrees(joint.limit)} on either side"
+        if joint.stiffness or joint.damping:
+            text += f", skin {joint.stiffness:g} N m/rad and {joint.damping:g} N m s/rad"
+        rows.append((f"joints {place}", text))
+    return rows
+
+
+def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
+    servo = (
+        f"stall torque {actuator.stall_torque:g} N m, no-load speed {actuator.no_load_speed:g} rad/s, "
+        f"gain {actuator.servo_gain:g} 1/rad, {actuator.voltage:g} V, stall current {actuator.stall_current:g} A"
+    )
+    if actuator.friction_torque or actuator.viscous_friction:
+        servo += f", friction {actuator.friction_torque:g} N m and {actuator.viscous_friction:g} N m s/rad"
+    if actuator.idle_current:
+        servo += f", idle current {actuator.idle_current:g} A"
+    gains = f"k_p {actuator.proportional_gain:g} N m/rad, k_d {actuator.derivative_gain:g} N m s/rad"
+    return [(f"{name}, pd", gains), (f"{name}, servo", servo)]
+
+
+def _fin(fin: CaudalFin) -> str:
+    opening = f"opening of {fin.opening_length:g} m" if fin.opening == "open" else "no opening"
+    parts = [f"{fin.length:g} m long, {fin.height:g} m high, {opening}, {fin.mass:g} kg, {fin.n_strips} strips"]
+    for name in ("tangential_friction", "normal_drag", "added_mass"):
+        if getattr(fin, name) is not None:
+            parts.append(f"{name} {getattr(fin, name):g}")
+    return ", ".join(parts)
+
+
+def _water_rows(water: Water) -> list[Row]:
+    drag = [word for word, on in (("linear", water.linear_drag), ("quadratic", water.quadratic_drag)) if on]
+    return [
+        ("water", water.name),
+        ("density", f"{water.density:g} kg/m^3"),
+        ("tangential_friction", f"{water.tangential_friction:g}"),
+        ("normal_drag", f"{water.normal_drag:g}"),
+        ("added_mass", f"{water.added_mass:g}, form {water.added_mass_form}"),
+        ("added_inertia", f"{water.added_inertia:g}, rotational form {water.rotational}"),
+        ("tangential_added_mass", f"{water.tangential_added_mass:g}"),
+        ("drag", (" and ".join(drag) or "none") + f", equal at {water.reference_speed:g} m/s"),
+        ("trailing_edge", water.trailing_edge),
+        ("current", f"({water.current[0]:g}, {water.current[1]:g}) m/s"),
+        ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
+    ]
+
+
+def _ground_rows(ground: Ground) -> list[Row]:
+    unit = " N s/m per link" if ground.friction == "viscous" else " of the weight"
+    rows = [
+        ("ground", ground.name),
+        ("friction", ground.friction),
+        ("tangential", f"{ground.tangential:g}{unit}"),
+        ("normal", f"{ground.normal:g}{unit}"),
+    ]
+    if ground.friction == "coulomb":
+        rows.append(("regularization_speed", f"{ground.regularization_speed:g} m/s"))
+        rows.append(("gravity", f"{ground.gravity:g} m/s^2"))
+    return rows
+
+
+def _runs(things: Sequence[T]) -> list[tuple[str, T]]:
+    """Things that come several times in a row, once each, with their numbers: "0-8"."""
+    runs: list[tuple[str, T]] = []
+    start = 0
+    for thing, group in groupby(things):
+        stop = start + len(list(group))
+        runs.append((str(start) if stop == start + 1 else f"{start}-{stop - 1}", thing))
+        start = stop
+    return runs
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):g} deg"
+
+
+def _aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
+    """Rows as lines whose columns begin (or, for the columns `right`, end) one below the other."""
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    lines = [
+        "  ".join(
+            cell.rjust(width) if i in right else cell.ljust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+    return "\n".join(lines)

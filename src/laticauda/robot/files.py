@@ -1,0 +1,178 @@
+"""TOML files of robots, waters and grounds.
+
+A file says first what it is: ``kind = "robot"``, ``"water"`` or ``"ground"``. The other keys are the fields of the class of
+that name, in the same units (lengths in m, angles in rad), and four things keep a file short:
+
+- an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
+- an entry of ``modules`` or ``joints`` may have a ``count``;
+- the ``axis`` of a joint entry may be a list, which its joints go through again and again: ``count = 18`` and
+  ``axis = ["yaw", "pitch"]`` are 18 joints in turn about the two axes;
+- ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a preset or
+  from another file (a path relative to this one).
+"""
+
+import tomllib
+from os import sep
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar, cast, overload
+
+from laticauda.errors import RobotFileError, nearest
+from laticauda.robot.environment import Ground, Water
+from laticauda.robot.robot import Robot
+from laticauda.robot.tables import BadKey, Table, decode, encode
+
+Described: TypeAlias = Robot | Water | Ground
+Kind = TypeVar("Kind", Robot, Water, Ground)
+
+KINDS: dict[str, type[Described]] = {"robot": Robot, "water": Water, "ground": Ground}
+PRESETS = Path(__file__).parent / "presets"
+
+
+class RobotNotFound(RobotFileError, FileNotFoundError):
+    """Neither a preset nor a file has the name that was asked for."""
+
+    __str__ = Exception.__str__  # OSError's own would look for an errno
+
+
+def to_toml(thing: Described) -> str:
+    """The TOML text of a robot, water or ground; ``from_toml(to_toml(x)) == x``, exactly."""
+    import tomli_w
+
+    if not isinstance(thing, tuple(KINDS.values())):
+        raise ValueError(f"`thing` must be a Robot, Water or Ground, got {type(thing).__name__}.")
+    kind = next(word for word, found in KINDS.items() if isinstance(thing, found))
+    return tomli_w.dumps({"kind": kind, **encode(thing)})
+
+
+@overload
+def from_toml(source: str | Path, kind: type[Kind]) -> Kind: ...
+@overload
+def from_toml(source: str | Path) -> Described: ...
+def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
+    """Read a robot, water or ground from a TOML text, or from a file if `source` is a `Path`.
+
+    Args:
+        source: The text itself, or a path.
+        kind: `Robot`, `Water` or `Ground`, to refuse anything else; None accepts all three.
+
+    Raises:
+        RobotFileError: If anything is wrong with it; the message has the file, the key, the rule and the value.
+    """
+    if isinstance(source, Path):
+        return read_file(source, kind)
+    return _build(*_complete(source, "<text>", None, kind, ()))
+
+
+def read_file(path: Path, kind: type[Any] | None = None) -> Any:
+    """`from_toml` for a file."""
+    return _build(*_complete(_read(path), str(path), path, kind, ()))
+
+
+def preset_names(kind: str) -> tuple[str, ...]:
+    """The names of the presets of a kind, "robot", "water" or "ground", sorted."""
+    return tuple(sorted(path.stem for path in (PRESETS / f"{kind}s").glob("*.toml")))
+
+
+def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Path:
+    """The file of a preset, or the file that a path points to.
+
+    A text with a folder in it or ending in ``.toml`` is a path, any other a preset's name.
+
+    Args:
+        name_or_path: What the user gave.
+        kind: "robot", "water" or "ground".
+        folder: Where relative paths start; None for the working directory.
+
+    Raises:
+        RobotNotFound: If there is none; the message lists the presets and suggests the nearest.
+    """
+    names = preset_names(kind)
+    given = str(name_or_path)
+    is_path = isinstance(name_or_path, Path) or given.endswith(".toml") or "/" in given or sep in given
+    if not is_path:
+        if given in names:
+            return PRESETS / f"{kind}s" / f"{given}.toml"
+        raise RobotNotFound(
+            f"there is no {kind} preset named `{given}`{nearest(given, names)} "
+            f"(presets: {', '.join(names)}; a path ends in .toml)"
+        )
+    path = folder / given if folder is not None else Path(given)
+    try:
+        there = path.exists()
+    except (OSError, ValueError):  # an over-long name, a null byte: reading it tells
+        there = True
+    if not there:
+        raise RobotNotFound(f"{path}: no such file{nearest(path.stem, names)} (presets: {', '.join(names)})")
+    return path
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise RobotNotFound(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise RobotFileError(f"{path}: is a folder, not a TOML file") from None
+    except UnicodeDecodeError as error:
+        raise RobotFileError(f"{path}: is not a text in UTF-8 ({error.reason} at byte {error.start})") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise RobotFileError(f"{path!s}: cannot be read: {reason}") from None
+
+
+def _complete(
+    text: str, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
+) -> tuple[type[Described], Table, str]:
+    """Parse a text, check its kind and add what it takes from the file it extends."""
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise RobotFileError(f"{shown}: is not valid TOML: nested too deeply") from None
+    except ValueError as error:  # also a number of more digits than Python reads
+        raise RobotFileError(f"{shown}: is not valid TOML: {error}") from None
+    found = _kind(table, shown, kind)
+    base = table.pop("extends", None)
+    if base is not None:
+        table = {**_inherited(base, shown, path, found, parents), **table}
+    return found, table, shown
+
+
+def _kind(table: Table, shown: str, expected: type[Described] | None) -> type[Described]:
+    choices = ", ".join(f'"{word}"' for word in KINDS)
+    if "kind" not in table:
+        raise RobotFileError(f"{shown}: key `kind`: is missing; it must be one of {choices}")
+    word = table.pop("kind")
+    found = KINDS.get(word) if isinstance(word, str) else None
+    if found is None:
+        hint = nearest(word, list(KINDS)) if isinstance(word, str) else ""
+        raise RobotFileError(f"{shown}: key `kind`: must be one of {choices}, got {word!r}{hint}")
+    if expected is not None and found is not expected:
+        wanted = next(name for name, one in KINDS.items() if one is expected)
+        raise RobotFileError(f'{shown}: key `kind`: must be "{wanted}" here, got {word!r}')
+    return found
+
+
+def _inherited(
+    base: object, shown: str, path: Path | None, kind: type[Described], parents: tuple[Path, ...]
+) -> Table:
+    """The keys that a file takes from the one it extends, which must be sound by itself."""
+    if not isinstance(base, str):
+        raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
+    word = next(name for name, one in KINDS.items() if one is kind)
+    try:
+        other = find(base, word, None if path is None else path.parent)
+    except RobotNotFound as error:
+        raise RobotNotFound(f"{shown}: key `extends`: {error}") from None
+    chain = parents if path is None else (*parents, path.resolve())
+    if other.resolve() in chain:
+        raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
+    _, table, name = _complete(_read(other), str(other), other, kind, chain)
+    _build(kind, table, name)
+    return {key: value for key, value in table.items() if key not in ("name", "description")}
+
+
+def _build(kind: type[Described], table: Table, shown: str) -> Described:
+    try:
+        return cast("Described", decode(kind, table))
+    except BadKey as error:
+        raise RobotFileError(f"{shown}: key `{error.key}`: {error.rule}") from None

@@ -1,0 +1,81 @@
+"""The figures of one trial as a table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from laticauda.trial.trial import Trial
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """One figure of a run, as tables show it."""
+
+    name: str
+    """The property of `Trial` that it is."""
+    unit: str
+    """Its unit; "" for a pure number."""
+    title: str
+    """What it is, in a few words."""
+
+
+FIGURES = (
+    Figure(name="duration", unit="s", title="duration"),
+    Figure(name="forward_velocity", unit="m/s", title="forward velocity, straight line over the whole run"),
+    Figure(name="steady_velocity", unit="m/s", title="the same over whole gait cycles after the transient"),
+    Figure(name="path_speed", unit="m/s", title="path length over time"),
+    Figure(name="mean_power", unit="W", title="mean power, mechanical unless there is a power model"),
+    Figure(name="mechanical_power", unit="W", title="mechanical power, mean of sum |u phi'|"),
+    Figure(name="net_power", unit="W", title="mechanical power, net"),
+    Figure(name="positive_power", unit="W", title="mechanical power, positive work only"),
+    Figure(name="electrical_power", unit="W", title="electrical power above idle"),
+    Figure(name="total_power", unit="W", title="electrical power with idle"),
+    Figure(name="cost_of_transport", unit="", title="cost of transport, from mean power and the displaced weight"),
+    Figure(name="joules_per_meter", unit="J/m", title="energy per meter, from mean power"),
+    Figure(name="quasi_propulsive_efficiency", unit="", title="towing power of the straight robot / mechanical power"),
+    Figure(name="linear_drag_share", unit="", title="share of the linear term in the axial drag"),
+    Figure(name="course", unit="rad", title="direction of travel, steady part"),
+    Figure(name="sideslip", unit="rad", title="course minus heading, steady part"),
+    Figure(name="turning_rate", unit="rad/s", title="slope of the heading's cycle mean"),
+    Figure(name="strouhal_number", unit="", title="Strouhal number of the trailing edge"),
+)
+"""All figures of a trial, in the order of a table."""
+
+
+def figures(trial: Trial) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Every figure of `FIGURES` by name, None where it has no meaning for this run, and why that is so, by name."""
+    values: dict[str, float | None] = {}
+    reasons: dict[str, str] = {}
+    for figure in FIGURES:
+        try:
+            values[figure.name] = float(getattr(trial, figure.name))
+        except ValueError as reason:
+            values[figure.name] = None
+            reasons[figure.name] = str(reason)
+    return values, reasons
+
+
+def summary(trial: Trial) -> dict[str, object]:
+    """All figures of a trial with how it ended, ready for JSON.
+
+    Args:
+        trial: Any trial, a failed one too.
+
+    Returns:
+        In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name, `mean_power_kind`, every
+        figure of `FIGURES` in SI units, None where it has no meaning for this run, and `not_available`: the reason
+        for each None.
+    """
+    values, reasons = figures(trial)
+    return {
+        "status": trial.status,
+        "succeeded": trial.succeeded,
+        "robot": trial.robot.name,
+        "gait": None if trial.gait is None else trial.gait.kind,
+        "environment": trial.environment.name,
+        "mean_power_kind": trial.mean_power_kind,
+        **values,
+        "not_available": reasons,
+    }
