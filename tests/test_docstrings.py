@@ -1,67 +1,87 @@
-"""The docstrings: every public parameter is documented, and every example runs and prints what it says.
+"""The docstrings: every public parameter and field is documented, and every example prints what it says.
 
-Undocumented parameters as a test failure: an idea of python-control's.
+Public is what a package's `__init__` offers, and all of `angles` and `errors`. That an undocumented parameter is a test
+failure is an idea of python-control's.
 """
 
 import ast
+import dataclasses
 import doctest
 import importlib
+import inspect
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 SOURCES = Path(__file__).parent.parent / "src"
-MODULES = sorted(SOURCES.rglob("*.py"))
-Function = ast.FunctionDef | ast.AsyncFunctionDef
+PACKAGES = sorted(path.parent for path in SOURCES.rglob("__init__.py"))
+WITH_EXAMPLES = [path for path in sorted(SOURCES.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
 
 
-def named(path: Path) -> str:
-    return ".".join(path.relative_to(SOURCES).with_suffix("").parts).removesuffix(".__init__")
+def dotted(path: Path) -> str:
+    return ".".join(path.relative_to(SOURCES).with_suffix("").parts)
 
 
-def public_functions(tree: ast.AST, is_method: bool = False) -> Iterator[tuple[Function, bool]]:
-    """Public functions and methods, without the bodies of functions, and without overloads' stubs."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            yield from public_functions(node, is_method=True)
-        if isinstance(node, Function) and not node.name.startswith("_"):
-            decorators = {ast.unparse(decorator).partition("(")[0] for decorator in node.decorator_list}
-            # A kernel compiled by Numba is internal, whatever its name.
-            if not decorators & {"overload", "njit", "override", "typing.override"}:
-                yield node, is_method and "staticmethod" not in decorators
+def public() -> dict[str, Any]:
+    """Everything that is offered to users, by its full name where it is defined."""
+    found: dict[str, Any] = {}
+    for name in [*map(dotted, PACKAGES), "laticauda.angles", "laticauda.errors"]:
+        module = importlib.import_module(name)
+        offered = getattr(module, "__all__", [key for key in vars(module) if not key.startswith("_")])
+        for thing in (getattr(module, key) for key in offered):
+            if getattr(thing, "__module__", "").startswith("laticauda"):
+                found[f"{thing.__module__}.{thing.__qualname__}"] = thing
+    return found
 
 
-def undocumented(function: Function, is_method: bool) -> list[str]:
-    """Parameters that the docstring does not name: in its "Args:", or in backticks when it has no such section."""
-    docstring = ast.get_docstring(function) or ""
-    arguments = function.args
-    names = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
-    names += [extra.arg for extra in (arguments.vararg, arguments.kwarg) if extra]
-    if is_method:
-        names = names[1:]
-    refers = "arguments as" in docstring.lower() or "arguments and errors as" in docstring.lower()
+def functions(thing: Any) -> Iterator[Any]:
+    """`thing` itself if it is a function, or the methods that a class defines."""
+    if inspect.isfunction(thing):
+        yield thing
+    elif inspect.isclass(thing):
+        members = [getattr(member, "__func__", member) for name, member in vars(thing).items() if not name.startswith("_")]
+        yield from filter(inspect.isfunction, members)
+
+
+def undocumented_parameters(function: Any) -> list[str]:
+    """Parameters that the docstring names neither in its "Args:" nor in backticks."""
+    docstring = inspect.getdoc(function) or ""
+    if "arguments and errors as for" in docstring:
+        return []
+    starts = {line.strip().lstrip("*").partition(":")[0] for line in docstring.splitlines()}
+    names = [name for name in inspect.signature(function).parameters if name not in {"self", "cls"}]
+    return [name for name in names if name not in starts and f"`{name}`" not in docstring]
+
+
+def undocumented_fields(cls: type) -> list[str]:
+    """Fields of a dataclass that no docstring of their own follows."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0].body  # pyright: ignore
     return [
-        name
-        for name in names
-        if not name.startswith("_")
-        and not refers
-        and f"`{name}`" not in docstring
-        and not any(line.strip().lstrip("*").startswith((f"{name}:", f"{name} (")) for line in docstring.splitlines())
+        ast.unparse(node.target)
+        for node, following in zip(body, [*body[1:], None], strict=True)
+        if isinstance(node, ast.AnnAssign)
+        and not ast.unparse(node.target).startswith("_")
+        and not (isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant))
     ]
 
 
-@pytest.mark.parametrize("path", MODULES, ids=named)
-def test_every_public_parameter_is_documented(path: Path):
-    found = {
-        f"{path.name}:{function.lineno} {function.name}": missing
-        for function, is_method in public_functions(ast.parse(path.read_text(encoding="utf-8")))
-        if (missing := undocumented(function, is_method))
-    }
-    assert not found
+def test_every_public_name_and_parameter_is_documented():
+    things = public()
+    missing = {name: "docstring" for name, thing in things.items() if callable(thing) and not inspect.getdoc(thing)}
+    for name, thing in things.items():
+        for function in functions(thing):
+            if names := undocumented_parameters(function):
+                missing[f"{name} {function.__name__}"] = ", ".join(names)
+        if dataclasses.is_dataclass(thing) and (fields := undocumented_fields(thing)):  # pyright: ignore
+            missing[f"{name} fields"] = ", ".join(fields)
+    assert not missing
 
 
-@pytest.mark.parametrize("path", [path for path in MODULES if ">>> " in path.read_text(encoding="utf-8")], ids=named)
+@pytest.mark.parametrize("path", WITH_EXAMPLES, ids=dotted)
 def test_every_example_in_a_docstring_prints_what_it_says(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-    assert doctest.testmod(importlib.import_module(named(path)), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0
+    module = importlib.import_module(dotted(path).removesuffix(".__init__"))
+    assert doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0

@@ -97,6 +97,11 @@ def within(name: str, value: object, low: float, high: float, unit: str = "") ->
 def whole(name: str, value: object, least: int) -> int:
     """Return `value` as an int if it is a whole number >= `least`.
 
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        least: The smallest number that is accepted.
+
     Raises:
         ValueError: If `value` is no integer (2.0 is none either), or too small.
     """
@@ -107,6 +112,11 @@ def whole(name: str, value: object, least: int) -> int:
 
 def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     """Return `value` if it is one of the texts in `choices`.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        choices: The texts that are accepted.
 
     Raises:
         ValueError: If it is not; the message lists the choices and suggests the nearest.
@@ -122,7 +132,7 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
 
 
 def nearest(word: str, choices: Sequence[str]) -> str:
-    """The end of a message about a mistyped word: "; did you mean `x`?", or "" if nothing comes near."""
+    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if none of the `choices` comes near."""
     import difflib
 
     by_plain = {_plain(choice): choice for choice in choices}

@@ -2,7 +2,8 @@
 
 Every point of the robot is the center of mass plus a fixed combination of the links' directions:
 
-    r = p + sum_i b_i t_i,    r' = p' + sum_i b_i theta_i' n_i,    t_i = (cos theta_i, sin theta_i), n_i = (-sin theta_i, cos theta_i)
+    r = p + sum_i b_i t_i,                t_i = (cos theta_i, sin theta_i)
+    r' = p' + sum_i b_i theta_i' n_i,     n_i = (-sin theta_i, cos theta_i)
 
 so a robot is a few rows of levers b [m], and positions and velocities use the same rows. Links are numbered tail
 first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
@@ -294,7 +295,9 @@ def _offset_rates(
 # A wrong last axis would broadcast silently to a wrong answer, so the two checks below stand at every public door.
 
 
-def _columns(name: str, values: Float[np.ndarray, "*batch columns"], n_links: int) -> Float[np.ndarray, "*batch columns"]:
+def _columns(
+    name: str, values: Float[np.ndarray, "*batch columns"], n_links: int
+) -> Float[np.ndarray, "*batch columns"]:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != n_links:
         raise ValueError(f"`{name}` must have {n_links} columns, one per link of the robot, got shape {array.shape}.")

@@ -18,9 +18,6 @@ Sources: (1) and (2) of the paper; Kirchhoff's equations (Lamb, Hydrodynamics, 6
 edge Lighthill, Large-amplitude elongated-body theory of fish locomotion, Proc. R. Soc. Lond. B 179 (1971) 125-138.
 """
 
-# The matrices keep the capital letters of the paper.
-# ruff: noqa: N806
-
 from dataclasses import dataclass, field, fields
 from typing import Literal, NamedTuple, get_args
 
@@ -179,13 +176,13 @@ def matrices(theta: Links, theta_rate: Links, chain: Chain, options: Options) ->
     E = _both(np.ones(n))
     Kbar, Vbar = _constant_matrices(chain)
 
-    Gamma: StackedSquare = np.block(
+    Gamma = np.block(
         [[mu_n @ S @ S + mu_t @ C @ C, (mu_t - mu_n) @ S @ C], [(mu_t - mu_n) @ S @ C, mu_n @ C @ C + mu_t @ S @ S]]
     )
-    N2: StackedSquare = np.block(
+    N2 = np.block(
         [[(mu_n - mu_t) @ S @ C, mu_n @ S @ S + mu_t @ C @ C], [-mu_n @ C @ C - mu_t @ S @ S, (mu_t - mu_n) @ S @ C]]
     )
-    M_p = np.linalg.inv(np.sum(chain.mass) * np.eye(2) + E.T @ Gamma @ E)
+    M_p = np.linalg.inv(float(np.sum(chain.mass)) * np.eye(2) + E.T @ Gamma @ E)
     Q = np.hstack([-S @ Kbar, C @ Kbar]) @ (np.eye(2 * n) - Gamma @ E @ M_p @ E.T)
 
     J, Lambda_1 = np.diag(chain.inertia), np.diag(chain.lambda_1)

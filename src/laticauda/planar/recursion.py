@@ -289,12 +289,11 @@ def added_mass_velocity_terms(S, b, k):
 
 @njit(**OPTIONS)
 @no_type_check
-def own_bias(S, b, k):
-    """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
+def own_drag(S, b, k):
+    """Drag of the body itself, link axes, and its moment about the tail end."""
     rate = S[(b + LINK_RATE) * W + k]
     x = S[(b + CENTER) * W + k]
-    f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
-    drag_t, drag_n, tau = law(
+    f_t, f_n, tau = law(
         S[(b + V_T) * W + k],
         S[(b + V_N) * W + k] + x * rate,
         rate,
@@ -306,9 +305,19 @@ def own_bias(S, b, k):
         S[LINEAR * W + k],
         S[QUADRATIC * W + k],
     )
+    return f_t, f_n, tau + x * f_n
+
+
+@njit(**OPTIONS)
+@no_type_check
+def own_bias(S, b, k):
+    """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
+    rate = S[(b + LINK_RATE) * W + k]
+    f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
+    drag_t, drag_n, drag_moment = own_drag(S, b, k)
     f_t += drag_t + S[(b + EXTRA_T) * W + k] + S[(b + CENTRIPETAL) * W + k] * rate * rate
     f_n += drag_n + S[(b + EXTRA_N) * W + k]
-    moment += tau + x * drag_n + S[(b + EXTRA_MOMENT) * W + k]
+    moment += drag_moment + S[(b + EXTRA_MOMENT) * W + k]
     c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
     return -moment, s * f_n - c * f_t, -(s * f_t + c * f_n)
 
@@ -410,3 +419,56 @@ def outward(S, n, is_free):
             c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
             S[AX * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + QX) * W + k] - spin_arm * s - pull * c
             S[AY * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + QY) * W + k] + spin_arm * c - pull * s
+
+
+@njit(**OPTIONS)
+@no_type_check
+def body_forces(S, n, first_strip, force):
+    """Drag, added-mass and effector force on every body, world axes, once the accelerations are known."""
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        for k in range(W):
+            put_force(S, b, k, force[2, i], S[(b + EXTRA_T) * W + k], S[(b + EXTRA_N) * W + k])
+            f_t, f_n = added_mass_force(S, b, k)
+            put_force(S, b, k, force[1, i], f_t, f_n)
+            f_t, f_n, _ = own_drag(S, b, k)
+            put_force(S, b, k, force[0, i], f_t, f_n)
+        # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag.
+        for k in range(W):
+            S[(b + EXTRA_T) * W + k] = 0.0
+            S[(b + EXTRA_N) * W + k] = 0.0
+        for e in range(first_strip[i], first_strip[i + 1]):
+            strip_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
+        for k in range(W):
+            c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+            f_x = c * S[(b + EXTRA_T) * W + k] - s * S[(b + EXTRA_N) * W + k]
+            f_y = s * S[(b + EXTRA_T) * W + k] + c * S[(b + EXTRA_N) * W + k]
+            force[0, i, 0, k] += f_x
+            force[0, i, 1, k] += f_y
+            force[2, i, 0, k] -= f_x
+            force[2, i, 1, k] -= f_y
+
+
+@njit(**OPTIONS)
+@no_type_check
+def put_force(S, b, k, force, f_t, f_n):
+    """Store a force given in link axes of body b in world axes."""
+    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+    force[0, k] = c * f_t - s * f_n
+    force[1, k] = s * f_t + c * f_n
+
+
+@njit(**OPTIONS)
+@no_type_check
+def added_mass_force(S, b, k):
+    """The whole added-mass force on body b, link axes: what its acceleration and its velocity call for."""
+    f_t, f_n, _ = added_mass_velocity_terms(S, b, k)
+    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
+    rate = S[(b + LINK_RATE) * W + k]
+    a_t = c * S[(b + QX) * W + k] + s * S[(b + QY) * W + k]
+    a_n = c * S[(b + QY) * W + k] - s * S[(b + QX) * W + k]
+    # In all forms but the classic one the centripetal part along the body cancels.
+    left = (1.0 - S[OWN_VELOCITY * W + k]) * S[(b + MOMENT_T) * W + k] * rate * rate
+    f_t += left - S[(b + MU_T) * W + k] * a_t
+    f_n -= S[(b + MU_N) * W + k] * a_n + S[(b + MOMENT_N) * W + k] * S[(b + LINK_ACCELERATION) * W + k]
+    return f_t, f_n

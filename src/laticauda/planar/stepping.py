@@ -24,7 +24,7 @@ W = _names["WIDTH"]
 _recursion = _names["recursion"]
 OPTIONS = _recursion.OPTIONS
 accelerations = _recursion.accelerations
-added_mass_velocity_terms = _recursion.added_mass_velocity_terms
+body_forces = _recursion.body_forces
 sincos = _recursion.sincos
 magnitude = compiled(fluid_laws.magnitude, OPTIONS)
 filter_step = compiled(reference.filter_step, OPTIONS)
@@ -79,6 +79,22 @@ def evaluate(S, n, first_strip, first_plate, law, tether_body, has_extras):
     set_reference(S, n, law)
     joint_torques(S, n, law, 0.0)
     accelerations(S, n, first_strip, first_plate, law >= FIRST_FREE, tether_body, has_extras)
+
+
+@cached(__name__, OPTIONS)
+@no_type_check
+def link_forces(S, n, first_strip, first_plate, law, tether_body, has_extras, log, force):
+    """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
+
+    `force` has shape (n_samples, 3, n, 2, W).
+    """
+    is_free = law >= FIRST_FREE
+    for sample in range(len(log)):
+        read_sample(S, n, log[sample])
+        set_reference(S, n, law)
+        joint_torques(S, n, law, 0.0)
+        accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+        body_forces(S, n, first_strip, force[sample])
 
 
 # --- the reference --------------------------------------------------------------------------------------------------
@@ -388,6 +404,20 @@ def write_sample(S, n, sample):
             sample[LOG_STATE + joints + i, k] = S[(b + RATE) * W + k]
             sample[LOG_STATE + 2 * joints + i, k] = S[(b + REFERENCE) * W + k]
             sample[LOG_STATE + 3 * joints + i, k] = S[(b + TORQUE) * W + k]
+
+
+@njit(**OPTIONS)
+@no_type_check
+def read_sample(S, n, sample):
+    """Set the state from a sample."""
+    joints = n - 1
+    for k in range(W):
+        for r in range(LOG_STATE):
+            S[(TIME + r) * W + k] = sample[r, k]
+        for i in range(joints):
+            b = HEADER_ROWS + (i + 1) * BODY_ROWS
+            S[(b + ANGLE) * W + k] = sample[LOG_STATE + i, k]
+            S[(b + RATE) * W + k] = sample[LOG_STATE + joints + i, k]
 
 
 @njit(**OPTIONS)

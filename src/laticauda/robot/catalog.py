@@ -45,7 +45,10 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
 
 
 def load_water(name_or_path: str | Path) -> Water:
-    """Load water by a preset's name (`water_names` lists them) or the path of a TOML file.
+    """Load water.
+
+    Args:
+        name_or_path: A preset's name (`water_names` lists them), or the path of a TOML file.
 
     Raises:
         RobotFileError: If there is no such water (`RobotNotFound`), or its file is wrong.
@@ -58,7 +61,10 @@ def load_water(name_or_path: str | Path) -> Water:
 
 
 def load_ground(name_or_path: str | Path) -> Ground:
-    """Load ground by a preset's name (`ground_names` lists them) or the path of a TOML file.
+    """Load ground.
+
+    Args:
+        name_or_path: A preset's name (`ground_names` lists them), or the path of a TOML file.
 
     Raises:
         RobotFileError: If there is no such ground (`RobotNotFound`), or its file is wrong.

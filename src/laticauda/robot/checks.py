@@ -1,7 +1,7 @@
 """Checks that the dataclasses of this package share, on top of those of `laticauda.errors`."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 from laticauda.errors import finite
 
@@ -36,7 +36,7 @@ def items(name: str, value: object, kind: type) -> tuple[Any, ...]:
     """
     if not isinstance(value, list | tuple):
         raise ValueError(f"`{name}` must be a tuple of {kind.__name__}, got {type(value).__name__}.")
-    found: Sequence[object] = tuple(value)  # pyright: ignore[reportUnknownArgumentType,reportUnknownVariableType]
+    found = cast("Sequence[object]", value)
     for i, item in enumerate(found):
         instance(f"{name}[{i}]", item, kind)
     return tuple(found)
@@ -45,7 +45,7 @@ def items(name: str, value: object, kind: type) -> tuple[Any, ...]:
 def instance(name: str, value: object, kind: type) -> None:
     """Refuse a `value` that is no `kind`."""
     if not isinstance(value, kind):
-        raise ValueError(f"`{name}` must be a {kind.__name__}, got {type(value).__name__}.")
+        raise ValueError(f"`{name}` must be of class {kind.__name__}, got {type(value).__name__}.")
 
 
 def pair(name: str, value: object, unit: str) -> tuple[float, float]:

@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def summary(robot: Robot) -> dict[str, str | int | float | bool]:
-    """The main facts of a robot by name: links, joints, length [m], mass [kg], fin, description."""
+    """The main facts of `robot` by name: links, joints, length [m], mass [kg], fin, description."""
     return {
         "name": robot.name,
         "n_links": robot.n_links,
@@ -31,12 +31,12 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
 
 
 def summary_rows(names: Iterable[str] | None = None) -> list[dict[str, str | int | float | bool]]:
-    """`summary` of robots by name or path; of all presets by default."""
+    """`summary` of the robots with these `names` (or paths); None for all presets."""
     return [summary(load_robot(name)) for name in (robot_names() if names is None else names)]
 
 
 def summary_table(names: Iterable[str] | None = None) -> str:
-    """`summary_rows` as an aligned table."""
+    """`summary_rows` of `names` as an aligned table, a robot a line."""
     rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
     for found in summary_rows(names):
         rows.append((
@@ -52,7 +52,7 @@ def summary_table(names: Iterable[str] | None = None) -> str:
 
 
 def describe(thing: Robot | Water | Ground) -> str:
-    """All that is known of a robot, a water or a ground, one fact a line."""
+    """All that is known of `thing`, a robot, a water or a ground: one fact a line, like facts aligned."""
     if isinstance(thing, Robot):
         rows = _robot_rows(thing)
     elif isinstance(thing, Water):
@@ -155,7 +155,12 @@ def _fin(fin: CaudalFin) -> str:
 
 
 def _water_rows(water: Water) -> list[Row]:
-    drag = [word for word, on in (("linear", water.linear_drag), ("quadratic", water.quadratic_drag)) if on]
+    drag = {
+        (True, True): f"linear and quadratic, equal at {water.reference_speed:g} m/s",
+        (True, False): f"linear only, reference speed {water.reference_speed:g} m/s",
+        (False, True): "quadratic only",
+        (False, False): "none",
+    }[water.linear_drag, water.quadratic_drag]
     return [
         ("water", water.name),
         ("density", f"{water.density:g} kg/m^3"),
@@ -164,7 +169,7 @@ def _water_rows(water: Water) -> list[Row]:
         ("added_mass", f"{water.added_mass:g}, form {water.added_mass_form}"),
         ("added_inertia", f"{water.added_inertia:g}, rotational form {water.rotational}"),
         ("tangential_added_mass", f"{water.tangential_added_mass:g}"),
-        ("drag", (" and ".join(drag) or "none") + f", equal at {water.reference_speed:g} m/s"),
+        ("drag", drag),
         ("trailing_edge", water.trailing_edge),
         ("current", f"({water.current[0]:g}, {water.current[1]:g}) m/s"),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),

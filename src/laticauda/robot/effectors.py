@@ -15,8 +15,8 @@ from laticauda.robot.checks import pair, put, settle, settle_required
 class CaudalFin:
     """A flat, thin, upright plate behind the tail end of link 0, stiffly in line with it.
 
-    The models cut it into strips of equal length. Between its root and the first strip there may be an opening, which
-    has mass but no area. A coefficient that is None is the water's. The defaults are Mamba's fin.
+    The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient that
+    is None is the water's. The defaults are Mamba's fin.
     """
 
     length: float = 0.5
@@ -30,7 +30,7 @@ class CaudalFin:
     thickness: float = 0.005
     """Thickness, which counts for the mass only [m]."""
     n_strips: int = 8
-    """Number of strips [-]."""
+    """Number of strips of equal length behind the opening, or behind where it would be [-]."""
     tangential_friction: float | None = None
     """C_f,fin, on both faces, or None for the water's [-]."""
     normal_drag: float | None = None
@@ -61,16 +61,6 @@ class CaudalFin:
     def mass(self) -> float:
         """Mass, opening included [kg]."""
         return self.density * self.volume
-
-    @property
-    def strip_start(self) -> float:
-        """Distance from the root to the first strip [m]."""
-        return self.opening_length if self.opening == "open" else 0.0
-
-    @property
-    def strip_length(self) -> float:
-        """Length d of a strip [m]."""
-        return (self.length - self.strip_start) / self.n_strips
 
 
 @dataclass(frozen=True, kw_only=True)

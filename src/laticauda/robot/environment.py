@@ -103,6 +103,10 @@ Environment: TypeAlias = Water | Ground
 def check_fits(robot: Robot, environment: Environment) -> None:
     """Refuse a robot and an environment that are both fine but do not go together.
 
+    Args:
+        robot: What swims.
+        environment: What it swims in.
+
     Raises:
         ValueError: If the water's depth leaves part of the body or of the fin above the surface.
     """

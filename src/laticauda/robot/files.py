@@ -1,20 +1,20 @@
 """TOML files of robots, waters and grounds.
 
-A file says first what it is: ``kind = "robot"``, ``"water"`` or ``"ground"``. The other keys are the fields of the class of
-that name, in the same units (lengths in m, angles in rad), and four things keep a file short:
+A file says first what it is: ``kind = "robot"``, ``"water"`` or ``"ground"``. The other keys are the fields of the
+class of that name, in the same units (lengths in m, angles in rad), and four things keep a file short:
 
 - an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
 - an entry of ``modules`` or ``joints`` may have a ``count``;
 - the ``axis`` of a joint entry may be a list, which its joints go through again and again: ``count = 18`` and
   ``axis = ["yaw", "pitch"]`` are 18 joints in turn about the two axes;
-- ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a preset or
-  from another file (a path relative to this one).
+- ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a
+  preset or from another file (a path relative to this one).
 """
 
 import tomllib
 from os import sep
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar, cast, overload
+from typing import Any, TypeAlias, TypeVar, overload
 
 from laticauda.errors import RobotFileError, nearest
 from laticauda.robot.environment import Ground, Water
@@ -35,7 +35,17 @@ class RobotNotFound(RobotFileError, FileNotFoundError):
 
 
 def to_toml(thing: Described) -> str:
-    """The TOML text of a robot, water or ground; ``from_toml(to_toml(x)) == x``, exactly."""
+    """Write a robot, water or ground as TOML.
+
+    Args:
+        thing: The `Robot`, `Water` or `Ground`.
+
+    Returns:
+        The text; ``from_toml(to_toml(thing)) == thing`` holds exactly.
+
+    Raises:
+        ValueError: If `thing` is none of the three.
+    """
     import tomli_w
 
     if not isinstance(thing, tuple(KINDS.values())):
@@ -152,9 +162,7 @@ def _kind(table: Table, shown: str, expected: type[Described] | None) -> type[De
     return found
 
 
-def _inherited(
-    base: object, shown: str, path: Path | None, kind: type[Described], parents: tuple[Path, ...]
-) -> Table:
+def _inherited(base: object, shown: str, path: Path | None, kind: type[Described], parents: tuple[Path, ...]) -> Table:
     """The keys that a file takes from the one it extends, which must be sound by itself."""
     if not isinstance(base, str):
         raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
@@ -173,6 +181,6 @@ def _inherited(
 
 def _build(kind: type[Described], table: Table, shown: str) -> Described:
     try:
-        return cast("Described", decode(kind, table))
+        return decode(kind, table)
     except BadKey as error:
         raise RobotFileError(f"{shown}: key `{error.key}`: {error.rule}") from None

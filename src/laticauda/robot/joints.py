@@ -24,7 +24,7 @@ class Actuator:
     assumption: full duty at an error of 10 deg.
 
     References:
-        [1] "HSR Serial Communication", table "Hitec Robot Servos" of 2007-09-23, as copied at scribd.com/document/317975179.
+        [1] "HSR Serial Communication", table "Hitec Robot Servos" of 2007-09-23, scribd.com/document/317975179.
         [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
     """
 

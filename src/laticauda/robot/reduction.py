@@ -48,8 +48,8 @@ def _check_alike(modules: Sequence[Module], first: int, other: int) -> None:
     for name in ("section", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
         if getattr(modules[first], name) != getattr(modules[other], name):
             raise ValueError(
-                f"`modules[{other}].{name}` must equal that of `modules[{first}]`, because a pitch joint makes them one "
-                f"link of the planar model, got {getattr(modules[other], name)}."
+                f"`modules[{other}].{name}` must equal that of `modules[{first}]`, because a pitch joint makes them "
+                f"one link of the planar model, got {getattr(modules[other], name)}."
             )
 
 

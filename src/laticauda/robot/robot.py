@@ -1,7 +1,7 @@
 """`Robot`: everything about what swims. Bodies and joints are counted from the tail."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from laticauda.errors import not_negative, whole
@@ -35,7 +35,7 @@ class Robot:
     """Thrusters, in any order."""
     pectoral_fins: tuple[PectoralFin, ...] = ()
     """Pectoral fins, in any order."""
-    tether: Tether = Tether()
+    tether: Tether = field(default_factory=Tether)
     """The cable at the tail end."""
     electronics_power: float = 0.0
     """What the robot draws at rest besides its actuators' idle current [W]."""
@@ -87,12 +87,14 @@ class Robot:
     @property
     def mass(self) -> float:
         """Mass with the fin [kg]."""
-        return math.fsum(module.mass for module in self.modules) + (self.caudal_fin.mass if self.caudal_fin else 0.0)
+        fin = self.caudal_fin.mass if self.caudal_fin else 0.0
+        return math.fsum(module.mass for module in self.modules) + fin
 
     @property
     def volume(self) -> float:
         """Displaced volume with the fin [m^3]."""
-        return math.fsum(module.volume for module in self.modules) + (self.caudal_fin.volume if self.caudal_fin else 0.0)
+        fin = self.caudal_fin.volume if self.caudal_fin else 0.0
+        return math.fsum(module.volume for module in self.modules) + fin
 
     @property
     def idle_power(self) -> float:
@@ -123,6 +125,9 @@ class Robot:
 
     def with_links(self, n_links: int) -> "Robot":
         """The same robot with another number of links.
+
+        Args:
+            n_links: The number of links to have; effectors stay on the links that they are on.
 
         Raises:
             ValueError: If its modules or its joints are not all alike, or `n_links` is no whole number >= 1.

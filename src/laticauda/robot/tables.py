@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from itertools import groupby
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 from laticauda.errors import finite, nearest
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
@@ -75,14 +75,13 @@ def decode(kind: type[T], table: object, path: str = "") -> T:
     return _make(kind, values, entries, path)
 
 
-def _check_keys(
-    kind: type, entries: Table, known: Mapping[str, Field[Any]], angles: Sequence[str], path: str
-) -> None:
+def _check_keys(kind: type, entries: Table, known: Mapping[str, Field[Any]], angles: Sequence[str], path: str) -> None:
     """Refuse unknown keys, angles given twice, and missing keys."""
     allowed = [*known, *(f"{name}_deg" for name in angles)]
     for key in entries:
         if key not in allowed:
-            raise BadKey(_join(path, key), f"is not known{nearest(key, allowed) or f'; there are {", ".join(allowed)}'}")
+            hint = nearest(key, allowed) or f"; the keys here are {', '.join(allowed)}"
+            raise BadKey(_join(path, key), f"is not known{hint}")
     for name in angles:
         if name in entries and f"{name}_deg" in entries:
             raise BadKey(_join(path, f"{name}_deg"), f"must not be given beside `{name}`, which says the same in rad")
@@ -107,10 +106,10 @@ def _make(kind: type[T], values: Table, entries: Table, path: str) -> T:
 
 
 def _decode_list(kind: type, value: object, path: str) -> tuple[Any, ...]:
-    if not isinstance(value, list):
+    entries = _list(value)
+    if entries is None:
         raise BadKey(path, f"must be a list of tables, got {_shown(value)}")
     found: list[Any] = []
-    entries: list[object] = value  # pyright: ignore[reportUnknownVariableType]
     for i, entry in enumerate(entries):
         where = f"{path}[{i}]"
         if kind in COUNTED:
@@ -123,16 +122,15 @@ def _decode_list(kind: type, value: object, path: str) -> tuple[Any, ...]:
 def _decode_counted(kind: type, entry: Table, path: str) -> list[Any]:
     """The objects that one entry with a `count`, and perhaps a list of axes, stands for."""
     entry = dict(entry)
-    axes: Any = entry.get("axis")
-    several = kind is Joint and isinstance(axes, list)
-    count: Any = entry.pop("count", len(axes) if several else 1)
+    axes = _list(entry.get("axis")) if kind is Joint else None
+    count: Any = entry.pop("count", 1 if axes is None else len(axes))
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COUNTED:
         raise BadKey(_join(path, "count"), f"must be a whole number from 1 to {MOST_COUNTED}, got {_shown(count)}")
-    if not several:
+    if axes is None:
         return [decode(kind, entry, path)] * count
     if not 1 <= len(axes) <= count:
         raise BadKey(_join(path, "axis"), f"must be a text or a list of 1 to `count` = {count} texts, got {len(axes)}")
-    distinct = [decode(kind, {**entry, "axis": axis}, path) for axis in axes]
+    distinct: list[Any] = [decode(kind, {**entry, "axis": axis}, path) for axis in axes]
     return [distinct[i % len(distinct)] for i in range(count)]
 
 
@@ -143,10 +141,14 @@ def _radians(value: object, path: str) -> float:
         raise BadKey(path, str(error).removeprefix(f"`{path}` ").removesuffix(".")) from error
 
 
+def _list(value: object) -> list[Any] | None:
+    return cast("list[Any]", value) if isinstance(value, list) else None
+
+
 def _table(value: object, path: str) -> Table:
     if not isinstance(value, dict):
         raise BadKey(path, f"must be a table, got {_shown(value)}")
-    return value  # pyright: ignore[reportUnknownVariableType]
+    return cast("Table", value)
 
 
 def _join(path: str, key: str) -> str:
@@ -170,7 +172,7 @@ def encode(thing: object) -> Table:
     table: Table = {}
     for field in fields(thing):
         value: Any = getattr(thing, field.name)
-        if value == field.default and (not value or isinstance(value, Tether)):
+        if value == Tether() or (value == field.default and not value):
             continue
         if field.name in angles:
             _put_angle(table, field.name, value)

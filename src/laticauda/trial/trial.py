@@ -3,8 +3,6 @@
 It holds what was sampled and under which settings; the figures of the run are properties, defined in `metrics`.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import datetime
 import math
@@ -18,13 +16,13 @@ from jaxtyping import Float, Shaped
 
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.trial import metrics
+from laticauda.trial import contents, metrics
+from laticauda.trial.contents import Setting
 from laticauda.trial.cycles import CycleMean, cycle_mean
 
 if TYPE_CHECKING:
     import xarray
 
-Setting = str | float | int | bool | None
 Samples = Float[np.ndarray, " n_samples"]
 Plane = Float[np.ndarray, "n_samples n_axes"]
 Links = Float[np.ndarray, "n_samples n_links"]
@@ -99,14 +97,14 @@ class Trial:
 
     def __post_init__(self) -> None:
         """Check and freeze every array once."""
-        time = _floats("time", self.time, (None,))
+        time = contents.floats("time", self.time, (None,))
         n = time.size
         if n < 1:
             raise ValueError("`time` must have at least 1 sample, got 0.")
         if not np.all(np.diff(time) > 0.0):
             at = int(np.argmin(np.diff(time) > 0.0)) + 1
             raise ValueError(f"`time` must increase strictly, got {time[at - 1]} s and then {time[at]} s.")
-        center_of_mass = _floats("center_of_mass", self.center_of_mass, (n, None))
+        center_of_mass = contents.floats("center_of_mass", self.center_of_mass, (n, None))
         n_axes = center_of_mass.shape[1]
         if n_axes not in (2, 3):
             raise ValueError(f"`center_of_mass` must have 2 or 3 columns, got {n_axes}.")
@@ -126,10 +124,14 @@ class Trial:
         if self.electrical_work is not None:
             shapes["electrical_work"] = (n,)
         clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
-        clean |= {name: _floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
-        clean["link_force"] = _forces(self.link_force, (n, n_links, n_axes))
-        clean["settings"] = {_name("settings", key): _setting(key, value) for key, value in self.settings.items()}
-        clean["state"] = {_name("state", key): _state_array(key, value) for key, value in self.state.items()}
+        clean |= {name: contents.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
+        clean["link_force"] = contents.forces(self.link_force, (n, n_links, n_axes))
+        clean["settings"] = {
+            contents.key("settings", key): contents.setting(key, value) for key, value in self.settings.items()
+        }
+        clean["state"] = {
+            contents.key("state", key): contents.state_array(key, value) for key, value in self.state.items()
+        }
         for name, value in clean.items():
             object.__setattr__(self, name, value)
 
@@ -288,7 +290,7 @@ class Trial:
 
     @cached_property
     def strouhal_number(self) -> float:
-        """f A / U of the trailing edge over the steady part [-].
+        """Strouhal number f A / U of the trailing edge over the steady part [-].
 
         Raises:
             ValueError: If there is no gait, the run is too short, or the robot stands still.
@@ -316,7 +318,7 @@ class Trial:
 
         write_csv(self, path)
 
-    def to_dataset(self) -> xarray.Dataset:
+    def to_dataset(self) -> "xarray.Dataset":
         """The trial as an xarray Dataset: dimensions, units and names as in its file."""
         from laticauda.trial.files import to_dataset
 
@@ -327,7 +329,7 @@ class Trial:
         if not isinstance(other, Trial):
             return False
         names = (field.name for field in dataclasses.fields(self))
-        return all(_same(getattr(self, name), getattr(other, name)) for name in names)
+        return all(contents.same(getattr(self, name), getattr(other, name)) for name in names)
 
     # ---- inside --------------------------------------------------------------------------------------------------
 
@@ -353,63 +355,3 @@ class Trial:
         if isinstance(self.environment, Ground):
             raise ValueError(f"The environment must be water for {figure}; on ground there is none.")
         return self.environment
-
-
-def _floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
-    """`values` as a read-only float64 array of that shape; None stands for any length."""
-    try:
-        array = np.asarray(values, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        raise ValueError(f"`{name}` must be an array of numbers, got {type(values).__name__}.") from None
-    wanted = tuple("any" if n is None else str(n) for n in shape)
-    if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"`{name}` must have shape ({', '.join(wanted)}), got {array.shape}.")
-    if not np.all(np.isfinite(array)):
-        row = int(np.argwhere(~np.isfinite(array))[0][0])
-        raise ValueError(f"`{name}` must hold finite numbers only, got {array[row]} at sample {row}.")
-    return _read_only(array, values)
-
-
-def _read_only(array: np.ndarray, values: object) -> np.ndarray:
-    # Its maker must not change it later, nor find it locked: hence a copy, unless nobody can write to it anyway.
-    if array.flags.writeable and (array is values or not array.flags.owndata):
-        array = array.copy()
-    array.flags.writeable = False
-    return array
-
-
-def _forces(
-    forces: Mapping[str, np.ndarray] | None, shape: tuple[int, ...]
-) -> dict[str, Float[np.ndarray, "n_samples n_links n_axes"]] | None:
-    if forces is None:
-        return None
-    return {_name("link_force", key): _floats(f"link_force[{key!r}]", value, shape) for key, value in forces.items()}
-
-
-def _name(field: str, key: object) -> str:
-    if not isinstance(key, str) or not key.isidentifier():
-        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {key!r}.")
-    return key
-
-
-def _setting(key: str, value: object) -> Setting:
-    value = value.item() if isinstance(value, np.generic) else value
-    if value is None or isinstance(value, str | float | int):
-        return value
-    raise ValueError(f"`settings[{key!r}]` must be a text, number, truth value or None, got {type(value).__name__}.")
-
-
-def _state_array(key: str, value: object) -> np.ndarray:
-    array = np.asarray(value)
-    array = array.astype(array.dtype.newbyteorder("="), order="C", copy=False)
-    if array.dtype.kind not in "biuf" or array.dtype.itemsize not in (1, 2, 4, 8) or array.dtype == np.float16:
-        raise ValueError(f"`state[{key!r}]` must be an array of numbers or truth values, got {array.dtype}.")
-    return _read_only(array, value)
-
-
-def _same(one: object, other: object) -> bool:
-    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
-        return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
-    return type(one) is type(other) and bool(one == other)

@@ -1,0 +1,76 @@
+# Every target does its own set-up: only Python 3.11 or newer, make and a network to the package index are needed.
+# `make PYTHON=python3.12 test` takes another interpreter for the set-up.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# Two workers are enough for the time budget, and leave room on a small machine.
+WORKERS ?= 2
+
+# Marks of what is installed: made anew when pyproject.toml changes.
+PACKAGE := $(VENV)/.package
+DEV := $(VENV)/.dev
+DOCS := $(VENV)/.docs
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: help setup swim test check lint types contracts pytest docs bench campaigns clean
+.DEFAULT_GOAL := help
+
+help:  ## Say what there is (the default)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+$(PACKAGE): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "laticauda needs Python 3.11 or newer, \
+	this is " + sys.version.split()[0] + "; try: make PYTHON=python3.11")'
+	@echo "Installing laticauda into $(VENV) ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { rm -rf $(VENV); exit 1; }
+	@$(PIP) install --upgrade pip
+	@$(PIP) install --editable .
+	@touch $@
+
+$(DEV): $(PACKAGE)
+	@echo "Installing the developers' tools into $(VENV) ..."
+	@$(PIP) install --group dev
+	@touch $@
+
+$(DOCS): $(PACKAGE)
+	@echo "Installing the documentation's tools into $(VENV) ..."
+	@$(PIP) install --group docs
+	@touch $@
+
+setup: $(DEV)  ## Install the package and the developers' tools into .venv
+
+swim: $(PACKAGE)  ## Mamba's lateral undulation trial, beside what was measured
+	@$(BIN)/laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 \
+	--phase-shift-deg 40 --duration 30
+
+test: lint types contracts pytest  ## Everything that CI runs
+
+check: test  ## The same as test
+
+lint: $(DEV)  ## Style and format
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check --quiet . || { echo "Not formatted: run .venv/bin/ruff format ."; exit 1; }
+
+types: $(DEV)  ## Types, strictly
+	@$(BIN)/pyright
+
+contracts: $(DEV)  ## Imports point down the layers only
+	@$(BIN)/lint-imports --no-logo
+
+# The tests contain the code of the README and of the docs, and the examples.
+pytest: $(DEV)
+	@$(BIN)/pytest -n $(WORKERS) --dist worksteal
+
+docs: $(DOCS)  ## Build the documentation into site/
+	@$(BIN)/zensical build --clean --strict
+
+bench: $(PACKAGE)  ## Speed, one script per question
+	@for script in benchmarks/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+campaigns: $(DEV)  ## What is too long for every commit
+	@for script in campaigns/[a-z]*.py; do [ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+clean:  ## Remove everything that was made here
+	rm -rf $(VENV) site out build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -prune -exec rm -rf {} +

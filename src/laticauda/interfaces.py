@@ -1,0 +1,107 @@
+"""What bodies and brains agree on: the planar model, the 3D twin and the robot in the tank are all a `Plant`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.gaits import Gait
+from laticauda.robot import Environment, Robot
+
+State = TypeVar("State")
+Log = dict[str, np.ndarray]
+"""Samples by the names of `Trial`'s fields, time first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """What is asked of a plant until the next control instant."""
+
+    gait: Gait
+    """The gait; its own offset counts too."""
+    offset: float = 0.0
+    """phi_0 that steering adds to the gait's offset; positive turns left [rad]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observation:
+    """What can be seen of a plant at one instant, world axes, tail first."""
+
+    time: float
+    """[s]."""
+    center_of_mass: Float[np.ndarray, " n_axes"]
+    """[m]."""
+    center_of_mass_velocity: Float[np.ndarray, " n_axes"]
+    """[m/s]."""
+    heading: float
+    """Mean link angle (6), unwrapped [rad]."""
+    heading_rate: float
+    """[rad/s]."""
+    link_angle: Float[np.ndarray, " n_links"]
+    """theta [rad]."""
+    joint_angle: Float[np.ndarray, " n_joints"]
+    """phi [rad]."""
+    joint_rate: Float[np.ndarray, " n_joints"]
+    """phi' [rad/s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Where a run begins: straight, at rest."""
+
+    center_of_mass: tuple[float, float] = (0.0, 0.0)
+    """[m]."""
+    heading: float = 0.0
+    """[rad]."""
+
+
+class Plant(Protocol[State]):
+    """A body in the water. Its state is a value: the same state and command always give the same next state."""
+
+    @property
+    def robot(self) -> Robot:
+        """What swims."""
+        ...
+
+    @property
+    def environment(self) -> Environment:
+        """Where it swims."""
+        ...
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """How the plant was made, for the Trial's record."""
+        ...
+
+    def init(self, start: Start, command: Command) -> State:
+        """The state at time 0."""
+        ...
+
+    def step(self, state: State, command: Command, dt: float) -> State:
+        """The state `dt` [s] later, under a command that is held."""
+        ...
+
+    def observe(self, state: State) -> Observation:
+        """What can be seen of a state."""
+        ...
+
+    def march(
+        self, state: State, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
+    ) -> tuple[State, Log, str | None]:
+        """Many steps at once under one command.
+
+        Returns:
+            The state after `duration` [s], the samples with both ends included, and a sentence that says what went
+            wrong, or None. A run that went wrong returns the samples up to then.
+        """
+        ...
+
+    def pack(self, state: State) -> dict[str, np.ndarray]:
+        """A state as arrays that can be stored."""
+        ...
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> State:
+        """The state back from `pack`."""
+        ...

@@ -1,0 +1,253 @@
+"""The closed-form planar model as a `Plant`."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import not_negative, one_of, positive
+from laticauda.fluid import laws
+from laticauda.interfaces import Command, Log, Observation, Start
+from laticauda.planar import rows
+from laticauda.planar.layout import JOINT_DRIVES, Layout, layout
+from laticauda.planar.specialize import FluidLaw, specialize
+from laticauda.robot import Environment, Ground, Robot, check_fits
+
+FORCES = ("drag", "added_mass", "effector")
+
+# Steps at which the trials of the paper are converged: prescribed joints to 3e-7 of the distance (RK4), driven joints to
+# 3e-5 (ROS2). `benchmarks/convergence.py` prints them.
+DEFAULT_DT = {"prescribed": 0.025, "pd": 0.002, "servo": 0.002}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlanarState:
+    """Everything that a run needs to go on: the header's state rows (time to work), then angle and rate per joint."""
+
+    values: Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlanarPlant:
+    """A robot in the plane: n links, joints prescribed, or driven by pd control or servos.
+
+    Raises:
+        ValueError: If a setting is out of its range, or robot and environment do not fit together.
+    """
+
+    robot: Robot
+    """What swims; modules with pitch joints are reduced to the plane."""
+    environment: Environment
+    """The water it swims in or the ground it crawls on."""
+    joints: str = "prescribed"
+    """prescribed, pd or servo."""
+    dt: float | None = None
+    """Largest time step; None takes a converged one [s]."""
+    offset_bandwidth: float = 10.0
+    """Of the filters in the reference generator [rad/s]."""
+    ramp: float | None = None
+    """T of the smooth start; None: 1 s for prescribed joints, none for the others [s]."""
+    fluid_law: FluidLaw | None = None
+    """Loads on one element; None takes the environment's own (`laticauda.fluid.laws`)."""
+    fin_as_links: bool = False
+    """Keep the fin's strips as links with locked joints; slower, with the same result."""
+
+    def __post_init__(self) -> None:
+        """Check every setting once and fill in what was left open."""
+        one_of("joints", self.joints, JOINT_DRIVES)
+        check_fits(self.robot, self.environment)
+        object.__setattr__(self, "robot", self.robot.planar())
+        if self.dt is None:
+            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
+        object.__setattr__(self, "dt", positive("dt", self.dt, "s"))
+        object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
+        ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
+        object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """How the plant was made, for the Trial's record."""
+        law = self.fluid_law
+        return {
+            "model": "planar",
+            "joints": self.joints,
+            "dt": self.dt,
+            "offset_bandwidth": self.offset_bandwidth,
+            "ramp": self.ramp,
+            "fluid_law": "built-in" if law is None else law.__name__,
+        }
+
+    @cached_property
+    def layout(self) -> Layout:
+        """The robot as the kernels see it."""
+        return layout(self.robot, self.environment, joints=self.joints, fin_as_links=self.fin_as_links)
+
+    @cached_property
+    def kernels(self) -> Any:
+        """The compiled kernels."""
+        law = self.fluid_law
+        if law is None:
+            dry = isinstance(self.environment, Ground) and self.environment.friction == "coulomb"
+            law = laws.coulomb_friction if dry else laws.polynomial_drag
+        return specialize(1, law)
+
+    def init(self, start: Start, command: Command) -> PlanarState:
+        """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
+        values = np.zeros(rows.LOG_STATE + 2 * (self.layout.n_bodies - 1))
+        state = _header(values)
+        state[rows.HEADING] = start.heading
+        state[rows.X], state[rows.Y] = start.center_of_mass
+        state[rows.AMPLITUDE_NOW] = command.gait.amplitude
+        state[rows.FREQUENCY_NOW] = command.gait.frequency
+        state[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
+        return PlanarState(values=values)
+
+    def step(self, state: PlanarState, command: Command, dt: float) -> PlanarState:
+        """The state `dt` [s] later, under a command that is held."""
+        return self.march(state, command, dt, dt)[0]
+
+    def observe(self, state: PlanarState) -> Observation:
+        """What can be seen of a state."""
+        log = self._named(state.values[np.newaxis, :])
+        return Observation(**{name: value[0] for name, value in log.items()})
+
+    def march(
+        self,
+        state: PlanarState,
+        command: Command,
+        duration: float,
+        sample_interval: float,
+        *,
+        link_forces: bool = False,
+    ) -> tuple[PlanarState, Log, str | None]:
+        """Many steps at once under one command; see `Plant.march`."""
+        assert self.dt is not None
+        n_intervals = max(1, round(duration / sample_interval))
+        every = max(1, math.ceil(duration / n_intervals / self.dt - 1e-9))
+        dt = duration / n_intervals / every
+        S = self._rows(state, command)
+        a = self.layout
+        chain = (a.n_bodies, a.first_strip, a.first_plate, a.law, a.tail_link, a.has_extras)
+        raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (a.n_bodies - 1), 1))
+        steps = n_intervals * every
+        written = self.kernels.run(S, *chain, self.joints != "prescribed", steps, dt, every, raw)
+        samples = raw[:written, :, 0]
+        if written <= n_intervals:
+            when = state.values[0] + written * duration / n_intervals
+            return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
+        log = self._log(samples)
+        if link_forces:
+            force = np.empty((len(samples), len(FORCES), a.n_bodies, 2, 1))
+            self.kernels.link_forces(self._rows(state, command), *chain, raw, force)
+            body = force[..., 0]
+            body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
+            log |= {f"force_{name}": body[:, i, a.tail_link :] for i, name in enumerate(FORCES)}
+        return PlanarState(values=samples[-1, : state.values.size].copy()), log, None
+
+    def pack(self, state: PlanarState) -> dict[str, np.ndarray]:
+        """A state as arrays that can be stored."""
+        return {"planar": state.values}
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> PlanarState:
+        """The state back from `pack`.
+
+        Raises:
+            ValueError: If the arrays do not come from a plant with as many links.
+        """
+        expected = rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
+        values = np.asarray(stored.get("planar", ()), dtype=float)
+        if values.shape != (expected,):
+            raise ValueError(
+                f"`state` must be that of a planar run of {self.robot.n_links} links ({expected} numbers), "
+                f"got {values.size} numbers."
+            )
+        return PlanarState(values=values)
+
+    def _rows(self, state: PlanarState, command: Command) -> np.ndarray:
+        """All rows: the layout's parameters, the command, the state."""
+        a, gait = self.layout, command.gait
+        S = a.template.copy()
+        S[rows.AMPLITUDE : rows.OFFSET + 1] = (
+            gait.amplitude,
+            gait.frequency,
+            gait.phase_shift,
+            gait.offset + command.offset,
+        )
+        S[rows.BANDWIDTH], S[rows.RAMP] = self.offset_bandwidth, self.ramp
+        S[rows.TIME : rows.TIME + rows.LOG_STATE] = state.values[: rows.LOG_STATE]
+        body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+        joints = state.values[rows.LOG_STATE :].reshape(2, -1)
+        body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
+        body[a.tail_link + 1 :, rows.ENVELOPE] = gait.joint_envelope(self.robot.n_links)
+        return S
+
+    def _named(self, samples: np.ndarray) -> Log:
+        """State rows by their names; the fin's locked joints are left out."""
+        head = _header(samples)
+        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
+        rate = samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints]
+        share = np.arange(self.robot.n_links - 1, 0, -1) / self.robot.n_links
+        tail = head[rows.HEADING] - angle @ share
+        links = np.concatenate((tail[:, np.newaxis], tail[:, np.newaxis] + np.cumsum(angle, axis=1)), axis=1)
+        return {
+            "time": head[rows.TIME],
+            "center_of_mass": samples[:, rows.X - rows.TIME : rows.Y - rows.TIME + 1],
+            "center_of_mass_velocity": samples[:, rows.VX - rows.TIME : rows.VY - rows.TIME + 1],
+            "heading": head[rows.HEADING],
+            "heading_rate": head[rows.HEADING_RATE],
+            "link_angle": links,
+            "joint_angle": angle,
+            "joint_rate": rate,
+        }
+
+    def _log(self, samples: np.ndarray) -> Log:
+        """Samples by the names of Trial's fields."""
+        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        first = rows.WORK_ABSOLUTE - rows.TIME
+        log = self._named(samples)
+        log["joint_angle_ref"] = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
+        log["work"] = samples[:, first : first + 3]
+        if self.joints == "servo":
+            log["electrical_work"] = samples[:, rows.WORK_ELECTRICAL - rows.TIME]
+        return log
+
+
+class _header:
+    """State rows of a state vector or of samples, addressed by their names in `rows`."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values = values
+
+    def __getitem__(self, row: int) -> np.ndarray:
+        return self.values[..., row - rows.TIME]
+
+    def __setitem__(self, row: int, value: float) -> None:
+        self.values[..., row - rows.TIME] = value
+
+
+def _stable_step(robot: Robot, environment: Environment) -> float:
+    """Step below which dry friction, regularized over eps, is not too stiff for an explicit treatment [s]."""
+    if isinstance(environment, Ground) and environment.friction == "coulomb":
+        steepest = max(environment.tangential, environment.normal) * environment.gravity
+        return environment.regularization_speed / steepest if steepest > 0.0 else math.inf
+    stiffest = max(environment.tangential, environment.normal) if isinstance(environment, Ground) else 0.0
+    return min(m.mass for m in robot.modules) / stiffest if stiffest > 0.0 else math.inf
+
+
+def _what_went_wrong(time: float, joints: str, dt: float) -> str:
+    """The sentence that a failed run ends with."""
+    remedy = {
+        "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
+        "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
+        "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
+    }[joints]
+    return (
+        f"The run diverged at t = {time:.3g} s (a position, angle or rate left the range of +-1e6) with dt = {dt:g} s; "
+        f"try {remedy}."
+    )

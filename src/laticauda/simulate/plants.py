@@ -1,0 +1,55 @@
+"""The only place where names become plants."""
+
+from collections.abc import Callable
+from typing import Any
+
+from laticauda.errors import one_of
+from laticauda.interfaces import Plant
+from laticauda.robot import Environment, Robot
+
+MODELS = ("planar",)
+
+
+def plant(
+    robot: Robot,
+    environment: Environment,
+    *,
+    model: str = "planar",
+    joints: str = "prescribed",
+    dt: float | None = None,
+    offset_bandwidth: float = 10.0,
+    ramp: float | None = None,
+    fluid_law: Callable[..., tuple[float, float, float]] | None = None,
+) -> Plant[Any]:
+    """A robot in its environment as something that can be stepped.
+
+    Args:
+        robot: What swims.
+        environment: The water it swims in or the ground it crawls on.
+        model: planar.
+        joints: How the joints follow the gait: prescribed (exactly), pd (the published simulations' law) or servo
+            (the real robot's).
+        dt: Largest time step [s]; None takes a converged one.
+        offset_bandwidth: Of the reference generator's filters [rad/s].
+        ramp: Duration of the smooth start [s]; None takes 1 s for prescribed joints and none for the others.
+        fluid_law: Loads on one element, with the signature of `laticauda.fluid.laws.polynomial_drag`; None takes the
+            environment's own.
+
+    Returns:
+        The plant.
+
+    Raises:
+        ValueError: If an argument is out of its range, or robot and environment do not fit together.
+    """
+    one_of("model", model, MODELS)
+    from laticauda.planar.model import PlanarPlant
+
+    return PlanarPlant(
+        robot=robot,
+        environment=environment,
+        joints=joints,
+        dt=dt,
+        offset_bandwidth=offset_bandwidth,
+        ramp=ramp,
+        fluid_law=fluid_law,
+    )

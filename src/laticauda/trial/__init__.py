@@ -1,0 +1,34 @@
+"""The `Trial`, the time-stamped log of one run: its figures, its files, comparisons, and what the paper measured."""
+
+from laticauda.trial.compare import ComparedFigure, compare
+from laticauda.trial.cycles import CycleMean
+from laticauda.trial.files import load_trial
+from laticauda.trial.joining import joined
+from laticauda.trial.measured import (
+    MeasuredPathFollowing,
+    MeasuredTrial,
+    efficiency_trials,
+    measured_counterpart,
+    measured_trial,
+    path_following_trials,
+)
+from laticauda.trial.summary import FIGURES, Figure
+from laticauda.trial.trial import FORCE_COMPONENTS, Trial
+
+__all__ = [
+    "FIGURES",
+    "FORCE_COMPONENTS",
+    "ComparedFigure",
+    "CycleMean",
+    "Figure",
+    "MeasuredPathFollowing",
+    "MeasuredTrial",
+    "Trial",
+    "compare",
+    "efficiency_trials",
+    "joined",
+    "load_trial",
+    "measured_counterpart",
+    "measured_trial",
+    "path_following_trials",
+]

@@ -1,0 +1,85 @@
+"""What may be in a trial: each check returns the value as it is kept, or raises a `ValueError` that names the field."""
+
+import math
+from collections.abc import Mapping
+from typing import TypeAlias, cast
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
+Setting: TypeAlias = str | float | int | bool | None
+
+
+def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
+    """`values` as a read-only float64 array of that shape; None stands for any length."""
+    try:
+        given = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        given = np.empty((), dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise ValueError(f"`{name}` must be an array of numbers, got {type(values).__name__} of {given.dtype}.")
+    array = np.asarray(given, dtype=np.float64, order="C")
+    wanted = tuple("any" if n is None else str(n) for n in shape)
+    if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
+        raise ValueError(f"`{name}` must have shape ({', '.join(wanted)}), got {array.shape}.")
+    if not np.all(np.isfinite(array)):
+        row = int(np.argwhere(~np.isfinite(array))[0][0])
+        raise ValueError(f"`{name}` must hold finite numbers only, got {array[row]} at sample {row}.")
+    return _read_only(array, values)
+
+
+def forces(
+    values: Mapping[str, np.ndarray] | None, shape: tuple[int, ...]
+) -> dict[str, Float[np.ndarray, "n_samples n_links n_axes"]] | None:
+    """The force of each component as a read-only array of that shape."""
+    if values is None:
+        return None
+    return {key("link_force", name): floats(f"link_force[{name!r}]", value, shape) for name, value in values.items()}
+
+
+def key(field: str, name: object) -> str:
+    """`name`, if it can be the name of a variable in a file."""
+    if not isinstance(name, str) or not name.isidentifier():
+        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {name!r}.")
+    return name
+
+
+def setting(name: str, value: object) -> Setting:
+    """`value` as plain data that a file can hold."""
+    plain: object = cast("object", value.item()) if isinstance(value, np.generic) else value
+    if isinstance(plain, float) and math.isnan(plain):
+        raise ValueError(f"`settings[{name!r}]` must not be nan.")
+    if plain is None or isinstance(plain, str | float | int):
+        return plain
+    raise ValueError(f"`settings[{name!r}]` must be a text, number, truth value or None, got {type(plain).__name__}.")
+
+
+def state_array(name: str, value: object) -> AnyArray:
+    """`value` as a read-only array of its own kind of number, in the machine's byte order."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
+        raise ValueError(f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}.")
+    return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
+
+
+def same(one: object, other: object) -> bool:
+    """Whether two contents are the same, arrays bit for bit."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        a, b = cast("AnyArray", one), cast("AnyArray", other)
+        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if isinstance(one, dict) and isinstance(other, dict):
+        a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
+        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
+    plain = cast("object", one)
+    return type(plain) is type(other) and plain == other
+
+
+def _read_only(array: AnyArray, value: object) -> AnyArray:
+    # Its maker must neither change it later nor find it locked. So what is not fresh is copied, unless it is locked.
+    is_fresh = array is not value and array.flags.owndata
+    is_locked = not array.flags.writeable and array.flags.owndata
+    if not (is_fresh or is_locked):
+        array = array.copy()
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,188 @@
+"""Trial files: netCDF to keep and load back equal, CSV for spreadsheets, xarray Datasets in memory.
+
+A file appears whole or not at all: it is written beside its place under another name and then moved there, over any
+older file of that name. A netCDF file opens in any netCDF tool and by `xarray.open_dataset`; the plant's state, for a
+restart, is in its group `state`. Every array carries checksums, so a damaged file is refused and not half read.
+"""
+
+# netCDF4 types what it reads as Any, by the nature of the format: this module turns that into arrays and texts.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import uuid
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from laticauda.errors import TrialFileError
+from laticauda.trial.layout import AXES, FORMAT, MARK, attributes, coordinates, trial_from, variables
+from laticauda.trial.trial import Trial
+
+if TYPE_CHECKING:
+    import netCDF4
+    import xarray
+
+
+def save_trial(trial: Trial, path: str | Path) -> None:
+    """Write a trial to a netCDF file, from which `load_trial` makes an equal one.
+
+    An older file of that name is replaced, but not before the new one is complete.
+
+    Args:
+        trial: Any trial, a failed one too.
+        path: The file, usually ending in .nc.
+
+    Raises:
+        TrialFileError: If the file cannot be written; the message has its name and the reason.
+    """
+    _write_whole(Path(path), _encoded(trial))
+
+
+def load_trial(path: str | Path) -> Trial:
+    """Read a trial from the netCDF file that `save_trial` wrote.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A trial that `equals` the saved one, bit for bit.
+
+    Raises:
+        TrialFileError: If there is no such file, or it is no whole trial; the message has its name and the reason.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise TrialFileError(f"Cannot read {path}: {_reason(error)}.") from error
+    try:
+        return _decoded(content)
+    except KeyError as error:
+        raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
+    except (ValueError, TypeError) as error:  # a text or an array that is not as it was written
+        raise TrialFileError(f"Cannot load {path}: {error}") from error
+
+
+def to_dataset(trial: Trial) -> xarray.Dataset:
+    """A trial as an xarray Dataset: dimensions, units and names as in its file, without the plant's state.
+
+    Args:
+        trial: Any trial.
+    """
+    import xarray
+
+    series = {
+        variable.name: (variable.dimensions, values, {"units": variable.units, "long_name": variable.long_name})
+        for variable, values in variables(trial)
+    }
+    return xarray.Dataset(series, coords=coordinates(trial), attrs=attributes(trial))
+
+
+def write_csv(trial: Trial, path: str | Path) -> None:
+    """Write the time series of a trial to a CSV file: one row per sample, one column per number.
+
+    The first row names the columns with their units, as in `joint_angle_0 [rad]`; 0 is the tail.
+
+    Args:
+        trial: Any trial.
+        path: The file; an older one of that name is replaced.
+
+    Raises:
+        TrialFileError: If the file cannot be written; the message has its name and the reason.
+    """
+    header: list[str] = []
+    columns: list[np.ndarray] = []
+    for variable, values in variables(trial):
+        inner = variable.dimensions[1:]
+        for index in np.ndindex(values.shape[1:]):
+            suffix = "".join(f"_{AXES[i] if name == 'axis' else i}" for name, i in zip(inner, index, strict=True))
+            header.append(f"{variable.name}{suffix} [{variable.units}]")
+            columns.append(values[(slice(None), *index)])
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(header)
+    writer.writerows(np.stack(columns, axis=1).tolist())
+    _write_whole(Path(path), text.getvalue().encode())
+
+
+def _encoded(trial: Trial) -> bytes:
+    """The bytes of the trial's netCDF file."""
+    import netCDF4
+
+    file = netCDF4.Dataset("trial.nc", mode="w", format="NETCDF4", memory=1)
+    sizes = {"time": trial.time.size} | {name: values.size for name, values in coordinates(trial).items()}
+    for name, size in sizes.items():
+        file.createDimension(name, size)
+    for name, values in coordinates(trial).items():
+        file.createVariable(name, str if values.dtype == object else "i4", (name,))[:] = values
+    for variable, values in variables(trial):
+        stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False, fletcher32=True)
+        stored[:] = values
+        stored.setncatts({"units": variable.units, "long_name": variable.long_name})
+    state = file.createGroup("state")
+    for name, values in trial.state.items():
+        _store_state(state, name, values)
+    file.setncatts(attributes(trial))
+    return bytes(file.close())
+
+
+def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:
+    plain = values.astype(np.int8) if values.dtype == np.bool_ else values  # netCDF has no truth values
+    dimensions = tuple(f"{name}_{i}" for i in range(values.ndim))
+    for dimension, size in zip(dimensions, values.shape, strict=True):
+        group.createDimension(dimension, size)
+    # A number without dimensions cannot be in chunks, and only chunks carry checksums.
+    group.createVariable(name, plain.dtype.str, dimensions, fill_value=False, fletcher32=values.ndim > 0)[...] = plain
+
+
+def _decoded(content: bytes) -> Trial:
+    """The trial whose file has these bytes; raises KeyError or ValueError if there is none."""
+    import netCDF4
+
+    try:
+        file = netCDF4.Dataset("trial.nc", mode="r", memory=content)
+    except OSError:
+        raise ValueError("it is no netCDF file, or it is damaged.") from None
+    with file:
+        file.set_auto_mask(False)
+        texts: dict[str, Any] = {name: file.getncattr(name) for name in file.ncattrs()}
+        if MARK not in texts:
+            raise ValueError("it is a netCDF file, but no trial of laticauda.")
+        if texts[MARK] != FORMAT:
+            raise ValueError(f"it has format {texts[MARK]}, and this version of laticauda reads format {FORMAT}.")
+
+        def read(name: str) -> np.ndarray:
+            try:
+                return np.asarray(file[name][...])
+            except (IndexError, KeyError):
+                raise KeyError(name) from None
+            except (OSError, RuntimeError):
+                raise ValueError(f"`{name}` is damaged.") from None
+
+        return trial_from(read, texts)
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    """Put `content` at `path`, whole or not at all."""
+    # In the same folder, or it could not be moved there in one step.
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
+    try:
+        try:
+            with beside.open("xb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise TrialFileError(f"Cannot write {path}: {_reason(error)}.") from error
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()

@@ -1,0 +1,78 @@
+import dataclasses
+
+import pytest
+from hypothesis import given
+from robot.strategies import grounds, robots, waters
+
+from laticauda.robot import (
+    Joint,
+    PectoralFin,
+    Tether,
+    describe,
+    load_robot,
+    load_water,
+    robot_names,
+    summary,
+    summary_rows,
+    summary_table,
+)
+
+
+def test_the_table_of_presets_has_a_line_for_each():
+    lines = summary_table().splitlines()
+    assert lines[0].split()[:3] == ["name", "links", "joints"]
+    assert [line.split()[0] for line in lines[1:]] == list(robot_names())
+    assert any("mamba-fin" in line and "  yes  " in line for line in lines)
+
+
+def test_the_rows_are_plain_data():
+    (row,) = summary_rows(["mamba-modules-fin"])
+    assert row == summary(load_robot("mamba-modules-fin"))
+    assert (row["n_links"], row["n_joints"], row["caudal_fin"]) == (19, 18, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "fact"),
+    [
+        ("mamba", "length                1.62 m"),
+        ("mamba", "all yaw"),
+        ("mamba-modules", "yaw and pitch in turn, yaw at the tail"),
+        ("mamba-modules", "modules 0-18"),
+        ("mamba-fin", "opening of 0.12 m"),
+        ("mamba-thruster", "5 N at 0 deg, mounted at (-0.09, 0) m"),
+    ],
+)
+def test_a_preset_is_described(name, fact):
+    assert fact in describe(load_robot(name))
+
+
+def test_what_differs_from_the_plain_robot_is_told():
+    plain = load_robot("mamba", n_links=3)
+    special = dataclasses.replace(
+        plain,
+        modules=(*plain.modules[:2], dataclasses.replace(plain.modules[2], center=0.01, inertia=0.1, normal_drag=2.0)),
+        joints=(Joint(stiffness=1.0, damping=2.0), Joint()),
+        pectoral_fins=(PectoralFin(link=2, area=0.01, lift_slope=3.0, stall_angle=0.4),),
+        tether=Tether(drag=0.5),
+    )
+    text = describe(special)
+    for fact in (
+        "modules 0-1",
+        "modules 2 ",
+        "center of mass at 0.01 m, moment of inertia 0.1 kg m^2, normal_drag 2",
+        "skin 1 N m/rad and 2 N m s/rad",
+        "pectoral fin on link 2",
+        "drag 0.5 kg/m",
+    ):
+        assert fact in text
+
+
+def test_a_water_is_described():
+    text = describe(load_water("paper-vortex"))
+    assert "quadratic, equal at" not in text
+    assert "quadratic only" in text
+
+
+@given(robots() | waters() | grounds)
+def test_anything_can_be_described_in_aligned_lines(thing):
+    assert thing.name in describe(thing)

@@ -1,0 +1,56 @@
+import math
+
+import pytest
+
+from laticauda.robot import Actuator, Joint
+
+
+def test_the_servo_defaults_are_the_published_figures_rounded():
+    servo = Actuator()
+    assert servo.stall_torque == pytest.approx(30.0 * 0.0980665, rel=0.02)  # 30 kg cm
+    assert servo.no_load_speed == pytest.approx(math.radians(60.0) / 0.14, rel=0.005)
+    assert servo.stall_current == pytest.approx(7.4 / 1.6, rel=0.01)
+    assert servo.servo_gain * math.radians(10.0) == pytest.approx(1.0, rel=0.01)
+
+
+def test_the_gear_of_the_default_servo_neither_makes_energy_nor_wastes_most_of_it():
+    servo = Actuator()
+    assert 0.4 < servo.stall_torque * servo.no_load_speed / (servo.voltage * servo.stall_current) < 1.0
+
+
+def test_the_pd_gains_are_those_of_the_published_simulations():
+    assert (Actuator().proportional_gain, Actuator().derivative_gain) == (20.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axis": "roll"}, r"`axis` must be one of `yaw`, `pitch`, got 'roll'"),
+        ({"limit": 0.0}, r"`limit` must be > 0 rad"),
+        ({"limit": 4.0}, r"`limit` must be between 0 and 3\.14159 rad, got 4\.0"),
+        ({"stiffness": -1.0}, r"`stiffness` must be >= 0 N m/rad"),
+        ({"damping": math.inf}, r"`damping` must be a finite number in N m s/rad, got inf"),
+        ({"actuator": 3}, r"`actuator` must be of class Actuator, got int"),
+    ],
+)
+def test_a_joint_refuses(changes, message):
+    with pytest.raises(ValueError, match=message):
+        Joint(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"proportional_gain": -1.0}, r"`proportional_gain` must be >= 0 N m/rad"),
+        ({"stall_torque": 0.0}, r"`stall_torque` must be > 0 N m, got 0\.0"),
+        ({"no_load_speed": -7.5}, r"`no_load_speed` must be > 0 rad/s"),
+        ({"servo_gain": math.nan}, r"`servo_gain` must be a finite number in 1/rad"),
+        ({"friction_torque": -0.1}, r"`friction_torque` must be >= 0 N m"),
+        ({"voltage": True}, r"`voltage` must be a number in V, got True"),
+        ({"stall_current": 0.0}, r"`stall_current` must be > 0 A"),
+        ({"idle_current": -1.0}, r"`idle_current` must be >= 0 A"),
+    ],
+)
+def test_an_actuator_refuses(changes, message):
+    with pytest.raises(ValueError, match=message):
+        Actuator(**changes)

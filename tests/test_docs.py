@@ -1,0 +1,104 @@
+"""The code of the README and of the docs runs, and their links lead somewhere.
+
+Every page is followed from top to bottom, as a reader would, in an empty folder:
+
+- a block whose fence names a file (``title="eel.toml"``) is written to that file;
+- ``python`` blocks run in one namespace;
+- of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must exist.
+
+A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example are run elsewhere.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+FENCE = re.compile(
+    r"(?P<skip><!-- not run: [^\n]+ -->\n+)?^```(?P<language>\w+)(?P<options>[^\n]*)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL
+)
+LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)#\s]+)")
+
+
+class Block(NamedTuple):
+    language: str
+    title: str
+    code: str
+    line: int
+
+
+def blocks(page: Path) -> list[Block]:
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(
+            language=match["language"],
+            title=(re.search(r'title="([^"]+)"', match["options"]) or ["", ""])[1],
+            code=match["code"],
+            line=text.count("\n", 0, match.start("code")),
+        )
+        for match in FENCE.finditer(text)
+        if not match["skip"] and not match["code"].startswith("--8<--")
+    ]
+
+
+def shell_lines(code: str) -> list[str]:
+    return [line.strip() for line in code.replace("\\\n", " ").splitlines()]
+
+
+def run_in_shell(line: str) -> None:
+    # The command of this environment comes first, whatever else is installed.
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(["bash", "-c", line], env={**os.environ, "PATH": path}, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+
+
+def follow(page: Path) -> None:
+    namespace: dict[str, object] = {"__name__": "__main__"}
+    for block in blocks(page):
+        if block.title:
+            Path(block.title).write_text(block.code, encoding="utf-8")
+        elif block.language == "python":
+            # Empty lines in front: a traceback shows the line of the page.
+            exec(compile("\n" * block.line + block.code, str(page), "exec"), namespace)
+        elif block.language == "bash":
+            for line in shell_lines(block.code):
+                if line.startswith("laticauda "):
+                    run_in_shell(line)
+                elif line.startswith("make "):
+                    run_in_shell(f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_the_code_of_the_page_runs_from_top_to_bottom(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    follow(page)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_of_the_page_leads_to_a_file(page: Path):
+    links = LINK.findall(page.read_text(encoding="utf-8"))
+    assert not [link for link in links if not (page.parent / link).exists()]
+
+
+def test_every_page_of_the_docs_can_be_reached():
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    pages = [str(page.relative_to(ROOT / "docs")) for page in (ROOT / "docs").rglob("*.md")]
+    assert not [page for page in pages if f" {page}\n" not in navigation]
+
+
+def test_a_page_is_followed_as_a_reader_would(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    page = tmp_path / "page.md"
+    page.write_text(
+        '```python\nx = 1\n```\n<!-- not run: it fails -->\n```python\nx = 1 / 0\n```\n```toml title="a.toml"\nb = 2\n```\n'
+        '```python\nfrom pathlib import Path\n\nx += 1\nassert Path("a.toml").read_text() == "b = 2\\n"\nraise KeyError(x)\n```\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(KeyError, match="2") as caught:
+        follow(page)
+    assert caught.traceback[-1].lineno + 1 == 16

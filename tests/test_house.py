@@ -1,0 +1,74 @@
+"""Rules of the house that no other tool checks."""
+
+import importlib.metadata
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+HEAVY = ["can", "casadi", "dask", "matplotlib", "mujoco", "netCDF4", "numba", "scipy", "tqdm", "viser", "xarray", "zarr"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def repository_files() -> list[Path]:
+    """Every text file that belongs to the project: tracked, or new and not ignored."""
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True
+    )
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    suffixes = {"", ".cff", ".csv", ".css", ".md", ".py", ".toml", ".txt", ".yml"}
+    files = [ROOT / name for name in listed.stdout.splitlines()]
+    return [file for file in files if file.suffix in suffixes and file.is_file()]
+
+
+def test_importing_laticauda_loads_no_heavy_library():
+    code = f"import sys, laticauda; print(*[name for name in {HEAVY} if name in sys.modules])"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
+def test_every_name_that_laticauda_offers_exists():
+    import laticauda
+
+    assert all(hasattr(laticauda, name) for name in laticauda.__all__)
+    assert list(laticauda.__all__) == sorted(laticauda.__all__, key=lambda name: (not name.isupper(), name))
+
+
+def test_no_file_names_a_path_of_somebodys_machine():
+    # Written in pieces, so that this file does not name them either.
+    pattern = re.compile("|".join(["/" + folder + "/" for folder in ("home", "root", "Users", "work", "opt")]))
+    found = {
+        f"{file.relative_to(ROOT)}:{number}": line.strip()
+        for file in repository_files()
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1)
+        if pattern.search(line)
+    }
+    assert not found
+
+
+def test_the_version_is_stated_in_one_place():
+    version = PYPROJECT["project"]["version"]
+    # An editable install keeps the version of the day it was made.
+    assert importlib.metadata.version("laticauda") == version, "run `make setup` again"
+    stated = re.compile(r"""(__version__|^\s*version)\s*[:=]\s*["']?\d""", re.MULTILINE)
+    found = {str(file.relative_to(ROOT)) for file in repository_files() if stated.search(file.read_text(encoding="utf-8"))}
+    assert found == {"pyproject.toml"}
+
+
+def test_every_dependency_has_a_lower_and_an_upper_bound():
+    project = PYPROJECT["project"]
+    groups = [project["dependencies"], *project["optional-dependencies"].values(), *PYPROJECT["dependency-groups"].values()]
+    wanted = [requirement for group in groups for requirement in group if not requirement.startswith("laticauda[")]
+    unbounded = [requirement for requirement in wanted if "==" not in requirement and not re.search(r">=.*,<", requirement)]
+    assert not unbounded
+
+
+def test_the_extra_all_is_all_of_them():
+    extras = dict(PYPROJECT["project"]["optional-dependencies"])
+    (everything,) = extras.pop("all")
+    assert everything == f"laticauda[{','.join(extras)}]"
