@@ -9,6 +9,7 @@ import dataclasses
 import doctest
 import importlib
 import inspect
+import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,7 +50,7 @@ def functions(thing: Any) -> Iterator[Any]:
 def undocumented_parameters(function: Any) -> list[str]:
     """Parameters that the docstring names neither in its "Args:" nor in backticks."""
     docstring = inspect.getdoc(function) or ""
-    if "arguments and errors as for" in docstring:
+    if re.search(r"arguments (and errors )?as for `\w+`", docstring, re.IGNORECASE):
         return []
     starts = {line.strip().lstrip("*").partition(":")[0] for line in docstring.splitlines()}
     names = [name for name in inspect.signature(function).parameters if name not in {"self", "cls"}]

@@ -36,7 +36,6 @@ def test_every_name_that_laticauda_offers_exists():
     import laticauda
 
     assert all(hasattr(laticauda, name) for name in laticauda.__all__)
-    assert list(laticauda.__all__) == sorted(laticauda.__all__, key=lambda name: (not name.isupper(), name))
 
 
 def test_no_file_names_a_path_of_somebodys_machine():

@@ -27,7 +27,7 @@ def heading(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray
     Args:
         link_angle: theta [rad].
     """
-    return np.mean(link_angle, axis=-1)
+    return np.asarray(np.mean(link_angle, axis=-1))
 
 
 def joint_angles(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch n_joints"]:
@@ -66,7 +66,7 @@ def link_angles(
     start = np.zeros((*joint_angle.shape[:-1], 1))
     from_tail = np.concatenate((start, np.cumsum(joint_angle, axis=-1)), axis=-1)
     if link is None:
-        known = np.mean(from_tail, axis=-1)
+        known = heading(from_tail)
     else:
         known = from_tail[..., _link_index(link, from_tail.shape[-1])]
     return from_tail + (np.asarray(angle) - known)[..., np.newaxis]

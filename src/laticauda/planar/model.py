@@ -89,11 +89,7 @@ class PlanarPlant:
     @cached_property
     def kernels(self) -> Any:
         """The compiled kernels."""
-        law = self.fluid_law
-        if law is None:
-            dry = isinstance(self.environment, Ground) and self.environment.friction == "coulomb"
-            law = laws.coulomb_friction if dry else laws.polynomial_drag
-        return specialize(1, law)
+        return specialize(1, law_of(self.environment, self.fluid_law))
 
     def init(self, start: Start, command: Command) -> PlanarState:
         """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
@@ -229,6 +225,14 @@ class _header:
 
     def __setitem__(self, row: int, value: float) -> None:
         self.values[..., row - rows.TIME] = value
+
+
+def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
+    """The law of the loads on one element: one's own, or the environment's."""
+    if fluid_law is not None:
+        return fluid_law
+    dry = isinstance(environment, Ground) and environment.friction == "coulomb"
+    return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
 def _stable_step(robot: Robot, environment: Environment) -> float:

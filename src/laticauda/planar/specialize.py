@@ -48,6 +48,12 @@ def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> Mo
     return _specialize(width, fluid_law, fingerprint(fluid_law))
 
 
+def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> bool:
+    """Whether the machine code for this combination is at hand or on disk; if not, the first run takes seconds."""
+    march = specialize(width, fluid_law).run
+    return bool(march.signatures) or any(Path(march.stats.cache_path).glob(f"*{march.py_func.__qualname__}-*.nbi"))
+
+
 @functools.cache
 def _specialize(width: int, fluid_law: FluidLaw, law_digest: str) -> ModuleType:
     key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()}".encode()).hexdigest()[:16]

@@ -74,11 +74,9 @@ def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, 
 
 @cached(__name__, OPTIONS)
 @no_type_check
-def evaluate(S, n, first_strip, first_plate, law, tether_body, has_extras):
-    """Accelerations and torques for the state in S, without a step; the joint laws are taken as they are."""
-    set_reference(S, n, law)
-    joint_torques(S, n, law, 0.0)
-    accelerations(S, n, first_strip, first_plate, law >= FIRST_FREE, tether_body, has_extras)
+def evaluate(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
+    """Accelerations for the state in S, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
+    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
 
 
 @cached(__name__, OPTIONS)

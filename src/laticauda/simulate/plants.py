@@ -1,12 +1,13 @@
 """The only place where names become plants."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 from laticauda.errors import one_of
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Robot
 
+FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
 MODELS = ("planar",)
 
 
@@ -19,7 +20,7 @@ def plant(
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
-    fluid_law: Callable[..., tuple[float, float, float]] | None = None,
+    fluid_law: FluidLaw | None = None,
 ) -> Plant[Any]:
     """A robot in its environment as something that can be stepped.
 
@@ -53,3 +54,16 @@ def plant(
         ramp=ramp,
         fluid_law=fluid_law,
     )
+
+
+def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None) -> bool:
+    """Whether the first planar run in this environment will have to compile its kernels, which takes seconds.
+
+    Args:
+        environment: The water it swims in or the ground it crawls on.
+        fluid_law: As for `plant`.
+    """
+    from laticauda.planar.model import law_of
+    from laticauda.planar.specialize import is_compiled
+
+    return not is_compiled(fluid_law=law_of(environment, fluid_law))

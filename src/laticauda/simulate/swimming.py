@@ -1,11 +1,9 @@
 """`swim`: from a robot and a gait to a trial, with the defaults of the paper."""
 
-from collections.abc import Callable
-
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Environment, Robot, load_water
-from laticauda.simulate.plants import plant
+from laticauda.simulate.plants import FluidLaw, plant
 from laticauda.simulate.runner import Progress, run
 from laticauda.trial import Trial
 
@@ -26,7 +24,7 @@ def swim(
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
-    fluid_law: Callable[..., tuple[float, float, float]] | None = None,
+    fluid_law: FluidLaw | None = None,
     start: Start | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,

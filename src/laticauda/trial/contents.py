@@ -7,6 +7,14 @@ from typing import TypeAlias, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
+# The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
+Samples: TypeAlias = Float[np.ndarray, " n_samples"]
+Plane: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
+Links: TypeAlias = Float[np.ndarray, "n_samples n_links"]
+Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints"]
+Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
+Work: TypeAlias = Float[np.ndarray, "n_samples 3"]
+Axes: TypeAlias = Float[np.ndarray, " n_axes"]
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 Setting: TypeAlias = str | float | int | bool | None
 
@@ -29,9 +37,7 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
     return _read_only(array, values)
 
 
-def forces(
-    values: Mapping[str, np.ndarray] | None, shape: tuple[int, ...]
-) -> dict[str, Float[np.ndarray, "n_samples n_links n_axes"]] | None:
+def forces(values: Mapping[str, object] | None, shape: tuple[int, ...]) -> dict[str, Forces] | None:
     """The force of each component as a read-only array of that shape."""
     if values is None:
         return None

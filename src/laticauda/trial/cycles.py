@@ -11,6 +11,8 @@ from jaxtyping import Float
 
 Time = Float[np.ndarray, " n_samples"]
 Signal = Float[np.ndarray, "n_samples ..."]
+Points = Float[np.ndarray, "n_points ..."]
+Middles = Float[np.ndarray, " n_middles"]
 
 TRANSIENT = 10.0  # the start of a run counts as transient for its first third, and at least this long [s]
 SAMPLES_PER_CYCLE = 10  # fewer do not show a cycle
@@ -20,9 +22,9 @@ _ROUNDING = 1e-9  # of a cycle: how much of one may be missing from a whole numb
 class CycleMean(NamedTuple):
     """A signal averaged over the gait cycle around each moment."""
 
-    time: Time
+    time: Middles
     """Middles of the cycles [s]: all samples at least half a cycle away from both ends of the log."""
-    value: Signal
+    value: Float[np.ndarray, "n_middles ..."]
     """Mean over that cycle, in the signal's unit."""
 
 
@@ -67,7 +69,7 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
 
 
-def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]) -> Signal:
+def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]) -> Points:
     """The signal between its samples: cubic Hermite polynomials, which use its known rate (error ~ step^4).
 
     Args:
@@ -137,7 +139,7 @@ def course_cycle_mean(
     return CycleMean(middle, np.unwrap(direction(after - before)))
 
 
-def cycle_middles(time: Time, period: float) -> Time:
+def cycle_middles(time: Time, period: float) -> Middles:
     """The samples that have half a cycle before and behind them [s].
 
     Args:
@@ -160,13 +162,13 @@ def cycle_middles(time: Time, period: float) -> Time:
     return middle
 
 
-def direction(displacement: Float[np.ndarray, "... n_axes"]) -> Float[np.ndarray, "..."]:
-    """Angle of displacements in the plane to the world x axis [rad].
+def direction(displacement: Float[np.ndarray, "n_points n_axes"]) -> Float[np.ndarray, " n_points"]:
+    """Angles of displacements in the plane to the world x axis, in [-pi, pi] [rad].
 
     Raises:
         ValueError: If one of them is shorter than a micrometer: it has no direction.
     """
-    x, y = displacement[..., 0], displacement[..., 1]
+    x, y = displacement[:, 0], displacement[:, 1]
     shortest = float(np.min(np.hypot(x, y)))
     if shortest < 1e-6:
         raise ValueError(f"The robot must travel to have a course: it moved only {shortest:.1e} m.")

@@ -104,7 +104,8 @@ def course(time: Time, center_of_mass: Path, velocity: Path, period: float | Non
     Raises:
         ValueError: If the run is too short, or the robot stands still.
     """
-    return float(direction(_displacement(time, center_of_mass, velocity, steady_part(time, period))))
+    displacement = _displacement(time, center_of_mass, velocity, steady_part(time, period))
+    return float(direction(displacement[np.newaxis])[0])
 
 
 def sideslip(

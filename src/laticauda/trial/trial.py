@@ -12,21 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import contents, metrics
-from laticauda.trial.contents import Setting
+from laticauda.trial.contents import AnyArray, Axes, Forces, Joints, Links, Plane, Samples, Setting, Work
 from laticauda.trial.cycles import CycleMean, cycle_mean
 
 if TYPE_CHECKING:
     import xarray
-
-Samples = Float[np.ndarray, " n_samples"]
-Plane = Float[np.ndarray, "n_samples n_axes"]
-Links = Float[np.ndarray, "n_samples n_links"]
-Joints = Float[np.ndarray, "n_samples n_joints"]
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 WORK_KINDS = ("absolute", "net", "positive")
@@ -70,11 +64,11 @@ class Trial:
     """What the joint was asked for [rad]."""
     joint_torque: Joints
     """Torque of each joint's drive; its power is torque times rate [N m]."""
-    work: Float[np.ndarray, "n_samples 3"]
+    work: Work
     """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0) [J]."""
     electrical_work: Samples | None = None
     """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
-    link_force: Mapping[str, Float[np.ndarray, "n_samples n_links n_axes"]] | None = None
+    link_force: Mapping[str, Forces] | None = None
     """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
     robot: Robot
     """What swam."""
@@ -92,7 +86,7 @@ class Trial:
     """How the run ended: a sentence, with advice where it failed."""
     succeeded: bool = True
     """Whether the run reached its end."""
-    state: Mapping[str, Shaped[np.ndarray, "..."]] = dataclasses.field(default_factory=dict[str, np.ndarray])
+    state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
     """The plant's final state, from which the run can go on; empty where there is none."""
 
     def __post_init__(self) -> None:
@@ -345,7 +339,7 @@ class Trial:
         return self.period
 
     @property
-    def _velocity_through_water(self) -> Float[np.ndarray, " n_axes"]:
+    def _velocity_through_water(self) -> Axes:
         velocity = metrics.mean_velocity(self.time, self.center_of_mass)
         if isinstance(self.environment, Water):
             velocity[:2] -= self.environment.current

@@ -1,0 +1,295 @@
+"""The matrices of (1)-(2) against a solver of another structure, and the laws of swimming."""
+
+from dataclasses import fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.integrate import solve_ivp
+
+from laticauda.planar import equations as eq
+from laticauda.planar.equations import Chain, Options
+
+FORMS = ("relative", "kirchhoff", "classic")
+NO_DRAG: dict[str, Any] = {"linear_drag": False, "quadratic_drag": False}
+RANGES = {
+    "half_length": (0.02, 0.2), "mass": (0.1, 2.0), "inertia": (1e-3, 1e-2), "c_t": (0.0, 2.0), "c_n": (0.0, 20.0),
+    "mu_t": (0.0, 1.0), "mu_n": (0.0, 5.0), "lambda_1": (0.0, 1e-2), "lambda_2": (0.0, 1e-2), "lambda_3": (0.0, 1e-2),
+}  # fmt: skip
+
+
+class Problem(NamedTuple):
+    """A chain in some state, with the loads on it."""
+
+    chain: Chain
+    options: Options
+    theta: np.ndarray
+    rate: np.ndarray
+    velocity: np.ndarray
+    joint_torque: np.ndarray
+    joint_acceleration: np.ndarray
+    prescribed: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+
+    @property
+    def state(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, Chain, Options]:
+        return self.theta, self.rate, self.velocity, self.chain, self.options
+
+    def accelerations(self) -> tuple[np.ndarray, np.ndarray]:
+        return eq.accelerations(*self.state, self.joint_torque, self.force, self.torque)
+
+    def constrained(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return eq.constrained_accelerations(
+            *self.state, self.joint_acceleration, self.force, self.torque, self.prescribed, self.joint_torque
+        )
+
+
+def numbers(shape: Any, low: float, high: float) -> st.SearchStrategy[np.ndarray]:
+    return arrays(np.float64, shape, elements=st.floats(low, high, allow_subnormal=False))
+
+
+@st.composite
+def problems(draw: st.DrawFn, forms: tuple[str, ...] = FORMS, wake: bool = True, least: int = 1) -> Problem:
+    n = draw(st.integers(least, 6))
+    form = draw(st.sampled_from(forms))
+    options = Options(
+        form=form, linear_drag=draw(st.booleans()), quadratic_drag=draw(st.booleans()),
+        reference_speed=draw(st.floats(0.1, 2.0)), current=draw(numbers(2, -1.0, 1.0)),
+        wake_mass=draw(st.sampled_from([0.0, 6.36])) if wake and form == "kirchhoff" else 0.0,
+    )  # fmt: skip
+    return Problem(
+        chain=Chain(**{name: draw(numbers(n, *limits)) for name, limits in RANGES.items()}), options=options,
+        theta=draw(numbers(n, -4.0, 4.0)), rate=draw(numbers(n, -5.0, 5.0)), velocity=draw(numbers(2, -2.0, 2.0)),
+        joint_torque=draw(numbers(n - 1, -5.0, 5.0)), joint_acceleration=draw(numbers(n - 1, -20.0, 20.0)),
+        prescribed=draw(arrays(np.bool_, n - 1)), force=draw(numbers((n, 2), -5.0, 5.0)),
+        torque=draw(numbers(n, -1.0, 1.0)),
+    )  # fmt: skip
+
+
+def example(n: int, seed: int, **options: Any) -> Problem:
+    """A moving chain with nothing driving it, the same on every call."""
+    rng = np.random.default_rng(seed)
+    none = np.zeros(n - 1)
+    return Problem(
+        chain=Chain(**{name: rng.uniform(*limits, n) for name, limits in RANGES.items()}), options=Options(**options),
+        theta=rng.uniform(-1, 1, n), rate=rng.uniform(-2, 2, n), velocity=rng.uniform(-0.5, 0.5, 2), joint_torque=none,
+        joint_acceleration=none, prescribed=none.astype(bool), force=np.zeros((n, 2)), torque=np.zeros(n),
+    )  # fmt: skip
+
+
+def assert_close(actual: np.ndarray, expected: np.ndarray, tolerance: float = 1e-9) -> None:
+    scale = max(1.0, float(np.max(np.abs(expected), initial=0.0)))
+    np.testing.assert_allclose(actual, expected, rtol=0, atol=tolerance * scale)
+
+
+# --- The other solver: each link has its own x, y and theta; joints are constraints with Lagrange multipliers ---
+
+
+def axes(angle: Any) -> np.ndarray:
+    """Columns t_hat and n_hat."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def turning(function: Any, angle: float) -> np.ndarray:
+    """Derivative by the angle, by a complex step."""
+    return np.imag(function(angle + 1e-30j)) / 1e-30
+
+
+def walk(chain: Chain, across: np.ndarray, along: np.ndarray, mean: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Vectors of the centers that differ from link to link by what a half link adds, and average to `mean`."""
+    half = np.array([axes(a) @ [t, n] for a, t, n in zip(theta, along, across, strict=True)]) * chain.half_length[:, None]
+    values = np.zeros((len(theta), 2))
+    for i in range(len(theta) - 1):
+        values[i + 1] = values[i] + half[i] + half[i + 1]
+    return values + mean - np.average(values, axis=0, weights=chain.mass)
+
+
+def velocities(p: Problem) -> np.ndarray:
+    return walk(p.chain, p.rate, np.zeros_like(p.rate), p.velocity, p.theta)
+
+
+def loads(p: Problem, i: int, v: np.ndarray) -> tuple[np.ndarray, float]:
+    """Force and torque of the fluid on link i, without what multiplies accelerations."""
+    chain, options, rate = p.chain, p.options, p.rate[i]
+    mu = np.diag([chain.mu_t[i], chain.mu_n[i]])
+    R, dR = axes(p.theta[i]), turning(axes, p.theta[i])
+    u = v - options.current
+    linear, quadratic = options.linear_drag * options.reference_speed, options.quadratic_drag
+
+    along_axes = R.T @ u
+    force = -R @ (np.array([chain.c_t[i], chain.c_n[i]]) * along_axes * (linear + quadratic * np.abs(along_axes)))
+    torque = -(chain.lambda_2[i] * linear + chain.lambda_3[i] * quadratic * abs(rate)) * rate
+    if options.form == "kirchhoff":  # Lagrange's equations for T = 1/2 u^T R mu R^T u
+        dA = turning(lambda angle: axes(angle) @ mu @ axes(angle).T, p.theta[i])
+        force = force - rate * dA @ u
+        torque = torque + u @ dA @ u / 2
+    else:  # along each axis k: -mu_k k d(k . u)/dt, with only the current left of u in `classic`
+        force = force - R @ mu @ dR.T @ (u if options.form == "relative" else -options.current) * rate
+    if i == 0 and options.wake_mass > 0:
+        arm = -chain.half_length[0] * R[:, 0]
+        speed, sideways = R.T @ (u + rate * np.array([-arm[1], arm[0]]))
+        if speed > 0:
+            wake = options.wake_mass * (sideways**2 / 2 * R[:, 0] - speed * sideways * R[:, 1])
+            force = force + wake
+            torque = torque + arm[0] * wake[1] - arm[1] * wake[0]
+    return force, torque
+
+
+def maximal(p: Problem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """theta'', p'' and joint torques, from 3 n coordinates and as many constraints as there are."""
+    n, chain = len(p.theta), p.chain
+    mass, known, v = np.zeros((3 * n, 3 * n)), np.zeros(3 * n), velocities(p)
+    for i in range(n):
+        R, k = axes(p.theta[i]), slice(3 * i, 3 * i + 2)
+        mass[k, k] = chain.mass[i] * np.eye(2) + R @ np.diag([chain.mu_t[i], chain.mu_n[i]]) @ R.T
+        mass[3 * i + 2, 3 * i + 2] = chain.inertia[i] + chain.lambda_1[i]
+        force, torque = loads(p, i, v[i])
+        known[k], known[3 * i + 2] = force + p.force[i], torque + p.torque[i]
+    rows, targets = [], []
+    for j in range(n - 1):
+        closed, hinge = np.zeros((2, 3 * n)), np.zeros(3 * n)
+        target = np.zeros(2)
+        for i, side in ((j, 1.0), (j + 1, -1.0)):  # r_j + l_j t_j = r_{j+1} - l_{j+1} t_{j+1}
+            t_hat, n_hat = axes(p.theta[i]).T
+            closed[:, 3 * i : 3 * i + 2] = side * np.eye(2)
+            closed[:, 3 * i + 2] = chain.half_length[i] * n_hat
+            target += chain.half_length[i] * p.rate[i] ** 2 * t_hat
+            hinge[3 * i + 2] = -side
+        rows.append(closed)
+        targets.append(target)
+        if p.prescribed[j]:
+            rows.append(hinge[None])
+            targets.append(np.array([p.joint_acceleration[j]]))
+        else:
+            known = known + hinge * p.joint_torque[j]
+    G = np.vstack([np.zeros((0, 3 * n)), *rows])
+    system = np.block([[mass, -G.T], [G, np.zeros((len(G), len(G)))]])
+    solution = np.linalg.solve(system, np.concatenate([known, *targets]))
+    q, multipliers = solution[: 3 * n].reshape(n, 3), list(solution[3 * n :])
+    torques = p.joint_torque.copy()
+    for j in range(n - 1):
+        multipliers = multipliers[2:]
+        if p.prescribed[j]:
+            torques[j] = multipliers.pop(0)
+    return q[:, 2], np.average(q[:, :2], axis=0, weights=chain.mass), torques
+
+
+# --- The matrices against it ---
+
+
+@given(problems())
+@settings(max_examples=150)
+def test_accelerations_agree_with_a_solver_in_maximal_coordinates(p: Problem):
+    theta, center, _ = maximal(p._replace(prescribed=np.zeros_like(p.prescribed)))
+    for ours, other in zip(p.accelerations(), (theta, center), strict=True):
+        assert_close(ours, other)
+
+
+@given(problems())
+@settings(max_examples=100)
+def test_any_mixture_of_prescribed_and_free_joints_agrees_with_it_too(p: Problem):
+    for ours, other in zip(p.constrained(), maximal(p), strict=True):
+        assert_close(ours, other)
+
+
+@given(problems())
+@settings(max_examples=30)
+def test_all_joints_are_prescribed_unless_told_otherwise(p: Problem):
+    expected = p._replace(prescribed=np.ones_like(p.prescribed)).constrained()
+    actual = eq.constrained_accelerations(*p.state, p.joint_acceleration, p.force, p.torque)
+    for ours, other in zip(actual, expected, strict=True):
+        np.testing.assert_array_equal(ours, other)
+
+
+@given(problems())
+@settings(max_examples=50)
+def test_the_torques_of_prescribed_joints_give_the_same_motion_in_the_free_model(p: Problem):
+    theta, center, torque = p.constrained()
+    free_theta, free_center = p._replace(joint_torque=torque).accelerations()
+    assert_close(np.diff(theta)[p.prescribed], p.joint_acceleration[p.prescribed])
+    assert_close(free_theta, theta)
+    assert_close(free_center, center)
+
+
+@given(problems())
+@settings(max_examples=50)
+def test_the_inertia_of_the_link_angles_is_symmetric_and_positive_definite(p: Problem):
+    M = eq.matrices(p.theta, p.rate, p.chain, p.options).M_theta
+    assert_close(M, M.T, 1e-12)
+    assert np.all(np.linalg.eigvalsh(M) > 0)
+
+
+@given(problems(least=2))
+@settings(max_examples=50)
+def test_positions_and_velocities_keep_the_joints_closed(p: Problem):
+    assert_close(eq.link_velocities(*p.state[:4]), velocities(p), 1e-12)
+    positions = eq.link_positions(p.theta, p.velocity, p.chain)
+    assert_close(positions, walk(p.chain, np.zeros_like(p.rate), np.ones_like(p.rate), p.velocity, p.theta), 1e-12)
+
+
+def split(values: np.ndarray, parts: int) -> np.ndarray:
+    """The first link as equal strips, each with its share."""
+    return np.concatenate([np.full(parts, values[0] / parts), values[1:]])
+
+
+@given(problems(), st.integers(2, 6))
+@settings(max_examples=50)
+def test_a_link_equals_strips_with_locked_joints(p: Problem, parts: int):
+    """The caudal fin as locked strips: with linear drag and strip theory nothing depends on their number."""
+    c, n = p.chain, len(p.theta)
+    share = {"inertia": c.mass, "lambda_1": c.mu_n, "lambda_2": c.c_n}  # of each l^2/3 is the link's own
+    length = split(c.half_length, parts)
+    whole = replace(c, **{k: np.append(v[:1] * c.half_length[0] ** 2 / 3, getattr(c, k)[1:]) for k, v in share.items()})
+    strips = Chain(**{f.name: split(getattr(whole, f.name), parts) for f in fields(Chain)})
+    strips = replace(strips, **{k: np.append((split(v, parts) * length**2 / 3)[:parts], getattr(c, k)[1:]) for k, v in share.items()})
+    locked = np.zeros(parts - 1)
+    options = replace(p.options, quadratic_drag=False)
+
+    one = p._replace(chain=whole, options=options, force=np.zeros((n, 2)))
+    # The offset between the centers of the fin and of its first strip does not matter: no force acts on either.
+    many = one._replace(
+        chain=strips, theta=np.append(np.repeat(p.theta[0], parts - 1), p.theta), torque=split(p.torque, parts),
+        rate=np.append(np.repeat(p.rate[0], parts - 1), p.rate), force=np.zeros((n + parts - 1, 2)),
+        joint_torque=np.append(locked, p.joint_torque), joint_acceleration=np.append(locked, p.joint_acceleration),
+        prescribed=np.append(np.ones(parts - 1, dtype=bool), p.prescribed),
+    )  # fmt: skip
+    theta, center, torque = one.constrained()
+    strip_theta, strip_center, strip_torque = many.constrained()
+    assert_close(strip_theta[parts - 1 :], theta)
+    assert_close(strip_center, center)
+    assert_close(strip_torque[parts - 1 :], torque)
+
+
+# --- Laws ---
+
+
+def drift(p: Problem, duration: float = 10.0) -> tuple[float, float]:
+    """Largest change of the energy and of the momenta over a free run."""
+    n = len(p.theta)
+
+    def rates(_t: float, y: np.ndarray) -> np.ndarray:
+        theta, center = p._replace(theta=y[:n], rate=y[n : 2 * n], velocity=y[2 * n + 2 :]).accelerations()
+        return np.concatenate([y[n : 2 * n], theta, y[2 * n + 2 :] - p.options.current, center])
+
+    def kept(y: np.ndarray) -> np.ndarray:
+        theta, rate, position, velocity = y[:n], y[n : 2 * n], y[2 * n : 2 * n + 2], y[2 * n + 2 :]
+        linear, angular = eq.momentum(theta, rate, position, velocity, p.chain, p.options)
+        return np.array([eq.kinetic_energy(theta, rate, velocity, p.chain, p.options), *linear, angular])
+
+    start = np.concatenate([p.theta, p.rate, [0.3, -0.2], p.velocity])
+    run = solve_ivp(rates, (0.0, duration), start, method="DOP853", rtol=1e-11, atol=1e-11)
+    assert run.success
+    change = np.abs(np.array([kept(y) for y in run.y.T]) - kept(start)).max(axis=0)
+    return change[0], change[1:].max()
+
+
+@pytest.mark.parametrize("form", ["relative", "kirchhoff"])
+@pytest.mark.parametrize(("n", "seed"), [(2, 1), (4, 2)])
+def test_without_drag_energy_is_kept_and_by_kirchhoff_momentum_too(form: str, n: int, seed: int):
+    energy, momentum = drift(example(n, seed, form=form, current=np.array([0.3, -0.2]), **NO_DRAG))
+    assert energy < 1e-8
+    assert momentum < 1e-8 if form == "kirchhoff" else momentum > 1e-3
