@@ -1,7 +1,7 @@
 """Set-up of all tests: shapes are checked at run time, and nothing is drawn on a screen.
 
-Every module whose functions state array shapes is loaded through jaxtyping's hook, with beartype as the checker. Modules
-that Numba compiles are left alone: the hook wraps functions, and Numba cannot compile the wrapper.
+Every module whose functions state array shapes is loaded through jaxtyping's hook, with beartype as the checker.
+Modules that Numba compiles are left alone: the hook wraps functions, and Numba cannot compile the wrapper.
 """
 
 import os
@@ -13,6 +13,7 @@ from jaxtyping import install_import_hook
 SOURCES = Path(__file__).parent.parent / "src"
 
 os.environ["MPLBACKEND"] = "Agg"
+os.environ["NUMBA_NRT_STATS"] = "1"  # lets a test count the allocations of compiled code
 settings.register_profile("laticauda", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("laticauda")
 

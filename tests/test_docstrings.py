@@ -43,7 +43,9 @@ def functions(thing: Any) -> Iterator[Any]:
     if inspect.isfunction(thing):
         yield thing
     elif inspect.isclass(thing):
-        members = [getattr(member, "__func__", member) for name, member in vars(thing).items() if not name.startswith("_")]
+        members = [
+            getattr(member, "__func__", member) for name, member in vars(thing).items() if not name.startswith("_")
+        ]
         yield from filter(inspect.isfunction, members)
 
 

@@ -7,10 +7,25 @@ import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
+from jaxtyping import TypeCheckError
 
 ROOT = Path(__file__).parent.parent
-HEAVY = ["can", "casadi", "dask", "matplotlib", "mujoco", "netCDF4", "numba", "scipy", "tqdm", "viser", "xarray", "zarr"]
+HEAVY = [
+    "can",
+    "casadi",
+    "dask",
+    "matplotlib",
+    "mujoco",
+    "netCDF4",
+    "numba",
+    "scipy",
+    "tqdm",
+    "viser",
+    "xarray",
+    "zarr",
+]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -38,6 +53,13 @@ def test_every_name_that_laticauda_offers_exists():
     assert all(hasattr(laticauda, name) for name in laticauda.__all__)
 
 
+def test_shapes_are_checked_while_tests_run():
+    from laticauda import kinematics
+
+    with pytest.raises(TypeCheckError):
+        kinematics.link_angles(np.zeros(3), angle=np.zeros(2))
+
+
 def test_no_file_names_a_path_of_somebodys_machine():
     # Written in pieces, so that this file does not name them either.
     pattern = re.compile("|".join(["/" + folder + "/" for folder in ("home", "root", "Users", "work", "opt")]))
@@ -55,15 +77,23 @@ def test_the_version_is_stated_in_one_place():
     # An editable install keeps the version of the day it was made.
     assert importlib.metadata.version("laticauda") == version, "run `make setup` again"
     stated = re.compile(r"""(__version__|^\s*version)\s*[:=]\s*["']?\d""", re.MULTILINE)
-    found = {str(file.relative_to(ROOT)) for file in repository_files() if stated.search(file.read_text(encoding="utf-8"))}
+    found = {
+        str(file.relative_to(ROOT)) for file in repository_files() if stated.search(file.read_text(encoding="utf-8"))
+    }
     assert found == {"pyproject.toml"}
 
 
 def test_every_dependency_has_a_lower_and_an_upper_bound():
     project = PYPROJECT["project"]
-    groups = [project["dependencies"], *project["optional-dependencies"].values(), *PYPROJECT["dependency-groups"].values()]
+    groups = [
+        project["dependencies"],
+        *project["optional-dependencies"].values(),
+        *PYPROJECT["dependency-groups"].values(),
+    ]
     wanted = [requirement for group in groups for requirement in group if not requirement.startswith("laticauda[")]
-    unbounded = [requirement for requirement in wanted if "==" not in requirement and not re.search(r">=.*,<", requirement)]
+    unbounded = [
+        requirement for requirement in wanted if "==" not in requirement and not re.search(r">=.*,<", requirement)
+    ]
     assert not unbounded
 
 

@@ -132,7 +132,7 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
 
 
 def nearest(word: str, choices: Sequence[str]) -> str:
-    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if none of the `choices` comes near."""
+    """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near."""
     import difflib
 
     by_plain = {_plain(choice): choice for choice in choices}

@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import finite
 from laticauda.gaits import Gait
 from laticauda.robot import Environment, Robot
 
@@ -55,6 +56,13 @@ class Start:
     """[m]."""
     heading: float = 0.0
     """[rad]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        x, y = self.center_of_mass
+        at = (finite("center_of_mass[0]", x, "m"), finite("center_of_mass[1]", y, "m"))
+        object.__setattr__(self, "center_of_mass", at)
+        object.__setattr__(self, "heading", finite("heading", self.heading, "rad"))
 
 
 class Plant(Protocol[State]):

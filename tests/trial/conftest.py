@@ -33,7 +33,7 @@ def synthetic_trial(
 
     The heading is the course plus a ripple of the gait's period; the joints do work of 3 W absolute, 1 W net.
     """
-    robot = robot or load_robot("mamba")
+    asked, robot = robot, robot if isinstance(robot, Robot) else load_robot("mamba")
     side = -1.0 if mirrored else 1.0
     omega = 2.0 * math.pi / PERIOD
     time = dt * np.arange(round(duration / dt) + 1)
@@ -66,7 +66,7 @@ def synthetic_trial(
         "joint_angle_ref": joint_angles(link_angle),
         "joint_torque": np.cos(joint_angles(link_angle)),
         "work": time[:, np.newaxis] * np.array([3.0, 1.0, 2.0]),
-        "robot": robot,
+        "robot": asked or robot,
         "gait": Gait(amplitude=math.radians(30.0), frequency=omega, phase_shift=math.radians(40.0)),
         "environment": environment or load_water("paper-lateral"),
         "version": "0.1.0",

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive
-from laticauda.fluid import laws
+from laticauda.fluid import laws, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_DRIVES, Layout, layout
@@ -187,8 +187,9 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
         rate = samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints]
-        share = np.arange(self.robot.n_links - 1, 0, -1) / self.robot.n_links
-        tail = head[rows.HEADING] - angle @ share
+        n = self.robot.n_links
+        # A plain sum: a matrix product may round differently with the number of samples.
+        tail = head[rows.HEADING] - sum((n - 1 - j) / n * angle[:, j] for j in range(n - 1))
         links = np.concatenate((tail[:, np.newaxis], tail[:, np.newaxis] + np.cumsum(angle, axis=1)), axis=1)
         return {
             "time": head[rows.TIME],
@@ -236,12 +237,15 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
 
 
 def _stable_step(robot: Robot, environment: Environment) -> float:
-    """Step below which dry friction, regularized over eps, is not too stiff for an explicit treatment [s]."""
-    if isinstance(environment, Ground) and environment.friction == "coulomb":
-        steepest = max(environment.tangential, environment.normal) * environment.gravity
-        return environment.regularization_speed / steepest if steepest > 0.0 else math.inf
-    stiffest = max(environment.tangential, environment.normal) if isinstance(environment, Ground) else 0.0
-    return min(m.mass for m in robot.modules) / stiffest if stiffest > 0.0 else math.inf
+    """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
+    c = link_coefficients(robot, environment)
+    if isinstance(environment, Ground):
+        steepest = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
+    else:
+        speed = 1.0  # m/s: links of a swimming robot are slower
+        steepest = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
+    rate = steepest * max(float(np.max(c.c_n / (c.mass + c.mu_n))), float(np.max(c.c_t / (c.mass + c.mu_t))))
+    return 1.0 / rate if rate > 0.0 else math.inf
 
 
 def _what_went_wrong(time: float, joints: str, dt: float) -> str:

@@ -29,6 +29,7 @@ strides is what lets the compiler see that two rows never overlap and so keep al
     RAMP,  # T of the smooth start [s]; 0: none
     # --- Header: state --------------------------------------------------------------------------------------------
     TIME,  # [s]
+    TIME_REST,  # what TIME lost to rounding so far (Kahan summation) [s]
     HEADING,  # mean angle of the body's links [rad]
     X,  # center of mass [m]
     Y,
@@ -83,7 +84,7 @@ strides is what lets the compiler see that two rows never overlap and so keep al
     SUM_4,
     SUM_5,
     HEADER_ROWS,
-) = range(72)
+) = range(73)
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME

@@ -115,7 +115,9 @@ def advance_reference(S, n, law, dt):
         S[FREQUENCY_NOW * W + k] = y
         S[FREQUENCY_RATE * W + k] = rate
         S[PHASE * W + k] += turned
-        S[TIME * W + k] += dt
+        before, due = S[TIME * W + k], dt - S[TIME_REST * W + k]
+        S[TIME * W + k] = before + due
+        S[TIME_REST * W + k] = (S[TIME * W + k] - before) - due
     set_reference(S, n, law)
 
 

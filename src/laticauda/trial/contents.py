@@ -37,18 +37,38 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
     return _read_only(array, values)
 
 
-def forces(values: Mapping[str, object] | None, shape: tuple[int, ...]) -> dict[str, Forces] | None:
+def times(name: str, values: object) -> Samples:
+    """`values` as read-only moments, at least one, strictly increasing."""
+    time = floats(name, values, (None,))
+    if time.size < 1:
+        raise ValueError(f"`{name}` must have at least 1 sample, got 0.")
+    increases = np.diff(time) > 0.0
+    if not np.all(increases):
+        i = int(np.argmin(increases))
+        raise ValueError(f"`{name}` must increase strictly, got {time[i]} s and then {time[i + 1]} s.")
+    return time
+
+
+def forces(value: object, shape: tuple[int, ...]) -> dict[str, Forces] | None:
     """The force of each component as a read-only array of that shape."""
-    if values is None:
+    if value is None:
         return None
-    return {key("link_force", name): floats(f"link_force[{name!r}]", value, shape) for name, value in values.items()}
+    return {key: floats(f"link_force[{key!r}]", force, shape) for key, force in mapping("link_force", value).items()}
 
 
-def key(field: str, name: object) -> str:
-    """`name`, if it can be the name of a variable in a file."""
-    if not isinstance(name, str) or not name.isidentifier():
-        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {name!r}.")
-    return name
+def mapping(name: str, value: object) -> Mapping[str, object]:
+    """`value` as a mapping from names that can be those of variables in a file."""
+    if not isinstance(value, Mapping):
+        raise ValueError(f"`{name}` must map names to values, got {type(value).__name__}.")
+    items = cast("Mapping[object, object]", value)
+    return {_key(name, key): item for key, item in items.items()}
+
+
+def instance(name: str, value: object, *kinds: type) -> None:
+    """Refuse a value of another kind."""
+    if not isinstance(value, kinds):
+        wanted = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
+        raise ValueError(f"`{name}` must be of kind {wanted}, got {type(value).__name__}.")
 
 
 def setting(name: str, value: object) -> Setting:
@@ -79,6 +99,12 @@ def same(one: object, other: object) -> bool:
         return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     plain = cast("object", one)
     return type(plain) is type(other) and plain == other
+
+
+def _key(field: str, name: object) -> str:
+    if not isinstance(name, str) or not name.isidentifier():
+        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {name!r}.")
+    return name
 
 
 def _read_only(array: AnyArray, value: object) -> AnyArray:

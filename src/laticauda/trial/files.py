@@ -14,6 +14,7 @@ import csv
 import io
 import os
 import uuid
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,7 +41,7 @@ def save_trial(trial: Trial, path: str | Path) -> None:
     Raises:
         TrialFileError: If the file cannot be written; the message has its name and the reason.
     """
-    _write_whole(Path(path), _encoded(trial))
+    _write_whole(Path(path), lambda beside: _store(trial, beside))
 
 
 def load_trial(path: str | Path) -> Trial:
@@ -59,9 +60,11 @@ def load_trial(path: str | Path) -> Trial:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise TrialFileError(f"Cannot read {path}: {_reason(error)}.") from error
+        raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
     try:
         return _decoded(content)
+    except (OSError, RuntimeError) as error:
+        raise TrialFileError(f"Cannot load {path}: it is no netCDF file, or it is damaged.") from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
     except (ValueError, TypeError) as error:  # a text or an array that is not as it was written
@@ -107,28 +110,28 @@ def write_csv(trial: Trial, path: str | Path) -> None:
     writer = csv.writer(text)
     writer.writerow(header)
     writer.writerows(np.stack(columns, axis=1).tolist())
-    _write_whole(Path(path), text.getvalue().encode())
+    content = text.getvalue().encode()
+    _write_whole(Path(path), lambda beside: beside.write_bytes(content))
 
 
-def _encoded(trial: Trial) -> bytes:
-    """The bytes of the trial's netCDF file."""
+def _store(trial: Trial, path: Path) -> None:
+    """Write the netCDF file of a trial, over what is there."""
     import netCDF4
 
-    file = netCDF4.Dataset("trial.nc", mode="w", format="NETCDF4", memory=1)
-    sizes = {"time": trial.time.size} | {name: values.size for name, values in coordinates(trial).items()}
-    for name, size in sizes.items():
-        file.createDimension(name, size)
-    for name, values in coordinates(trial).items():
-        file.createVariable(name, str if values.dtype == object else "i4", (name,))[:] = values
-    for variable, values in variables(trial):
-        stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False, fletcher32=True)
-        stored[:] = values
-        stored.setncatts({"units": variable.units, "long_name": variable.long_name})
-    state = file.createGroup("state")
-    for name, values in trial.state.items():
-        _store_state(state, name, values)
-    file.setncatts(attributes(trial))
-    return bytes(file.close())
+    index = coordinates(trial)
+    with netCDF4.Dataset(path, mode="w", format="NETCDF4") as file:
+        file.createDimension("time", trial.time.size)
+        for name, values in index.items():
+            file.createDimension(name, values.size)
+            file.createVariable(name, str if values.dtype == object else "i4", (name,))[:] = values
+        for variable, values in variables(trial):
+            stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False, fletcher32=True)
+            stored[:] = values
+            stored.setncatts({"units": variable.units, "long_name": variable.long_name})
+        state = file.createGroup("state")
+        for name, values in trial.state.items():
+            _store_state(state, name, values)
+        file.setncatts(attributes(trial))
 
 
 def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:
@@ -141,14 +144,17 @@ def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:
 
 
 def _decoded(content: bytes) -> Trial:
-    """The trial whose file has these bytes; raises KeyError or ValueError if there is none."""
+    """The trial whose file has these bytes.
+
+    Raises:
+        KeyError: If a variable or an attribute is missing.
+        OSError, RuntimeError: If netCDF cannot make sense of the bytes.
+        ValueError: If what they say is no trial.
+    """
     import netCDF4
 
-    try:
-        file = netCDF4.Dataset("trial.nc", mode="r", memory=content)
-    except OSError:
-        raise ValueError("it is no netCDF file, or it is damaged.") from None
-    with file:
+    # From memory: what the file system has to say was said when the bytes were read.
+    with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
         file.set_auto_mask(False)
         texts: dict[str, Any] = {name: file.getncattr(name) for name in file.ncattrs()}
         if MARK not in texts:
@@ -159,30 +165,26 @@ def _decoded(content: bytes) -> Trial:
         def read(name: str) -> np.ndarray:
             try:
                 return np.asarray(file[name][...])
-            except (IndexError, KeyError):
+            except IndexError:
                 raise KeyError(name) from None
-            except (OSError, RuntimeError):
-                raise ValueError(f"`{name}` is damaged.") from None
 
         return trial_from(read, texts)
 
 
-def _write_whole(path: Path, content: bytes) -> None:
-    """Put `content` at `path`, whole or not at all."""
+def _write_whole(path: Path, write: Callable[[Path], object]) -> None:
+    """Put at `path` what `write` makes of an empty file, whole or not at all."""
     # In the same folder, or it could not be moved there in one step.
     beside = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.part")
     try:
         try:
-            with beside.open("xb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
+            beside.touch(exist_ok=False)
+            write(beside)
+            with beside.open("rb+") as file:
+                os.fsync(file.fileno())  # or a power cut could leave the new name with nothing in it
             beside.replace(path)
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        raise TrialFileError(f"Cannot write {path}: {_reason(error)}.") from error
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
+        raise TrialFileError(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
+    except RuntimeError as error:  # netCDF's, with no more of a reason: most likely the disk is full
+        raise TrialFileError(f"Cannot write {path}: {error}; is the disk full?") from error

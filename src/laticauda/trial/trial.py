@@ -90,14 +90,20 @@ class Trial:
     """The plant's final state, from which the run can go on; empty where there is none."""
 
     def __post_init__(self) -> None:
-        """Check and freeze every array once."""
-        time = contents.floats("time", self.time, (None,))
+        """Check everything and freeze every array, once."""
+        contents.instance("robot", self.robot, Robot)
+        contents.instance("gait", self.gait, Gait, type(None))
+        contents.instance("environment", self.environment, Water, Ground)
+        contents.instance("succeeded", self.succeeded, bool)
+        for name in ("version", "created", "status"):
+            contents.instance(name, getattr(self, name), str)
+        for name, value in self._clean().items():
+            object.__setattr__(self, name, value)
+
+    def _clean(self) -> dict[str, object]:
+        """Arrays and mappings as they are kept."""
+        time = contents.times("time", self.time)
         n = time.size
-        if n < 1:
-            raise ValueError("`time` must have at least 1 sample, got 0.")
-        if not np.all(np.diff(time) > 0.0):
-            at = int(np.argmin(np.diff(time) > 0.0)) + 1
-            raise ValueError(f"`time` must increase strictly, got {time[at - 1]} s and then {time[at]} s.")
         center_of_mass = contents.floats("center_of_mass", self.center_of_mass, (n, None))
         n_axes = center_of_mass.shape[1]
         if n_axes not in (2, 3):
@@ -120,14 +126,10 @@ class Trial:
         clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
         clean |= {name: contents.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
         clean["link_force"] = contents.forces(self.link_force, (n, n_links, n_axes))
-        clean["settings"] = {
-            contents.key("settings", key): contents.setting(key, value) for key, value in self.settings.items()
-        }
-        clean["state"] = {
-            contents.key("state", key): contents.state_array(key, value) for key, value in self.state.items()
-        }
-        for name, value in clean.items():
-            object.__setattr__(self, name, value)
+        settings, state = contents.mapping("settings", self.settings), contents.mapping("state", self.state)
+        clean["settings"] = {key: contents.setting(key, value) for key, value in settings.items()}
+        clean["state"] = {key: contents.state_array(key, value) for key, value in state.items()}
+        return clean
 
     # ---- figures: definitions in `metrics` -----------------------------------------------------------------------
 

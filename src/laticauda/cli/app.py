@@ -1,0 +1,119 @@
+"""The program: finds the command that is meant, reads its options, runs it, and turns errors into messages.
+
+Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the user.
+"""
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from typing import Annotated, Any
+
+import tyro
+
+from laticauda.cli.messages import in_flags, reason
+from laticauda.errors import LaticaudaError
+
+PROGRAM = "laticauda"
+DESCRIPTION = (
+    "Simulate swimming snake robots, with and without a caudal fin. `laticauda COMMAND --help` explains a command, "
+    "`laticauda --version` prints the version."
+)
+
+# A command's words, where its class is, and what the list of commands says about it. Only the module of the command
+# that runs is imported.
+COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
+    ("swim",): ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
+    ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
+    ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
+    ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),
+    ("trial", "convert"): ("trial:Convert", "Write the time series of a stored trial to a CSV file."),
+}
+GROUPS = {"trial": "Show, compare and convert stored trials."}
+
+Command = Callable[[], int]
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Args:
+        args: The words behind the program's name; None takes those of this process.
+
+    Returns:
+        The exit status.
+    """
+    words = sys.argv[1:] if args is None else list(args)
+    command: Command | None = None
+    try:
+        if words == ["--version"]:
+            from laticauda import __version__
+
+            print(f"{PROGRAM} {__version__}")
+            return 0
+        command = _read(words)
+        status = command()
+        sys.stdout.flush()  # a closed pipe shows here, and not after the end
+        return status
+    except SystemExit as end:  # tyro printed its help or its complaint
+        return end.code if isinstance(end.code, int) else 2
+    except KeyboardInterrupt:
+        return _complain("stopped.", 130)
+    except BrokenPipeError:
+        # Whoever read our output has gone. Nothing may be written there any more, not even at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except LaticaudaError as error:
+        return _complain(str(error), 2)
+    except ValueError as error:
+        return _complain(in_flags(str(error), command), 2)
+    except OSError as error:
+        return _complain(reason(error), 2)
+    except MemoryError:
+        return _complain("there is not enough memory; try a shorter run, or less samples.", 2)
+
+
+def _read(words: list[str]) -> Command:
+    """The command that the words ask for, with its options; ends the program where there is none."""
+    for length in (2, 1):
+        place = COMMANDS.get(tuple(words[:length]))
+        if len(words) >= length and place is not None:
+            module, name = place[0].split(":")
+            command: type[Any] = getattr(import_module(f"laticauda.cli.{module}"), name)
+            prog = " ".join([PROGRAM, *words[:length]])
+            return tyro.cli(
+                command,
+                prog=prog,
+                description=command.__doc__,
+                args=words[length:],
+                config=(tyro.conf.OmitArgPrefixes,),
+            )
+    if words and words[0] in GROUPS:
+        return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands((words[0],)), words[1:])
+    return _choose(PROGRAM, DESCRIPTION, GROUPS | _commands(()), words)
+
+
+def _commands(group: tuple[str, ...]) -> dict[str, str]:
+    """The last words of a group's commands, and what they do."""
+    return {words[-1]: text for words, (_, text) in COMMANDS.items() if words[:-1] == group}
+
+
+def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
+    """Print the help that lists the commands, or say what is wrong with the words; none of them is a command."""
+    subcommands = [
+        Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_no_command)]
+        for name, text in choices.items()
+    ]
+    tyro.cli(reduce(or_, subcommands), prog=prog, description=description, args=words)
+    raise SystemExit(2)  # pragma: no cover - tyro has ended the program
+
+
+def _no_command() -> None:
+    """Stands for a command in the list of commands."""
+
+
+def _complain(message: str, status: int) -> int:
+    print(f"{PROGRAM}: {message}", file=sys.stderr)
+    return status

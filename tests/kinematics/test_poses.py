@@ -1,0 +1,223 @@
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda import kinematics
+from laticauda.robot import CaudalFin, Module, Robot, Section, load_robot
+
+SECTION = Section(half_height=0.05, half_width=0.04)
+JOINT = load_robot("mamba").joints[0]
+ANGLES = st.floats(-3.0, 3.0)
+
+
+@st.composite
+def robots(draw):
+    """Robots of unequal links whose centers of mass are off their middles, some with a fin."""
+    n = draw(st.integers(1, 6))
+    modules = []
+    for _ in range(n):
+        length = draw(st.floats(0.05, 0.5))
+        center = draw(st.floats(-0.4, 0.4)) * length
+        modules.append(Module(length=length, mass=draw(st.floats(0.1, 3.0)), section=SECTION, center=center))
+    fin = draw(st.none() | st.builds(CaudalFin, length=st.floats(0.2, 1.0), thickness=st.floats(0.001, 0.1)))
+    return Robot(name="any", modules=tuple(modules), joints=(JOINT,) * (n - 1), caudal_fin=fin)
+
+
+@st.composite
+def poses(draw, batch=(3,)):
+    """A robot with a batch of poses and their rates: robot, center of mass, its velocity, link angles, link rates."""
+    robot = draw(robots())
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    vectors = rng.uniform(-5.0, 5.0, size=(2, *batch, 2))
+    angles = rng.uniform(-3.0, 3.0, size=(2, *batch, robot.n_links))
+    return robot, *vectors, *angles
+
+
+def tangents(link_angle):
+    return np.stack((np.cos(link_angle), np.sin(link_angle)), axis=-1)
+
+
+@given(poses())
+def test_masses_at_their_places_have_the_center_of_mass_that_was_given(pose):
+    robot, center_of_mass, _, link_angle, _ = pose
+    offset = np.array([module.center for module in robot.modules])
+    mass = np.array([module.mass for module in robot.modules])
+    place = kinematics.link_centers(robot, center_of_mass, link_angle) + offset[:, np.newaxis] * tangents(link_angle)
+    moment, total = np.einsum("i,tij->tj", mass, place), np.sum(mass)
+    if robot.caudal_fin is not None:
+        tail_end = kinematics.link_ends(robot, center_of_mass, link_angle)[:, 0]
+        edge = kinematics.trailing_edge(robot, center_of_mass, link_angle)
+        moment += robot.caudal_fin.mass * 0.5 * (tail_end + edge)
+        total += robot.caudal_fin.mass
+    assert total == pytest.approx(robot.mass)
+    np.testing.assert_allclose(moment / total, center_of_mass, atol=1e-12)
+
+
+@given(poses())
+def test_every_link_lies_between_its_ends_along_its_angle(pose):
+    robot, center_of_mass, _, link_angle, _ = pose
+    ends = kinematics.link_ends(robot, center_of_mass, link_angle)
+    length = np.array([module.length for module in robot.modules])[:, np.newaxis]
+    np.testing.assert_allclose(np.diff(ends, axis=1), length * tangents(link_angle), atol=1e-12)
+    centers = kinematics.link_centers(robot, center_of_mass, link_angle)
+    np.testing.assert_allclose(centers, 0.5 * (ends[:, :-1] + ends[:, 1:]), atol=1e-12)
+    np.testing.assert_array_equal(kinematics.joint_positions(robot, center_of_mass, link_angle), ends[:, 1:-1])
+
+
+@given(poses())
+def test_the_fin_extends_the_tail_link_backward_by_its_length(pose):
+    robot, center_of_mass, _, link_angle, _ = pose
+    length = robot.caudal_fin.length if robot.caudal_fin is not None else 0.0
+    tail_end = kinematics.link_ends(robot, center_of_mass, link_angle)[:, 0]
+    edge = kinematics.trailing_edge(robot, center_of_mass, link_angle)
+    np.testing.assert_allclose(tail_end - edge, length * tangents(link_angle)[:, 0], atol=1e-12)
+
+
+@given(poses(), st.data())
+def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
+    robot, center_of_mass, velocity, link_angle, link_rate = pose
+    link = data.draw(st.integers(0, robot.n_links - 1))
+    offset = data.draw(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)))
+
+    # What motion capture sees of that link, and what the joints report.
+    across = np.stack((-np.sin(link_angle[:, link]), np.cos(link_angle[:, link])), axis=-1)
+    along = tangents(link_angle)[:, link]
+    marker = (
+        kinematics.link_centers(robot, center_of_mass, link_angle)[:, link] + offset[0] * along + offset[1] * across
+    )
+    drift = link_rate[:, link, np.newaxis] * (offset[0] * across - offset[1] * along)
+    seen = kinematics.link_velocities(robot, velocity, link_angle, link_rate)[:, link] + drift
+    joint_angle, joint_rate = kinematics.joint_angles(link_angle), kinematics.joint_angles(link_rate)
+
+    theta = kinematics.link_angles(joint_angle, angle=link_angle[:, link], link=link)
+    theta_rate = kinematics.link_angles(joint_rate, angle=link_rate[:, link], link=link)
+    np.testing.assert_allclose(theta, link_angle, atol=1e-12)
+    np.testing.assert_allclose(theta_rate, link_rate, atol=1e-12)
+    p = kinematics.center_of_mass(robot, marker, theta, link=link, offset=offset)
+    v = kinematics.center_of_mass_velocity(robot, seen, theta, theta_rate, link=link, offset=offset)
+    np.testing.assert_allclose(p, center_of_mass, atol=1e-11)
+    np.testing.assert_allclose(v, velocity, atol=1e-10)
+
+
+@given(poses())
+def test_velocities_are_the_rates_of_the_positions(pose):
+    robot, center_of_mass, velocity, link_angle, link_rate = pose
+
+    def rate(place):
+        h = 1e-6
+        after = place(robot, center_of_mass + h * velocity, link_angle + h * link_rate)
+        return (after - place(robot, center_of_mass - h * velocity, link_angle - h * link_rate)) / (2.0 * h)
+
+    states = robot, velocity, link_angle, link_rate
+    np.testing.assert_allclose(kinematics.link_velocities(*states), rate(kinematics.link_centers), atol=1e-7)
+    np.testing.assert_allclose(kinematics.trailing_edge_velocity(*states), rate(kinematics.trailing_edge), atol=1e-7)
+
+
+@given(poses(), ANGLES, st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)))
+def test_a_pose_that_is_turned_and_moved_has_its_parts_turned_and_moved(pose, angle, shift):
+    robot, center_of_mass, _, link_angle, _ = pose
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    for place in (kinematics.link_ends, kinematics.link_centers, kinematics.trailing_edge):
+        here = place(robot, center_of_mass, link_angle)
+        there = place(robot, center_of_mass @ rotation.T + shift, link_angle + angle)
+        np.testing.assert_allclose(there, here @ rotation.T + shift, atol=1e-11)
+
+
+@given(poses(batch=(2, 4)))
+def test_any_leading_axes_give_what_each_pose_gives_alone(pose):
+    robot, center_of_mass, velocity, link_angle, link_rate = pose
+    ends = kinematics.link_ends(robot, center_of_mass, link_angle)
+    velocities = kinematics.link_velocities(robot, velocity, link_angle, link_rate)
+    back = kinematics.center_of_mass(robot, ends[..., 0, :], link_angle)
+    assert ends.shape == (2, 4, robot.n_links + 1, 2)
+    alone = center_of_mass[1, 2], link_angle[1, 2]
+    np.testing.assert_allclose(kinematics.link_ends(robot, *alone), ends[1, 2], atol=1e-13)
+    one = kinematics.link_velocities(robot, velocity[1, 2], link_angle[1, 2], link_rate[1, 2])
+    np.testing.assert_allclose(one, velocities[1, 2], atol=1e-13)
+    np.testing.assert_allclose(
+        kinematics.center_of_mass(robot, ends[1, 2, 0], link_angle[1, 2]), back[1, 2], atol=1e-13
+    )
+
+
+@given(st.lists(ANGLES, min_size=0, max_size=8), ANGLES)
+def test_link_angles_from_the_heading_have_that_heading_and_those_joint_angles(joint_angle, heading):
+    joint_angle = np.array(joint_angle, dtype=float)
+    link_angle = kinematics.link_angles(joint_angle, angle=heading)
+    assert kinematics.heading(link_angle) == pytest.approx(heading, abs=1e-12)
+    np.testing.assert_allclose(kinematics.joint_angles(link_angle), joint_angle, atol=1e-12)
+
+
+def test_a_positive_joint_angle_bends_the_head_side_to_the_left():
+    robot = load_robot("chain", n_links=2)
+    link_angle = kinematics.link_angles(np.array([0.5]), angle=0.0, link=0)
+    ends = kinematics.link_ends(robot, np.zeros(2), link_angle)
+    assert ends[2, 1] > ends[1, 1] == pytest.approx(ends[0, 1])
+
+
+def test_the_fins_mass_moves_the_center_of_mass_of_straight_mamba_back():
+    robot = load_robot("mamba-fin")
+    ends = kinematics.link_ends(robot, np.zeros(2), np.zeros(9))
+    # 7.2 kg at mid-length, 0.81 m before the tail end, and 0.225 kg 0.25 m behind it.
+    assert -ends[0, 0] == pytest.approx((7.2 * 0.81 - 0.225 * 0.25) / 7.425)
+    bare = kinematics.link_ends(dataclasses.replace(robot, caudal_fin=None), np.zeros(2), np.zeros(9))
+    assert -bare[0, 0] == pytest.approx(0.81)
+
+
+def test_a_robot_with_pitch_joints_and_its_planar_reduction_are_in_the_same_place():
+    robot = load_robot("mamba-modules-fin")
+    planar = robot.planar()
+    link_angle = np.linspace(-0.5, 0.5, planar.n_links)
+    place = np.array([0.3, -0.2])
+    module_angle = np.repeat(link_angle, [round(module.length / 0.09) for module in planar.modules])
+    here, there = kinematics.link_ends(planar, place, link_angle), kinematics.link_ends(robot, place, module_angle)
+    np.testing.assert_allclose(here[0], there[0], atol=1e-12)
+    np.testing.assert_allclose(here[-1], there[-1], atol=1e-12)
+
+
+def test_a_lost_marker_loses_one_pose_only():
+    robot = load_robot("mamba")
+    marker = np.array([[0.0, 0.0], [np.nan, np.nan], [0.1, 0.0]])
+    place = kinematics.center_of_mass(robot, marker, np.zeros((3, 9)))
+    assert np.isnan(place[1]).all()
+    assert np.isfinite(place[[0, 2]]).all()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda robot: kinematics.link_centers(robot, np.zeros(2), np.zeros(8)),
+            "`link_angle` must have 9 columns, one per link of the robot, got shape (8,).",
+        ),
+        (
+            lambda robot: kinematics.link_ends(robot, np.zeros((5, 2)), np.zeros((5, 1))),
+            "`link_angle` must have 9 columns, one per link of the robot, got shape (5, 1).",
+        ),
+        (
+            lambda robot: kinematics.link_velocities(robot, np.zeros(2), np.zeros(9), np.zeros(1)),
+            "`link_rate` must have 9 columns",
+        ),
+        (
+            lambda robot: kinematics.center_of_mass(robot, np.zeros(2), np.zeros(9), link=9),
+            "`link` must be < 9, the number of links, got 9.",
+        ),
+        (
+            lambda robot: kinematics.link_angles(np.zeros(8), angle=0.0, link=-1),
+            "`link` must be a whole number >= 0, got -1.",
+        ),
+    ],
+)
+def test_what_does_not_fit_the_robot_is_refused(call, message):
+    # The shape checks of the tests would speak first: ask the functions behind them.
+    with pytest.raises((ValueError, TypeError)) as caught:
+        call(load_robot("mamba"))
+    assert re.search(re.escape(message), str(caught.value)) or "type-check error" in str(caught.value).lower()
+
+
+def test_positions_in_space_are_refused_in_the_plane():
+    with pytest.raises((ValueError, TypeError), match=r"2 columns|Type-check error"):
+        kinematics.link_ends(load_robot("mamba"), np.zeros(3), np.zeros(9))

@@ -1,0 +1,188 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.errors import SimulationFailed
+from laticauda.planar.model import PlanarPlant
+from laticauda.robot import Actuator, CaudalFin, Ground, Joint, PectoralFin, Tether, load_robot, load_water
+
+GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+WATER = load_water("paper-lateral")
+
+
+def distance(robot, duration=10.0, **choices):
+    return float(np.linalg.norm(lc.swim(robot, GAIT, duration=duration, **choices).center_of_mass[-1]))
+
+
+def test_a_fin_of_links_swims_like_a_folded_fin():
+    robot = load_robot("mamba-fin")
+    command, start = lc.Command(gait=GAIT), lc.Start()
+    paths = []
+    for fin_as_links in (False, True):
+        plant = PlanarPlant(robot=robot, environment=WATER, fin_as_links=fin_as_links)
+        log = plant.march(plant.init(start, command), command, 5.0, 0.1, link_forces=True)[1]
+        paths.append((log["center_of_mass"], log["joint_torque"], log["force_drag"], log["force_added_mass"]))
+    for folded, links in zip(*paths, strict=True):
+        np.testing.assert_allclose(links, folded, atol=1e-7)
+
+
+def test_the_speed_is_converged_in_the_number_of_fin_strips():
+    robot = load_robot("mamba-fin")
+    fine = replace(robot, caudal_fin=replace(robot.caudal_fin, n_strips=32))
+    assert distance(robot) == pytest.approx(distance(fine), rel=1e-3)
+
+
+def test_the_fin_makes_the_robot_faster_as_measured():
+    assert distance(load_robot("mamba-fin"), 30.0) > 1.2 * distance(load_robot("mamba"), 30.0)
+
+
+def test_a_bigger_fin_takes_more_power():
+    small = load_robot("mamba-fin")
+    big = replace(small, caudal_fin=CaudalFin(length=0.5, height=0.18))
+    assert lc.swim(big, GAIT).mechanical_power > lc.swim(small, GAIT).mechanical_power
+
+
+def test_a_thruster_pushes_the_robot_along():
+    pushed = lc.swim(load_robot("mamba-thruster"), GAIT)
+    assert pushed.forward_velocity > lc.swim(load_robot("mamba"), GAIT).forward_velocity
+
+
+def test_a_tether_slows_the_robot_down():
+    robot = load_robot("mamba")
+    assert distance(replace(robot, tether=Tether(drag=5.0))) < distance(robot)
+
+
+def test_an_angled_pectoral_fin_steers_to_its_own_side_and_its_mirror_image_to_the_other():
+    robot = load_robot("mamba")
+
+    def steered(angle):
+        fin = PectoralFin(link=8, x=0.0, y=0.0, angle=angle, area=0.02, lift_slope=3.0, stall_angle=0.3)
+        return lc.swim(replace(robot, pectoral_fins=(fin,)), GAIT, duration=20.0).heading[-1]
+
+    left, right, none = steered(0.3), steered(-0.3), steered(0.0)
+    assert left > none > right
+
+
+def test_near_the_surface_the_added_mass_is_larger_and_the_speed_changes_a_little():
+    near = distance(load_robot("mamba"), environment=replace(WATER, depth=0.1))
+    assert near == pytest.approx(distance(load_robot("mamba")), rel=0.1)
+    assert near != distance(load_robot("mamba"))
+
+
+def test_a_current_carries_the_robot_along():
+    still = lc.swim(load_robot("mamba"), GAIT, duration=30.0).center_of_mass[-1]
+    carried = lc.swim(load_robot("mamba"), GAIT, duration=30.0, environment=replace(WATER, current=(0.0, 0.05)))
+    assert carried.center_of_mass[-1, 1] == pytest.approx(still[1] + 1.5, abs=0.15)
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
+@pytest.mark.parametrize("friction", ["viscous", "coulomb"])
+def test_the_same_robot_crawls_on_the_ground(joints, friction):
+    ground = lc.load_ground(friction)
+    trial = lc.swim(load_robot("mamba"), GAIT, duration=5.0, environment=ground, joints=joints)
+    assert trial.succeeded
+    assert trial.center_of_mass[-1, 0] > 0.05
+
+
+def test_without_anisotropy_dry_friction_does_not_propel():
+    same = Ground(name="same", friction="coulomb", tangential=0.3, normal=0.3)
+    assert distance(load_robot("mamba"), environment=same) < 0.2 * distance(
+        load_robot("mamba"), environment=lc.load_ground("coulomb")
+    )
+
+
+def test_the_elongated_trailing_edge_changes_the_speed_with_a_fin():
+    kirchhoff = replace(WATER, added_mass_form="kirchhoff")
+    elongated = replace(kirchhoff, trailing_edge="elongated")
+    robot = load_robot("mamba-fin")
+    assert distance(robot, environment=elongated) != pytest.approx(distance(robot, environment=kirchhoff), rel=1e-3)
+
+
+def test_kirchhoff_is_slower_than_relative_by_the_percentages_of_the_literature():
+    kirchhoff = replace(WATER, added_mass_form="kirchhoff")
+    ratio = distance(load_robot("mamba"), 30.0, environment=kirchhoff) / distance(load_robot("mamba"), 30.0)
+    assert 0.975 < ratio < 1.005
+    eel = replace(load_water("paper-eel"), added_mass_form="kirchhoff")
+    gait = lc.eel_like(amplitude=np.deg2rad(50), frequency=np.deg2rad(110), phase_shift=np.deg2rad(40))
+    slow, usual = lc.swim(load_robot("mamba"), gait, environment=eel), lc.swim(load_robot("mamba"), gait)
+    assert 0.86 < slow.forward_velocity / usual.forward_velocity < 0.94
+
+
+def test_an_observation_of_a_state_is_the_sample_of_the_log():
+    plant = lc.plant(load_robot("mamba-modules"), WATER)
+    command = lc.Command(gait=GAIT)
+    state, log, failure = plant.march(plant.init(lc.Start(heading=0.3), command), command, 2.0, 0.5)
+    seen = plant.observe(state)
+    assert failure is None
+    assert seen.time == 2.0
+    assert seen.link_angle.mean() == pytest.approx(seen.heading, abs=0.03)  # links of two lengths count the same
+    np.testing.assert_array_equal(seen.link_angle, log["link_angle"][-1])
+    np.testing.assert_array_equal(plant.step(state, command, 0.1).values[0], 2.1)
+
+
+def test_a_steering_offset_turns_left_and_can_change_while_swimming():
+    plant = lc.plant(load_robot("mamba"), WATER)
+    straight, left = lc.Command(gait=GAIT), lc.Command(gait=GAIT, offset=np.deg2rad(5))
+    state = plant.march(plant.init(lc.Start(), straight), straight, 5.0, 0.1)[0]
+    kept = plant.march(state, straight, 10.0, 0.1)[1]
+    turned = plant.march(state, left, 10.0, 0.1)[1]
+    assert turned["heading"][-1] > kept["heading"][-1] + 0.3
+    np.testing.assert_array_equal(turned["joint_angle"][0], kept["joint_angle"][0])
+    assert np.abs(np.diff(turned["joint_rate"], axis=0)).max() < 1.0
+
+
+def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
+    wild = Joint(actuator=Actuator(proportional_gain=0.0, derivative_gain=0.0))
+    robot = load_robot("mamba")
+    robot = replace(robot, joints=(wild,) * robot.n_joints)
+    gait = lc.lateral_undulation(amplitude=50.0, frequency=60.0, phase_shift=0.7)
+    trial = lc.swim(robot, gait, joints="pd")
+    assert not trial.succeeded
+    assert "The run diverged at t = " in trial.status
+    assert "try a smaller `dt`, or lower `proportional_gain` and `derivative_gain`." in trial.status
+    assert np.all(np.isfinite(trial.center_of_mass))
+    with pytest.raises(SimulationFailed, match="The run diverged at t = "):
+        lc.swim(robot, gait, joints="pd", throw=True)
+    with pytest.raises(ValueError, match="`trial` must have run to its end and hold its final state"):
+        lc.resume(lc.plant(robot, WATER, joints="pd"), trial, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("choices", "message"),
+    [
+        ({"duration": 0.0}, "`duration` must be > 0 s, got 0.0."),
+        ({"duration": float("nan")}, "`duration` must be a finite number in s, got nan."),
+        ({"duration": float("inf")}, "`duration` must be a finite number in s, got inf."),
+        ({"duration": "long"}, "`duration` must be a number in s, got 'long'."),
+        ({"sample_interval": -0.1}, "`sample_interval` must be > 0 s, got -0.1."),
+        ({"dt": 0.0}, "`dt` must be > 0 s, got 0.0."),
+        ({"ramp": -1.0}, "`ramp` must be >= 0 s, got -1.0."),
+        ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
+        ({"joints": "servos"}, "`joints` must be one of"),
+        ({"model": "spatial"}, "`model` must be"),
+        ({"environment": replace(WATER, depth=0.05)}, "`depth` must be > 0.055 m"),
+    ],
+)
+def test_a_bad_argument_is_refused_with_its_rule(choices, message):
+    with pytest.raises(ValueError) as refused:
+        lc.swim(load_robot("mamba"), GAIT, **{"duration": 1.0, **choices})
+    assert message in str(refused.value)
+
+
+def test_a_gait_for_another_number_of_joints_is_refused():
+    gait = lc.custom_gait(envelope=[1.0, 0.5], amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    with pytest.raises(ValueError, match="`envelope` must have one value per joint"):
+        lc.swim(load_robot("mamba"), gait)
+
+
+def test_a_state_of_another_robot_is_refused():
+    short = lc.swim(load_robot("mamba", n_links=5), GAIT, duration=1.0)
+    with pytest.raises(ValueError, match="`state` must be that of a planar run of 9 links"):
+        lc.resume(lc.plant(load_robot("mamba"), WATER), short, 1.0)
+
+
+def test_a_start_that_is_no_number_is_refused():
+    with pytest.raises(ValueError, match="`heading` must be a finite number in rad, got nan."):
+        lc.Start(heading=float("nan"))

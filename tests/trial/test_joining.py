@@ -1,0 +1,61 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from laticauda.robot import load_robot
+from laticauda.trial import Trial, joined
+
+
+def cut(trial, begin, end, *, restart_clock=False):
+    """The samples from `begin` to `end`, as if they were a run of their own."""
+    part = {}
+    for field in dataclasses.fields(Trial):
+        value = getattr(trial, field.name)
+        if isinstance(value, np.ndarray):
+            part[field.name] = value[begin:end]
+    if trial.link_force is not None:
+        part["link_force"] = {name: force[begin:end] for name, force in trial.link_force.items()}
+    if restart_clock:
+        part |= {"time": part["time"] - part["time"][0], "work": part["work"] - part["work"][0]}
+    return dataclasses.replace(trial, **part)
+
+
+@pytest.fixture
+def whole(make_trial):
+    plain = make_trial(duration=4.0)
+    force = np.random.default_rng(1).normal(size=(201, 9, 2))
+    return make_trial(duration=4.0, created="then", electrical_work=2.0 * plain.time, link_force={"drag": force})
+
+
+def test_two_halves_joined_are_the_whole_to_the_last_bit(whole):
+    assert joined(cut(whole, 0, 101), cut(whole, 100, 201)).equals(whole)
+
+
+def test_a_second_run_that_counted_from_zero_is_counted_on(whole):
+    together = joined(cut(whole, 0, 101), cut(whole, 100, 201, restart_clock=True))
+    np.testing.assert_allclose(together.time, whole.time, atol=1e-12)
+    np.testing.assert_allclose(together.work, whole.work, atol=1e-12)
+
+
+def test_how_the_second_run_ended_is_how_the_whole_ended(whole):
+    second = dataclasses.replace(
+        cut(whole, 100, 201), succeeded=False, status="It stopped.", state={"x": np.array([3.0])}
+    )
+    together = joined(cut(whole, 0, 101), second)
+    assert (together.succeeded, together.status) == (False, "It stopped.")
+    np.testing.assert_array_equal(together.state["x"], [3.0])
+
+
+def test_what_does_not_follow_is_not_joined(whole):
+    first, second = cut(whole, 0, 101), cut(whole, 100, 201)
+    with pytest.raises(ValueError, match=r"must begin where `first` ends, but `center_of_mass` jumps by 0\.\d+"):
+        joined(first, cut(whole, 110, 201))
+    with pytest.raises(ValueError, match="`first` must have reached its end, got a failed run: It blew up"):
+        joined(dataclasses.replace(first, succeeded=False, status="It blew up."), second)
+    with pytest.raises(ValueError, match="must have the same `gait` as `first`"):
+        joined(first, dataclasses.replace(second, gait=None))
+    with pytest.raises(ValueError, match="must have the same `robot` as `first`"):
+        joined(first, dataclasses.replace(second, robot=load_robot("mamba-thruster")))
+    with pytest.raises(ValueError, match="`second` must log the same as `first`"):
+        joined(first, dataclasses.replace(second, electrical_work=None))

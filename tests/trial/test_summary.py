@@ -1,0 +1,38 @@
+import json
+
+import pytest
+
+from laticauda.trial import FIGURES, Trial
+
+
+def test_every_figure_is_a_documented_property_with_its_unit():
+    for figure in FIGURES:
+        text = getattr(Trial, figure.name).__doc__
+        assert f"[{figure.unit or '-'}]" in text.splitlines()[0], figure.name
+
+
+def test_a_summary_is_json_and_holds_every_figure_in_order(make_trial):
+    summary = make_trial().summary()
+    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
+    names = list(summary)
+    assert names[:6] == ["status", "succeeded", "robot", "gait", "environment", "mean_power_kind"]
+    assert names[6:-1] == [figure.name for figure in FIGURES]
+    assert summary["forward_velocity"] == pytest.approx(0.15)
+    assert list(summary["not_available"]) == ["electrical_power", "total_power"]
+
+
+def test_a_short_run_leaves_out_what_it_cannot_know_and_says_why(make_trial):
+    summary = make_trial(duration=2.0).summary()
+    assert summary["forward_velocity"] == pytest.approx(0.15)
+    assert summary["steady_velocity"] is None
+    assert "must span at least 12.5 s" in summary["not_available"]["steady_velocity"]
+
+
+def test_a_run_that_failed_at_once_has_a_summary_too(make_trial):
+    summary = make_trial(duration=0.0, succeeded=False, status="It blew up at 0 s. Try smaller gains.").summary()
+    assert summary["succeeded"] is False
+    assert summary["forward_velocity"] is None
+    assert summary["not_available"]["forward_velocity"] == (
+        "`time` must have at least 2 samples for a mean over time, got 1."
+    )
+    json.dumps(summary, allow_nan=False)
