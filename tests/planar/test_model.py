@@ -184,5 +184,5 @@ def test_a_state_of_another_robot_is_refused():
 
 
 def test_a_start_that_is_no_number_is_refused():
-    with pytest.raises(ValueError, match="`heading` must be a finite number in rad, got nan."):
+    with pytest.raises(ValueError, match=r"`heading` must be a finite number in rad, got nan\."):
         lc.Start(heading=float("nan"))

@@ -84,7 +84,9 @@ def test_without_drag_and_actuation_energy_is_kept_and_by_kirchhoff_momentum(see
     before, after = (equations.kinetic_energy(*whole(y), chain, options) for y in (y0, end))
     assert after == pytest.approx(before, rel=1e-8)
     if form == "kirchhoff":
-        before, after = (equations.momentum(*whole(y)[:2], y[n : n + 2], y[2 * n + 2 :], chain, options) for y in (y0, end))
+        before, after = (
+            equations.momentum(*whole(y)[:2], y[n : n + 2], y[2 * n + 2 :], chain, options) for y in (y0, end)
+        )
         np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-8 * np.abs(before[0]).max())
 
 

@@ -1,12 +1,12 @@
-"""The table of reference numbers: nine settings of the paper with n = 9 and 10 links, an independent implementation's."""
+"""Reference numbers of an independent implementation: nine settings of the paper with n = 9 and 10 links."""
 
 import numpy as np
 import pytest
 
 import laticauda as lc
 
-# gait, (amplitude deg, frequency deg/s, phase shift deg): per n the prescribed (5), displacement of the last 20 s / 20 s
-# and mechanical power, and (5) under pd.
+# gait, amplitude [deg], frequency [deg/s], phase shift [deg]: per n, with prescribed joints the velocity (5), the
+# displacement of the last 20 s / 20 s and the mechanical power, and the velocity (5) under pd.
 REFERENCE = {
     ("lateral_undulation", 30, 130, 40): ((0.1476, 0.1499, 9.38, 0.1113), (0.1614, 0.1636, 12.11, 0.1175)),
     ("lateral_undulation", 30, 150, 40): ((0.1690, 0.1711, 13.04, 0.1183), (0.1847, 0.1872, 16.84, 0.1243)),
@@ -43,8 +43,6 @@ def test_speeds_and_powers_of_the_reference_table_are_reproduced():
 @pytest.mark.parametrize("ramp", [0.5, 2.0, 4.0])
 def test_the_steady_velocity_does_not_depend_on_the_length_of_the_smooth_start(ramp):
     robot = lc.load_robot("mamba")
-    gait = lc.lateral_undulation(
-        amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
-    )
+    gait = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
     usual = lc.swim(robot, gait, duration=60.0).steady_velocity
     assert lc.swim(robot, gait, duration=60.0, ramp=ramp).steady_velocity == pytest.approx(usual, rel=1e-6)

@@ -85,6 +85,7 @@ def test_the_dataset_in_memory_is_the_one_in_the_file(make_trial, full_trial, pa
     for trial in (make_trial(), full_trial):
         trial.save(path)
         with xarray.open_dataset(path) as data:
+            del data.attrs["digest"]  # of the file only
             xarray.testing.assert_identical(trial.to_dataset(), data.load())
     assert full_trial.to_dataset().link_angle.sel(time=0.5, link=3) == full_trial.link_angle[25, 3]
 
@@ -183,12 +184,31 @@ def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(make_trial, pa
         load_trial(path)
 
 
-@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state"])
+@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state", "digest"])
 def test_a_file_without_an_attribute_is_refused_by_its_name(make_trial, path, name):
     make_trial(duration=1.0).save(path)
     with netCDF4.Dataset(path, "a") as file:
         file.delncattr(name)
     with pytest.raises(TrialFileError, match=f"Cannot load .*: it has no `{name}`"):
+        load_trial(path)
+
+
+def test_a_file_that_was_edited_is_refused_and_one_that_was_added_to_is_not(make_trial, path):
+    trial = make_trial(duration=1.0)
+    trial.save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("comment", "the good one")
+        file.setncattr("title", "Another title")
+        file.createVariable("depth", "f8", ("time",))[:] = 0.5
+    assert load_trial(path).equals(trial)
+    with netCDF4.Dataset(path, "a") as file:
+        file["joint_torque"][7, 3] *= 1.0 + 1e-15
+    with pytest.raises(TrialFileError, match=r"Cannot load .*: it was damaged, or changed by another program"):
+        load_trial(path)
+    trial.save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("robot", file.robot.replace("0.055", "0.056"))
+    with pytest.raises(TrialFileError, match=r"Cannot load .*: it was damaged, or changed by another program"):
         load_trial(path)
 
 

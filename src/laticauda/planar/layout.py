@@ -1,13 +1,14 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
-from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Water
+from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Thruster, Water
 
 JOINT_LAWS = {"locked": 0, "prescribed": 1, "pd": 2, "servo": 3, "passive": 4}
 JOINT_DRIVES = ("prescribed", "pd", "servo")
@@ -56,9 +57,7 @@ class _Body:
     """Mass only, no water: the fin's opening."""
 
 
-def layout(
-    robot: Robot, environment: Environment, *, joints: str = "prescribed", fin_as_links: bool = False
-) -> Layout:
+def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed", fin_as_links: bool = False) -> Layout:
     """Lay out a planar robot for the kernels.
 
     Args:
@@ -227,7 +226,7 @@ def _write_strips(strips: np.ndarray, water: Coefficients) -> None:
     strips[:, rows.STRIP_LAMBDA_3] = water.lambda_3
 
 
-def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster) -> None:  # type: ignore[no-untyped-def]
+def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruster) -> None:
     along, across = thruster.thrust * np.cos(thruster.angle), thruster.thrust * np.sin(thruster.angle)
     x = robot.modules[link].length / 2.0 + thruster.x
     record[[rows.THRUST_T, rows.THRUST_N]] += along, across

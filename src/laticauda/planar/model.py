@@ -19,8 +19,8 @@ from laticauda.robot import Environment, Ground, Robot, check_fits
 
 FORCES = ("drag", "added_mass", "effector")
 
-# Steps at which the trials of the paper are converged: prescribed joints to 3e-7 of the distance (RK4), driven joints to
-# 3e-5 (ROS2). `benchmarks/convergence.py` prints them.
+# Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK4), driven joints to
+# 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
 DEFAULT_DT = {"prescribed": 0.025, "pd": 0.002, "servo": 0.002}
 
 
@@ -94,12 +94,11 @@ class PlanarPlant:
     def init(self, start: Start, command: Command) -> PlanarState:
         """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
         values = np.zeros(rows.LOG_STATE + 2 * (self.layout.n_bodies - 1))
-        state = _header(values)
-        state[rows.HEADING] = start.heading
-        state[rows.X], state[rows.Y] = start.center_of_mass
-        state[rows.AMPLITUDE_NOW] = command.gait.amplitude
-        state[rows.FREQUENCY_NOW] = command.gait.frequency
-        state[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
+        values[_at(rows.HEADING)] = start.heading
+        values[_at(rows.X)], values[_at(rows.Y)] = start.center_of_mass
+        values[_at(rows.AMPLITUDE_NOW)] = command.gait.amplitude
+        values[_at(rows.FREQUENCY_NOW)] = command.gait.frequency
+        values[_at(rows.PHASE_SHIFT_NOW)] = command.gait.phase_shift
         return PlanarState(values=values)
 
     def step(self, state: PlanarState, command: Command, dt: float) -> PlanarState:
@@ -183,20 +182,20 @@ class PlanarPlant:
 
     def _named(self, samples: np.ndarray) -> Log:
         """State rows by their names; the fin's locked joints are left out."""
-        head = _header(samples)
+        heading = samples[:, _at(rows.HEADING)]
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
         rate = samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints]
         n = self.robot.n_links
         # A plain sum: a matrix product may round differently with the number of samples.
-        tail = head[rows.HEADING] - sum((n - 1 - j) / n * angle[:, j] for j in range(n - 1))
+        tail = heading - sum((n - 1 - j) / n * angle[:, j] for j in range(n - 1))
         links = np.concatenate((tail[:, np.newaxis], tail[:, np.newaxis] + np.cumsum(angle, axis=1)), axis=1)
         return {
-            "time": head[rows.TIME],
-            "center_of_mass": samples[:, rows.X - rows.TIME : rows.Y - rows.TIME + 1],
-            "center_of_mass_velocity": samples[:, rows.VX - rows.TIME : rows.VY - rows.TIME + 1],
-            "heading": head[rows.HEADING],
-            "heading_rate": head[rows.HEADING_RATE],
+            "time": samples[:, _at(rows.TIME)],
+            "center_of_mass": samples[:, _at(rows.X) : _at(rows.Y) + 1],
+            "center_of_mass_velocity": samples[:, _at(rows.VX) : _at(rows.VY) + 1],
+            "heading": heading,
+            "heading_rate": samples[:, _at(rows.HEADING_RATE)],
             "link_angle": links,
             "joint_angle": angle,
             "joint_rate": rate,
@@ -205,27 +204,19 @@ class PlanarPlant:
     def _log(self, samples: np.ndarray) -> Log:
         """Samples by the names of Trial's fields."""
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
-        first = rows.WORK_ABSOLUTE - rows.TIME
+        first = _at(rows.WORK_ABSOLUTE)
         log = self._named(samples)
         log["joint_angle_ref"] = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
         if self.joints == "servo":
-            log["electrical_work"] = samples[:, rows.WORK_ELECTRICAL - rows.TIME]
+            log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
         return log
 
 
-class _header:
-    """State rows of a state vector or of samples, addressed by their names in `rows`."""
-
-    def __init__(self, values: np.ndarray) -> None:
-        self.values = values
-
-    def __getitem__(self, row: int) -> np.ndarray:
-        return self.values[..., row - rows.TIME]
-
-    def __setitem__(self, row: int, value: float) -> None:
-        self.values[..., row - rows.TIME] = value
+def _at(row: int) -> int:
+    """Where a state row of the header stands in a state vector or a sample."""
+    return row - rows.TIME
 
 
 def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:

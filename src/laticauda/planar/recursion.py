@@ -11,24 +11,24 @@ A template (see `specialize`). `S` is the flat array of `rows`; `n` the number o
 the lanes. No function allocates.
 """
 
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from laticauda.fluid import laws
 from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
-from laticauda.planar.specialize import bindings, compiled
+from laticauda.planar.specialize import bindings, compiled, kernel
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
-# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
-OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "forceinline": True}
-law = compiled(_names["fluid_law"], OPTIONS)
-plate_law = compiled(laws.plate, OPTIONS)
+law = compiled(_names["fluid_law"])
+plate_law = compiled(laws.plate)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def sincos(x):
     """sin and cos to 2e-16 for |x| < 1e5, without branches so that lanes stay in vector registers.
@@ -52,15 +52,22 @@ def sincos(x):
             )
         )
     )
-    c = 1.0 - 0.5 * z + z * z * (
-        4.16666666666666019037e-02
+    c = (
+        1.0
+        - 0.5 * z
         + z
+        * z
         * (
-            -1.38888888888741095749e-03
+            4.16666666666666019037e-02
             + z
             * (
-                2.48015872894767294178e-05
-                + z * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
+                -1.38888888888741095749e-03
+                + z
+                * (
+                    2.48015872894767294178e-05
+                    + z
+                    * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
+                )
             )
         )
     )
@@ -71,7 +78,7 @@ def sincos(x):
     return (-sine if quadrant & 2 else sine), (-cosine if (quadrant + 1) & 2 else cosine)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
@@ -83,7 +90,7 @@ def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extr
     outward(S, n, is_free)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def velocities(S, n):
     """Angle, rate and velocity of every body from heading, center of mass and joints."""
@@ -130,7 +137,7 @@ def velocities(S, n):
             S[(b + V_N) * W + k] = c * vy - s * vx
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def extra_loads(S, n, first_strip, first_plate, tether_body):
     """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
@@ -149,7 +156,7 @@ def extra_loads(S, n, first_strip, first_plate, tether_body):
     trailing_edge(S)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def strip_drag(S, b, e):
     """Drag of one strip, rigid on body b at its own distance from the tail end."""
@@ -173,7 +180,7 @@ def strip_drag(S, b, e):
         S[(b + EXTRA_MOMENT) * W + k] += tau + x * f_n
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def plate_load(S, b, e):
     """Lift and drag of one pectoral fin mounted on body b."""
@@ -200,7 +207,7 @@ def plate_load(S, b, e):
         S[(b + EXTRA_MOMENT) * W + k] += x * f_n - y * f_t
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def tether(S, b):
     """F = -k |v| v + constant, at the tail end of the tail link."""
@@ -212,7 +219,7 @@ def tether(S, b):
         S[(b + EXTRA_N) * W + k] += c * S[TETHER_FORCE_Y * W + k] - s * S[TETHER_FORCE_X * W + k] - drag * v_n
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def trailing_edge(S):
     """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
@@ -228,7 +235,7 @@ def trailing_edge(S):
         S[(b + EXTRA_MOMENT) * W + k] += x * f_n
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def inward(S, n, is_free):
     """Articulated inertia and bias force of every body, from the head to the tail."""
@@ -254,7 +261,7 @@ def inward(S, n, is_free):
             S[(b + P2) * W + k] = p2
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def own_inertia(S, b, k):
     """Inertia of the body and of the water it takes along, about its tail end, world axes."""
@@ -265,7 +272,7 @@ def own_inertia(S, b, k):
     return S[(b + INERTIA) * W + k], -s * coupling, c * coupling, mass_t + across * s, -across * c, mass_n - across * s
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def added_mass_velocity_terms(S, b, k):
     """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end."""
@@ -287,7 +294,7 @@ def added_mass_velocity_terms(S, b, k):
     return f_t, f_n, munk + rate * (moment_n * seen_t - keep * moment_t * v_t)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def own_drag(S, b, k):
     """Drag of the body itself, link axes, and its moment about the tail end."""
@@ -308,7 +315,7 @@ def own_drag(S, b, k):
     return f_t, f_n, tau + x * f_n
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def own_bias(S, b, k):
     """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
@@ -322,7 +329,7 @@ def own_bias(S, b, k):
     return -moment, s * f_n - c * f_t, -(s * f_t + c * f_n)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def centripetal(S, a, k):
     """Acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
@@ -330,7 +337,7 @@ def centripetal(S, a, k):
     return pull * S[(a + COS) * W + k], pull * S[(a + SIN) * W + k]
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def through_joint(S, b, k, joint_is_free):
     """Articulated inertia and bias of the child of body b, seen through the joint and moved to the tail end of b."""
@@ -362,7 +369,7 @@ def through_joint(S, b, k, joint_is_free):
     return b00, b01, b02, a11, a12, a22, p0 + arm_x * p1 + arm_y * p2, p1, p2
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def floating_base(S):
     """Acceleration of body 0 from A a + p = 0."""
@@ -380,7 +387,7 @@ def floating_base(S):
         S[(b + QY) * W + k] = (a12 * p1 - a11 * p2) / determinant - x_2 * rotation
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def outward(S, n, is_free):
     """Accelerations of all bodies and joints, joint torques, and those of heading and center of mass."""
@@ -421,7 +428,7 @@ def outward(S, n, is_free):
             S[AY * W + k] += S[(b + MASS_SHARE) * W + k] * S[(b + QY) * W + k] + spin_arm * c - pull * s
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def body_forces(S, n, first_strip, force):
     """Drag, added-mass and effector force on every body, world axes, once the accelerations are known."""
@@ -449,7 +456,7 @@ def body_forces(S, n, first_strip, force):
             force[2, i, 1, k] -= f_y
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def put_force(S, b, k, force, f_t, f_n):
     """Store a force given in link axes of body b in world axes."""
@@ -458,7 +465,7 @@ def put_force(S, b, k, force, f_t, f_n):
     force[1, k] = s * f_t + c * f_n
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def added_mass_force(S, b, k):
     """The whole added-mass force on body b, link axes: what its acceleration and its velocity call for."""

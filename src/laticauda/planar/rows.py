@@ -169,7 +169,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)
 
-# --- One record per pectoral fin (fluid.laws.plate) --------------------------------------------------------------------
+# --- One record per pectoral fin (fluid.laws.plate) ------------------------------------------------------------
 (
     PLATE_X,  # from the tail end of its body [m]
     PLATE_Y,

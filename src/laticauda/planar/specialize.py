@@ -21,6 +21,10 @@ from laticauda.fluid import laws
 
 FluidLaw = Callable[..., tuple[float, float, float]]
 
+# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything. Forced inlining
+# lets the compiler see whole loops: 2.5 -> 2.0 ms for a 30 s trial.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
@@ -66,7 +70,12 @@ def bindings(module_name: str) -> dict[str, Any]:
     return _loading[module_name]
 
 
-def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+def kernel(function: Callable[..., Any]) -> Any:
+    """Decorator of a template's inner functions: compiled into whatever calls them."""
+    return njit(forceinline=True, **_OPTIONS)(function)
+
+
+def compiled(function: Callable[..., Any]) -> Any:
     """Compile a plain scalar function together with the plain functions that it calls.
 
     Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
@@ -76,25 +85,21 @@ def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     names = dict(function.__globals__)
     for name in code.co_names:
         if isinstance(names.get(name), FunctionType):
-            names[name] = compiled(names[name], options)
+            names[name] = compiled(names[name])
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    cells = [compiled(c, options) if isinstance(c, FunctionType) else c for c in cells]
-    closure = tuple(CellType(c) for c in cells)
-    return njit(**options)(FunctionType(code, names, function.__name__, function.__defaults__, closure))
+    cells = [compiled(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
+    closure = tuple(CellType(cell) for cell in cells)
+    return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
 
-def cached(module_name: str, options: dict[str, Any]) -> Callable[[Callable[..., Any]], Any]:
+def entry(function: Callable[..., Any]) -> Any:
     """Decorator of a template's entry points: compile, and keep the machine code on disk.
 
-    Numba files it under the function's qualified name and does not look at what the function calls, so the digest goes
-    into that name.
+    Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
+    which is the end of the module's name, goes into that name.
     """
-
-    def decorate(function: Callable[..., Any]) -> Any:
-        function.__qualname__ += module_name[module_name.rindex("_") :]
-        return njit(cache=True, **{**options, "forceinline": False})(function)
-
-    return decorate
+    function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
+    return njit(cache=True, **_OPTIONS)(function)
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
@@ -109,7 +114,8 @@ def _parts(value: Any, seen: set[int]) -> list[str]:
     function = getattr(value, "py_func", value)
     code = getattr(function, "__code__", None)
     if not isinstance(code, CodeType):
-        return [f"{type(value).__name__} {value!r}"] if isinstance(value, int | float | str | tuple) else [repr(type(value))]
+        # Modules and other objects count by their type: their text would hold an address.
+        return [f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__]
     if id(code) in seen:
         return []
     seen.add(id(code))

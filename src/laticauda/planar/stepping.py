@@ -8,33 +8,34 @@
 A template (see `specialize`). Joint laws are told apart by `law`, one number per joint (LOCKED ... PASSIVE).
 """
 
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from laticauda.actuation import laws
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
 from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
-from laticauda.planar.specialize import bindings, cached, compiled
+from laticauda.planar.specialize import bindings, compiled, entry, kernel
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
 _recursion = _names["recursion"]
-OPTIONS = _recursion.OPTIONS
 accelerations = _recursion.accelerations
 body_forces = _recursion.body_forces
 sincos = _recursion.sincos
-magnitude = compiled(fluid_laws.magnitude, OPTIONS)
-filter_step = compiled(reference.filter_step, OPTIONS)
-filter_acceleration = compiled(reference.filter_acceleration, OPTIONS)
-smooth_start = compiled(reference.smooth_start, OPTIONS)
-ramped = compiled(reference.ramped, OPTIONS)
-joint_reference = compiled(reference.joint_reference, OPTIONS)
-pd = compiled(laws.pd, OPTIONS)
-servo = compiled(laws.servo, OPTIONS)
-servo_power = compiled(laws.servo_power, OPTIONS)
+magnitude = compiled(fluid_laws.magnitude)
+filter_step = compiled(reference.filter_step)
+filter_acceleration = compiled(reference.filter_acceleration)
+smooth_start = compiled(reference.smooth_start)
+ramped = compiled(reference.ramped)
+joint_reference = compiled(reference.joint_reference)
+pd = compiled(laws.pd)
+servo = compiled(laws.servo)
+servo_power = compiled(laws.servo_power)
 
 LOCKED, PRESCRIBED, PD, SERVO, PASSIVE = 0, 1, 2, 3, 4
 FIRST_FREE = PD
@@ -42,7 +43,7 @@ GAMMA = 1.0 - 0.5**0.5
 BASE_ROWS = 6  # HEADING ... VY are contiguous
 
 
-@cached(__name__, OPTIONS)
+@entry
 @no_type_check
 def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in S by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
@@ -72,14 +73,14 @@ def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, 
     return written
 
 
-@cached(__name__, OPTIONS)
+@entry
 @no_type_check
 def evaluate(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
     """Accelerations for the state in S, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
     accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
 
 
-@cached(__name__, OPTIONS)
+@entry
 @no_type_check
 def link_forces(S, n, first_strip, first_plate, law, tether_body, has_extras, log, force):
     """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
@@ -98,7 +99,7 @@ def link_forces(S, n, first_strip, first_plate, law, tether_body, has_extras, lo
 # --- the reference --------------------------------------------------------------------------------------------------
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def advance_reference(S, n, law, dt):
     """Move the generator on by dt and set the reference there."""
@@ -121,7 +122,7 @@ def advance_reference(S, n, law, dt):
     set_reference(S, n, law)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def set_reference(S, n, law):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
@@ -153,7 +154,7 @@ def set_reference(S, n, law):
             joint += 1.0
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def one_reference(S, b, joint, law):
     """The reference of one joint; the sine of the next joint's phase follows by rotation."""
@@ -185,7 +186,7 @@ def one_reference(S, b, joint, law):
 # --- joint laws and work --------------------------------------------------------------------------------------------
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def joint_torques(S, n, law, gamma_dt):
     """Torque of every free joint for the first stage of an implicit step, and what that step adds to its inertia."""
@@ -204,14 +205,14 @@ def joint_torques(S, n, law, gamma_dt):
                 S[(b + TOTAL_TORQUE) * W + k] = total
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def skin(S, b, k):
     """Torque that the skin (or a hinge) sets against the joint's angle and rate."""
     return S[(b + STIFFNESS) * W + k] * S[(b + ANGLE) * W + k] + S[(b + DAMPING) * W + k] * S[(b + RATE) * W + k]
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def actuator(S, b, law, k):
     """Torque of the joint's actuator, its slopes, and its electrical power."""
@@ -246,7 +247,7 @@ def actuator(S, b, law, k):
     return torque, slope_p, slope_d, power
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def count_work(S, n, law, dt):
     """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
@@ -277,7 +278,7 @@ def count_work(S, n, law, dt):
 # --- prescribed joints: Runge-Kutta 4 ---------------------------------------------------------------------------------
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def finish_rk4(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
     """Stages 2 to 4; the first one's accelerations are in S already."""
@@ -299,7 +300,7 @@ def finish_rk4(S, n, first_strip, first_plate, law, is_free, tether_body, has_ex
             S[(HEADING + r) * W + k] = S[(SAVED + r) * W + k] + S[(SUM + r) * W + k]
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def next_stage(S, weight, ahead):
     """Add the slope at hand to the step's sum, and set the base where the next stage looks."""
@@ -316,7 +317,7 @@ def next_stage(S, weight, ahead):
 # --- free joints: ROS2 ------------------------------------------------------------------------------------------------
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in S already."""
@@ -344,7 +345,7 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_e
                 S[(b + RATE) * W + k] = S[(b + SAVED_RATE) * W + k] + dt * (1.5 * first + 0.5 * second)
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def keep_first_slope(S, n, is_free, dt, gamma_dt):
     """Store y and k1, and move the state to y + h k1."""
@@ -372,7 +373,7 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
                 S[(b + RATE) * W + k] += dt * acceleration
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def second_torques(S, n, law, gamma_dt):
     """Right-hand side of the second stage for a = k2 + 2 k1, so that the mass matrix is not needed."""
@@ -390,7 +391,7 @@ def second_torques(S, n, law, gamma_dt):
 # --- the log ----------------------------------------------------------------------------------------------------------
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def write_sample(S, n, sample):
     """One sample: the header's state rows and accelerations, then angle, rate, reference and torque of every joint."""
@@ -406,7 +407,7 @@ def write_sample(S, n, sample):
             sample[LOG_STATE + 3 * joints + i, k] = S[(b + TORQUE) * W + k]
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def read_sample(S, n, sample):
     """Set the state from a sample."""
@@ -420,7 +421,7 @@ def read_sample(S, n, sample):
             S[(b + RATE) * W + k] = sample[LOG_STATE + joints + i, k]
 
 
-@njit(**OPTIONS)
+@kernel
 @no_type_check
 def all_finite(S, n):
     """Whether positions, rates and joint rates are still numbers a swimming robot can have."""

@@ -137,4 +137,4 @@ def _trial(plant: Plant[Any], command: Command, log: Log, failure: str | None, s
     )
 
 
-__all__ = ["run", "resume"]
+__all__ = ["resume", "run"]

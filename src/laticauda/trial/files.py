@@ -2,7 +2,8 @@
 
 A file appears whole or not at all: it is written beside its place under another name and then moved there, over any
 older file of that name. A netCDF file opens in any netCDF tool and by `xarray.open_dataset`; the plant's state, for a
-restart, is in its group `state`. Every array carries checksums, so a damaged file is refused and not half read.
+restart, is in its group `state`. A checksum covers all that a trial is made of, so a damaged file is refused; other
+programs may add variables and attributes of their own.
 """
 
 # netCDF4 types what it reads as Any, by the nature of the format: this module turns that into arrays and texts.
@@ -21,12 +22,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import TrialFileError
-from laticauda.trial.layout import AXES, FORMAT, MARK, attributes, coordinates, trial_from, variables
+from laticauda.trial.layout import (
+    AXES,
+    FORMAT,
+    MARK,
+    STATE,
+    attributes,
+    coordinates,
+    digest,
+    stored_arrays,
+    trial_from,
+    variables,
+)
 from laticauda.trial.trial import Trial
 
 if TYPE_CHECKING:
     import netCDF4
     import xarray
+
+DIGEST = "digest"  # the attribute with the checksum
 
 
 def save_trial(trial: Trial, path: str | Path) -> None:
@@ -63,7 +77,7 @@ def load_trial(path: str | Path) -> Trial:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
     try:
         return _decoded(content)
-    except (OSError, RuntimeError) as error:
+    except (OSError, RuntimeError, AttributeError) as error:  # what netCDF raises at bytes that make no sense
         raise TrialFileError(f"Cannot load {path}: it is no netCDF file, or it is damaged.") from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
@@ -124,23 +138,23 @@ def _store(trial: Trial, path: Path) -> None:
         for name, values in index.items():
             file.createDimension(name, values.size)
             file.createVariable(name, str if values.dtype == object else "i4", (name,))[:] = values
-        for variable, values in variables(trial):
-            stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False, fletcher32=True)
-            stored[:] = values
+        arrays = stored_arrays(trial)
+        for variable, _ in variables(trial):
+            stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False)
+            stored[:] = arrays[variable.name]
             stored.setncatts({"units": variable.units, "long_name": variable.long_name})
-        state = file.createGroup("state")
-        for name, values in trial.state.items():
-            _store_state(state, name, values)
-        file.setncatts(attributes(trial))
+        state = file.createGroup(STATE)
+        for name in trial.state:
+            _store_state(state, name, arrays[f"{STATE}/{name}"])
+        texts = attributes(trial)
+        file.setncatts(texts | {DIGEST: digest(texts, arrays)})
 
 
 def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:
-    plain = values.astype(np.int8) if values.dtype == np.bool_ else values  # netCDF has no truth values
     dimensions = tuple(f"{name}_{i}" for i in range(values.ndim))
     for dimension, size in zip(dimensions, values.shape, strict=True):
         group.createDimension(dimension, size)
-    # A number without dimensions cannot be in chunks, and only chunks carry checksums.
-    group.createVariable(name, plain.dtype.str, dimensions, fill_value=False, fletcher32=values.ndim > 0)[...] = plain
+    group.createVariable(name, values.dtype.str, dimensions, fill_value=False)[...] = values
 
 
 def _decoded(content: bytes) -> Trial:
@@ -148,7 +162,7 @@ def _decoded(content: bytes) -> Trial:
 
     Raises:
         KeyError: If a variable or an attribute is missing.
-        OSError, RuntimeError: If netCDF cannot make sense of the bytes.
+        OSError, RuntimeError, AttributeError: If netCDF cannot make sense of the bytes.
         ValueError: If what they say is no trial.
     """
     import netCDF4
@@ -162,13 +176,19 @@ def _decoded(content: bytes) -> Trial:
         if texts[MARK] != FORMAT:
             raise ValueError(f"it has format {texts[MARK]}, and this version of laticauda reads format {FORMAT}.")
 
+        arrays: dict[str, np.ndarray] = {}
+
         def read(name: str) -> np.ndarray:
             try:
-                return np.asarray(file[name][...])
+                arrays[name] = np.asarray(file[name][...])
             except IndexError:
                 raise KeyError(name) from None
+            return arrays[name]
 
-        return trial_from(read, texts)
+        trial = trial_from(read, texts)
+    if digest(texts, arrays) != texts[DIGEST]:
+        raise ValueError("it was damaged, or changed by another program, after it was written.")
+    return trial
 
 
 def _write_whole(path: Path, write: Callable[[Path], object]) -> None:
