@@ -324,7 +324,7 @@ def test_drag_never_feeds_energy_to_the_robot(p: Problem):
     assert eq.dissipated_power(*p.state) >= 0
 
 
-# Checking shapes in every one of thousands of calls would take three times as long as the calls.
+# The module without the run-time shape checks: they would take twice as long as the thousands of calls of a run.
 unchecked = SimpleNamespace(**runpy.run_path(eq.__file__))
 
 
@@ -351,7 +351,7 @@ def drift(p: Problem, duration: float = 10.0) -> tuple[float, float]:
 
 
 @given(n=st.integers(1, 3), seed=st.integers(0, 10**6))
-@settings(max_examples=4)
+@settings(max_examples=3)
 def test_without_drag_kirchhoff_keeps_energy_and_momentum(n: int, seed: int):
     energy, momentum = drift(example(n, seed, form="kirchhoff", current=np.array([0.3, -0.2]), **NO_DRAG))
     assert energy < 1e-8
@@ -359,7 +359,7 @@ def test_without_drag_kirchhoff_keeps_energy_and_momentum(n: int, seed: int):
 
 
 @given(n=st.integers(1, 3), seed=st.integers(0, 10**6))
-@settings(max_examples=4)
+@settings(max_examples=3)
 def test_without_drag_relative_keeps_energy(n: int, seed: int):
     energy, _ = drift(example(n, seed, form="relative", current=np.array([0.3, -0.2]), **NO_DRAG))
     assert energy < 1e-8
@@ -454,7 +454,7 @@ def test_there_is_no_wake_while_the_tail_does_not_move_forward(speed: float):
 )
 def test_a_chain_refuses_what_no_chain_can_be(changes: dict[str, np.ndarray], message: str):
     with pytest.raises(ValueError, match=message):
-        replace(example(2, 0).chain, **changes)
+        unchecked.Chain(**vars(example(2, 0).chain) | changes)
 
 
 @pytest.mark.parametrize(
@@ -468,4 +468,4 @@ def test_a_chain_refuses_what_no_chain_can_be(changes: dict[str, np.ndarray], me
 )
 def test_options_refuse_what_does_not_exist(options: dict[str, Any], message: str):
     with pytest.raises(ValueError, match=message):
-        Options(**options)
+        unchecked.Options(**options)

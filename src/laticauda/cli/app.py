@@ -6,10 +6,8 @@ Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the use
 import os
 import sys
 from collections.abc import Callable, Sequence
-from functools import reduce
 from importlib import import_module
-from operator import or_
-from typing import Annotated, Any
+from typing import Annotated, Any, Union
 
 import tyro
 
@@ -86,7 +84,7 @@ def _read(words: list[str]) -> Command:
             return tyro.cli(
                 command,
                 prog=prog,
-                description=command.__doc__,
+                description=" ".join((command.__doc__ or "").split()),
                 args=words[length:],
                 config=(tyro.conf.OmitArgPrefixes,),
             )
@@ -102,11 +100,12 @@ def _commands(group: tuple[str, ...]) -> dict[str, str]:
 
 def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
     """Print the help that lists the commands, or say what is wrong with the words; none of them is a command."""
-    subcommands = [
+    subcommands: list[Any] = [
         Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_no_command)]
         for name, text in choices.items()
     ]
-    tyro.cli(reduce(or_, subcommands), prog=prog, description=description, args=words)
+    any_of_them: Any = Union[tuple(subcommands)]  # noqa: UP007  # made while it runs
+    tyro.cli(any_of_them, prog=prog, description=description, args=words)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 

@@ -12,6 +12,8 @@ from typing import Annotated, Any, Literal
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
+from laticauda.cli.messages import flag
+
 
 def _option(
     nargs: int | Literal["*"], metavar: str, read: Callable[[list[str]], Any], choices: Sequence[str] | None = None
@@ -41,8 +43,8 @@ def _whole(word: str) -> int:
 
 
 def choice(*names: str) -> Any:
-    """The type of an option that takes one of these names."""
-    return Annotated[str | None, _option(1, f"{{{','.join(names)}}}", lambda words: words[0], names)]
+    """Marks an option, a text, that takes one of these names."""
+    return _option(1, f"{{{','.join(names)}}}", lambda words: words[0], names)
 
 
 def default(text: object) -> Any:
@@ -52,14 +54,14 @@ def default(text: object) -> Any:
 
 Text = Annotated[str | None, _option(1, "TEXT", lambda words: words[0])]
 Preset = Annotated[str | None, _option(1, "NAME|PATH", lambda words: words[0])]
-File = Annotated[str | None, _option(1, "FILE", lambda words: words[0]), tyro.conf.arg(help_behavior_hint="")]
+File = Annotated[str | None, _option(1, "FILE", lambda words: words[0]), default("none")]
 Number = Annotated[float | None, _option(1, "NUMBER", lambda words: _number(words[0]))]
 Numbers = Annotated[
     tuple[float, ...] | None, _option("*", "NUMBER ...", lambda words: tuple(_number(word) for word in words))
 ]
 Two = Annotated[tuple[float, ...] | None, _option(2, "X Y", lambda words: tuple(_number(word) for word in words))]
 Whole = Annotated[int | None, _option(1, "N", lambda words: _whole(words[0]))]
-Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff, tyro.conf.arg(help_behavior_hint="")]
+Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff, default("off")]
 
 
 def changes(kind: type, omit: Sequence[str], otherwise: str) -> type[Any]:
@@ -81,7 +83,9 @@ def changes(kind: type, omit: Sequence[str], otherwise: str) -> type[Any]:
         help = documented[field.name]
         if hints[field.name] is bool:
             fields.append((field.name, _described(Switch, help, otherwise), False))
-            fields.append((f"no_{field.name}", _described(Switch, f"The opposite of {field.name}.", ""), False))
+            fields.append(
+                (f"no_{field.name}", _described(Switch, f"The opposite of {flag(field.name)}.", otherwise), False)
+            )
         else:
             fields.append((field.name, _described(_type_of(hints[field.name]), help, otherwise), None))
     return dataclasses.make_dataclass(f"{kind.__name__}Changes", fields, frozen=True, kw_only=True)
@@ -127,15 +131,14 @@ def _type_of(hint: Any) -> Any:
     if typing.get_origin(hint) is types.UnionType:
         hint = next(part for part in typing.get_args(hint) if part is not types.NoneType)
     if typing.get_origin(hint) is Literal:
-        return choice(*typing.get_args(hint))
+        return Annotated[str | None, choice(*typing.get_args(hint))]
     if typing.get_origin(hint) is tuple:
         return Two
     return {float: Number, int: Whole, str: Text}[hint]
 
 
 def _described(option: Any, help: str, otherwise: str) -> Any:
-    hint = f"(default: {otherwise})" if otherwise else ""
-    return Annotated[option, tyro.conf.arg(help=help, help_behavior_hint=hint)]
+    return Annotated[option, tyro.conf.arg(help=help, help_behavior_hint=f"(default: {otherwise})")]
 
 
 def _plain(value: object) -> str:

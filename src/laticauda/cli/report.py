@@ -4,12 +4,13 @@ import dataclasses
 import json
 import math
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.trial import FIGURES, MeasuredTrial, Trial, measured_counterpart
+from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, measured_counterpart
 
 WIDTH = 110
 # Said once at the top, or by `mean_power`.
@@ -47,6 +48,28 @@ def as_text(trial: Trial, origin: str = "") -> str:
         head.append(("FAILED", trial.status))
     parts = [_wrapped(head), figure_table(trial), _notes(trial)]
     return "\n\n".join(part for part in parts if part)
+
+
+def comparison_as_json(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
+    """One JSON object: the trials' names, and per figure its unit, values and differences in percent."""
+    found = {
+        row.figure.name: {"unit": row.figure.unit, "values": row.values, "differences_percent": row.differences_percent}
+        for row in rows
+    }
+    return json.dumps({"trials": list(names), "figures": found}, indent=2, allow_nan=False)
+
+
+def comparison_as_text(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
+    """A table with a figure a line and, per trial, its value and its difference to the first."""
+    first, *others = names
+    lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
+    for row in rows:
+        cells = [read_in(value, row.figure.unit) for value in row.values]
+        line = [row.figure.title, cells[0][0], cells[0][1]]
+        for (shown, _), difference in zip(cells[1:], row.differences_percent[1:], strict=True):
+            line += [shown, percent(difference)]
+        lines.append(line)
+    return aligned(lines, right=(1, *range(3, len(lines[0]))))
 
 
 def figure_table(trial: Trial) -> str:
@@ -87,17 +110,17 @@ def _notes(trial: Trial) -> str:
     measured = measured_counterpart(trial)
     if measured is not None:
         notes.append(_about(measured, trial))
-    titles = {figure.name: figure.title for figure in FIGURES}
     by_reason: dict[str, list[str]] = {}
     missing: Any = trial.summary()["not_available"]
     for name, reason in missing.items():
-        by_reason.setdefault(reason, []).append(titles[name])
-    notes += [f"No {'; no '.join(names)}: {reason}" for reason, names in by_reason.items()]
+        by_reason.setdefault(reason, []).append(name)
+    notes += [f"Not available: {', '.join(names)}. {reason}" for reason, names in by_reason.items()]
     return "\n".join(textwrap.fill(note, WIDTH, subsequent_indent="  ") for note in notes)
 
 
 def _about(measured: MeasuredTrial, trial: Trial) -> str:
-    text = f"Measured: Mamba {'with' if measured.has_fin else 'without'} its fin in the tank, 30 s from rest, Table 1 of the paper."
+    fin = "with" if measured.has_fin else "without"
+    text = f"Measured: Mamba {fin} its fin in the tank, 30 s from rest, the best of a sweep (Table 1 of the paper)."
     if trial.mean_power_kind == "mechanical":
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."
     return text
@@ -113,8 +136,8 @@ def _gait(gait: Gait | None) -> str:
         return "none"
     amplitude, shift, offset = (math.degrees(angle) for angle in (gait.amplitude, gait.phase_shift, gait.offset))
     text = (
-        f"{gait.kind.replace('_', ' ')}: amplitude {amplitude:.4g} deg, frequency {math.degrees(gait.frequency):.4g} deg/s, "
-        f"phase shift {shift:.4g} deg"
+        f"{gait.kind.replace('_', ' ')}: amplitude {amplitude:.4g} deg, "
+        f"frequency {math.degrees(gait.frequency):.4g} deg/s, phase shift {shift:.4g} deg"
     )
     if gait.offset:
         text += f", offset {offset:.4g} deg"
@@ -169,6 +192,8 @@ def _run(trial: Trial) -> str:
     for name, words, unit in (("dt", "time step", "s"), ("ramp", "smooth start", "s")):
         if settings.get(name):
             parts.append(f"{words} {settings[name]:g} {unit}")
+    if trial.gait is not None and trial.gait.offset and settings.get("offset_bandwidth"):
+        parts.append(f"offset bandwidth {settings['offset_bandwidth']:g} rad/s")
     return ", ".join(parts)
 
 

@@ -8,103 +8,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import File, Number, Numbers, Preset, Switch, Two, Whole, changed, changes, choice, default
+from laticauda.cli.flags import File, Number, Numbers, Preset, Switch, Whole, changed, changes, choice, default
 from laticauda.cli.messages import flag, options
 from laticauda.cli.outputs import check_output
 from laticauda.robot import Environment, Water
 
 if TYPE_CHECKING:
     from laticauda.gaits import Gait
+    from laticauda.interfaces import Plant
     from laticauda.trial import Trial
 
+# What an option that is left out stands for: Mamba's trial of the paper.
+AMPLITUDE_DEG, FREQUENCY_DEG_S, PHASE_SHIFT_DEG = 30.0, 130.0, 40.0
+DURATION, SAMPLE_INTERVAL, OFFSET_BANDWIDTH = 30.0, 0.05, 10.0
 PICTURES = (".png", ".pdf")
 COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
 WaterChanges = changes(Water, omit=("name",), otherwise="the water's")
 # What may be said again when a stored run goes on; the rest is in its file.
 WITH_RESUME = ("resume", "duration", "sample_interval", "json", "save", "plot")
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotFlags:
-    """What swims."""
-
-    robot: Annotated[Preset, default("mamba")] = None
-    """A preset (`laticauda robots` lists them) or a TOML file."""
-    n_links: Annotated[Whole, default("the robot's")] = None
-    """Number of links to have instead, for robots whose links are all alike."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class GaitFlags:
-    """How it moves: phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail."""
-
-    gait: Annotated[choice("lateral-undulation", "eel-like", "custom"), default("lateral-undulation")] = None
-    """The envelope g: 1, (n-i)/(n+1), or one's own."""
-    envelope: Annotated[Numbers, tyro.conf.arg(help_behavior_hint="")] = None
-    """g of every joint for the gait `custom`, tail first [-]."""
-    amplitude_deg: Annotated[Number, default("30")] = None
-    """alpha [deg]."""
-    frequency_deg_s: Annotated[Number, default("130")] = None
-    """omega, an angular frequency [deg/s]."""
-    phase_shift_deg: Annotated[Number, default("40")] = None
-    """delta between neighboring joints [deg]."""
-    offset_deg: Annotated[Number, default("0")] = None
-    """phi_0 of every joint; positive turns left [deg]."""
-
-    def chosen(self) -> "Gait":
-        """The gait that they describe."""
-        from laticauda.gaits import Gait
-
-        return Gait(
-            kind=self.gait or "lateral-undulation",
-            amplitude=_radians(self.amplitude_deg, 30.0),
-            frequency=_radians(self.frequency_deg_s, 130.0),
-            phase_shift=_radians(self.phase_shift_deg, 40.0),
-            offset=_radians(self.offset_deg, 0.0),
-            envelope=self.envelope,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class EnvironmentFlags:
-    """Where it moves."""
-
-    water: Annotated[Preset, default("paper-eel for the gait eel-like, else paper-lateral")] = None
-    """A preset or a TOML file."""
-    ground: Annotated[Preset, tyro.conf.arg(help_behavior_hint="")] = None
-    """A preset or a TOML file: crawl on land instead."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModelFlags:
-    """How it is computed."""
-
-    model: Annotated[choice("planar"), default("planar")] = None
-    """The model of the body."""
-    joints: Annotated[choice("prescribed", "pd", "servo"), default("prescribed")] = None
-    """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
-    ramp: Annotated[Number, default("1 for prescribed joints, else 0")] = None
-    """Duration of the smooth start [s]."""
-    offset_bandwidth: Annotated[Number, default("10")] = None
-    """Of the filters behind the gait's parameters [rad/s]."""
-    dt: Annotated[Number, default("a converged one")] = None
-    """Largest time step [s]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunFlags:
-    """From where, how long, and what is logged."""
-
-    duration: Annotated[Number, default("30")] = None
-    """[s]."""
-    sample_interval: Annotated[Number, default("0.05")] = None
-    """Between two samples of the log [s]."""
-    heading_deg: Annotated[Number, default("0")] = None
-    """Initial heading, from the x axis [deg]."""
-    link_forces: Switch = False
-    """Log the force on every link too."""
-    resume: File = None
-    """Go on from the end of this stored trial, with its robot, gait and water; the result is the whole run."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,7 +90,7 @@ class Swim:
             joints=self.model.joints or "prescribed",
             dt=self.model.dt,
             ramp=self.model.ramp,
-            offset_bandwidth=_or(self.model.offset_bandwidth, 10.0),
+            offset_bandwidth=_or(self.model.offset_bandwidth, OFFSET_BANDWIDTH),
             start=Start(heading=_radians(self.run.heading_deg, 0.0)),
             link_forces=self.run.link_forces,
             progress=_progress(environment, duration),
@@ -179,7 +100,7 @@ class Swim:
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""
-        from laticauda.simulate import plant_of, resume
+        from laticauda.simulate import resume
         from laticauda.trial import joined, load_trial
 
         given = [name for name, value in options(self).items() if value not in (None, False)]
@@ -190,7 +111,7 @@ class Swim:
         duration, settings = self._clock()
         progress = _progress(first.environment, duration)
         forces = first.link_force is not None
-        second = resume(plant_of(first), first, duration, link_forces=forces, progress=progress, **settings)
+        second = resume(_plant_of(first), first, duration, link_forces=forces, progress=progress, **settings)
         return joined(first, second), f"as stored in {path}"
 
     def _environment(self, gait: "Gait") -> tuple[Environment, str]:
@@ -212,7 +133,7 @@ class Swim:
 
     def _clock(self) -> tuple[float, dict[str, float]]:
         """The duration, and how often to sample."""
-        return _or(self.run.duration, 30.0), {"sample_interval": _or(self.run.sample_interval, 0.05)}
+        return _or(self.run.duration, DURATION), {"sample_interval": _or(self.run.sample_interval, SAMPLE_INTERVAL)}
 
     def _print(self, trial: "Trial", origin: str) -> None:
         if self.output.json:
@@ -225,6 +146,17 @@ class Swim:
             print(as_text(trial, origin))
         if not trial.succeeded:
             print(trial.status, file=sys.stderr)
+
+
+def _plant_of(trial: "Trial") -> "Plant[Any]":
+    """The plant that a stored trial was made with."""
+    from laticauda.simulate import plant
+
+    settings: Any = trial.settings
+    if settings.get("fluid_law", "built-in") != "built-in":
+        raise ValueError(f"`resume` must be a trial with a built-in fluid law, got one with `{settings['fluid_law']}`.")
+    names = ("model", "joints", "dt", "offset_bandwidth", "ramp")
+    return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
 
 
 def _progress(environment: Environment, duration: float) -> Callable[[float], None]:

@@ -31,9 +31,9 @@ def read_in(value: float | None, unit: str) -> tuple[str, str]:
 
 def number(value: float) -> str:
     """Four significant digits, without an exponent where that stays short; rounding noise is zero."""
-    if abs(value) < 1e-7:
+    if abs(value) < 1e-6:
         return "0"
-    if not 1e-4 <= abs(value) < 1e6:
+    if not 1e-3 <= abs(value) < 1e6:
         return f"{value:.3e}"
     decimals = max(0, 3 - math.floor(math.log10(abs(value))))
     return f"{value:.{decimals}f}"

@@ -57,6 +57,7 @@ class _Body:
     """Mass only, no water: the fin's opening."""
 
 
+@lru_cache(maxsize=64)  # repeated runs of one robot need not lay it out again; nobody writes to the arrays
 def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed", fin_as_links: bool = False) -> Layout:
     """Lay out a planar robot for the kernels.
 

@@ -1,5 +1,7 @@
 """`swim`: from a robot and a gait to a trial, with the defaults of the paper."""
 
+import functools
+
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Environment, Robot, load_water
@@ -11,6 +13,9 @@ from laticauda.trial import Trial
 def default_water(gait: Gait) -> str:
     """Name of the paper's coefficient set for a gait: it identified one for each."""
     return "paper-eel" if gait.kind == "eel_like" else "paper-lateral"
+
+
+_preset = functools.cache(load_water)
 
 
 def swim(
@@ -66,7 +71,7 @@ def swim(
     """
     body = plant(
         robot,
-        environment or load_water(default_water(gait)),
+        environment or _preset(default_water(gait)),
         model=model,
         joints=joints,
         dt=dt,

@@ -1,0 +1,103 @@
+"""`laticauda robots`: what there is to swim, and where."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import tyro
+
+from laticauda.cli.flags import Preset, Switch, default
+from laticauda.cli.tables import aligned
+from laticauda.robot import (
+    Ground,
+    Robot,
+    Water,
+    describe,
+    from_toml,
+    ground_names,
+    load_ground,
+    load_robot,
+    load_water,
+    summary,
+    summary_rows,
+    summary_table,
+    to_toml,
+    water_names,
+)
+
+WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
+GROUND_FACTS = ("friction", "tangential", "normal")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robots:
+    """List the robots, waters and grounds that come with laticauda, or show one of them.
+
+    For example: laticauda robots mamba --toml
+    """
+
+    name: Annotated[
+        str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME|PATH", help_behavior_hint="(default: all)")
+    ] = ""
+    """A preset of either kind, or a TOML file."""
+    toml: Switch = False
+    """Print its TOML file, to change and to swim with."""
+    json: Switch = False
+    """Print one JSON object in SI units."""
+
+    def __call__(self) -> int:
+        """Print, and return the exit status."""
+        if self.toml and self.json:
+            raise ValueError("`toml` and `json` must not be given together.")
+        if self.name is None:
+            if self.toml:
+                raise ValueError("`toml` must be given with the NAME of a robot, water or ground.")
+            print(json.dumps(_all(), indent=2) if self.json else _lists())
+            return 0
+        thing = _named(self.name)
+        if self.json:
+            print(json.dumps(_one(thing), indent=2, allow_nan=False))
+        else:
+            print(to_toml(thing).rstrip() if self.toml else describe(thing))
+        return 0
+
+
+def _named(name: str) -> Robot | Water | Ground:
+    """The preset of that name, of whatever kind, or what a file holds."""
+    if name in water_names():
+        return load_water(name)
+    if name in ground_names():
+        return load_ground(name)
+    if name.endswith(".toml"):
+        from pathlib import Path
+
+        return from_toml(Path(name))
+    return load_robot(name)
+
+
+def _all() -> dict[str, Any]:
+    return {"robots": summary_rows(), "waters": list(water_names()), "grounds": list(ground_names())}
+
+
+def _one(thing: Robot | Water | Ground) -> dict[str, Any]:
+    """All fields, as its TOML file has them, under the main facts."""
+    import tomllib
+
+    facts = summary(thing) if isinstance(thing, Robot) else {}
+    return {**tomllib.loads(to_toml(thing)), **facts}
+
+
+def _lists() -> str:
+    waters = _rows("water", {name: describe(load_water(name)) for name in water_names()}, WATER_FACTS)
+    grounds = _rows("ground", {name: describe(load_ground(name)) for name in ground_names()}, GROUND_FACTS)
+    return "\n\n".join([summary_table(), aligned(waters), aligned(grounds)])
+
+
+def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[list[str]]:
+    """A row per thing, with what its description says about these facts."""
+    rows = [[kind, *facts]]
+    for name, text in descriptions.items():
+        said = dict(line.split(maxsplit=1) for line in text.splitlines())
+        rows.append([name, *(said[fact] for fact in facts)])
+    return rows
