@@ -1,10 +1,16 @@
 """Joint laws: what torque an actuator delivers, and how stiffly it depends on the joint's angle and rate.
 
-Each law returns the torque and the two slopes K_p = -du/dphi and K_d = -du/dphi' that an implicit time step needs.
-They are plain scalar functions; the kernels compile them.
+Each law returns the torque and the two slopes K_p = -du/dphi and K_d = -du/dphi' that an implicit time step needs. A
+torque u > 0 turns the head side of the joint to the left against the tail side. The skin around the joint is not in it.
+
+They are plain scalar functions; the kernels compile them. The annotations say float; complex numbers work too, for
+complex-step derivatives, so conditions look at the real part only.
 """
 
-import math
+import numpy as np
+
+# Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
+SLIDING_RATE = 0.05
 
 
 def pd(
@@ -18,22 +24,25 @@ def pd(
 ) -> tuple[float, float, float]:
     """The law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
 
+    There is no limit to its torque.
+
     Args:
         angle: phi [rad].
         rate: phi' [rad/s].
         reference: phi_ref [rad].
         reference_rate: phi_ref' [rad/s].
-        reference_acceleration: phi_ref'' [rad/s^2]; fed forward with an inertia of 1 kg m^2.
+        reference_acceleration: phi_ref'' [rad/s^2]; fed forward with an inertia of 1 kg m^2, whatever the robot's is.
         proportional_gain: k_p [N m/rad].
         derivative_gain: k_d [N m s/rad].
 
     Returns:
         u [N m], K_p [N m/rad], K_d [N m s/rad].
+
+    References:
+        E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
     """
     torque = (
-        reference_acceleration
-        + derivative_gain * (reference_rate - rate)
-        + proportional_gain * (reference - angle)
+        reference_acceleration + derivative_gain * (reference_rate - rate) + proportional_gain * (reference - angle)
     )
     return torque, proportional_gain, derivative_gain
 
@@ -53,8 +62,8 @@ def servo(
         d = clip(gain (phi_ref - phi), -1, 1)
         u = u_stall (d - phi'/phi'_0) - b phi' - u_c tanh(phi'/eps),    eps = 0.05 rad/s
 
-    Torque and speed are limited by the motor itself: at full duty it stalls at `stall_torque` and stops pulling at
-    `no_load_speed`.
+    The first term is the motor with its back electromotive force, which limits torque and speed by itself: at full duty
+    it stalls at `stall_torque` and stops pulling at `no_load_speed`. Driven backward or beyond that speed it brakes.
 
     Args:
         angle: phi [rad].
@@ -67,22 +76,26 @@ def servo(
         viscous_friction: b [N m s/rad].
 
     Returns:
-        u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-].
+        u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the duty saturates, K_p = 0.
     """
     demand = gain * (reference - angle)
-    inside = 1.0 if -1.0 < demand.real < 1.0 else 0.0
-    duty = demand if inside > 0.0 else (1.0 if demand.real > 0.0 else -1.0) + 0.0 * demand
-    sliding = math.tanh(rate / 0.05)
+    saturated = demand.real <= -1.0 or demand.real >= 1.0
+    # 0 * demand keeps the number's kind, real or complex, for the compiler.
+    duty = (1.0 if demand.real > 0.0 else -1.0) + 0.0 * demand if saturated else demand
+    stiffness = 0.0 * gain if saturated else gain * stall_torque
+    sliding = np.tanh(rate / SLIDING_RATE)
     torque = stall_torque * (duty - rate / no_load_speed) - viscous_friction * rate - friction_torque * sliding
-    damping = stall_torque / no_load_speed + viscous_friction + friction_torque / 0.05 * (1.0 - sliding * sliding)
-    return torque, inside * gain * stall_torque, damping, duty
+    damping = (
+        stall_torque / no_load_speed + viscous_friction + friction_torque / SLIDING_RATE * (1.0 - sliding * sliding)
+    )
+    return torque, stiffness, damping, duty
 
 
 def servo_power(duty: float, rate: float, no_load_speed: float, stall_power: float) -> float:
-    """Electrical power a servo draws, without idle: max(d (d - phi'/phi'_0), 0) V I_stall.
+    """Electrical power that a servo draws above idle: V I_stall max(d (d - phi'/phi'_0), 0).
 
-    The motor's current is proportional to its torque; the bridge draws it for the share d of the time and cannot
-    give energy back.
+    The motor's current I_stall (d - phi'/phi'_0) is proportional to its torque; the bridge takes it from the supply V
+    for the share d of the time, and cannot give energy back.
 
     Args:
         duty: d [-].
@@ -91,7 +104,8 @@ def servo_power(duty: float, rate: float, no_load_speed: float, stall_power: flo
         stall_power: V I_stall [W].
 
     Returns:
-        Power [W], not negative.
+        Power [W], not negative. Not below what the motor delivers, u_stall (d - phi'/phi'_0) phi', as long as
+        V I_stall >= u_stall phi'_0: a motor and gear of constants that do not create energy.
     """
     share = duty * (duty - rate / no_load_speed)
     return stall_power * (share if share.real > 0.0 else 0.0 * share)

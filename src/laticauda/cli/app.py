@@ -84,13 +84,13 @@ def _read(words: list[str]) -> Command:
             return tyro.cli(
                 command,
                 prog=prog,
-                description=" ".join((command.__doc__ or "").split()),
+                description="\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\n")),
                 args=words[length:],
                 config=(tyro.conf.OmitArgPrefixes,),
             )
     if words and words[0] in GROUPS:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands((words[0],)), words[1:])
-    return _choose(PROGRAM, DESCRIPTION, GROUPS | _commands(()), words)
+    return _choose(PROGRAM, DESCRIPTION, _commands(()) | GROUPS, words)
 
 
 def _commands(group: tuple[str, ...]) -> dict[str, str]:

@@ -21,6 +21,11 @@ def options(command: object) -> dict[str, Any]:
     return found
 
 
+def given(command: object) -> dict[str, Any]:
+    """The options that the user typed; those that were left out are None or False."""
+    return {name: value for name, value in options(command).items() if value is not None and value is not False}
+
+
 def flag(name: str) -> str:
     """How an option is typed."""
     return name.upper() if name in POSITIONAL else "--" + name.replace("_", "-")

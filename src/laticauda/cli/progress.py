@@ -6,31 +6,29 @@ from collections.abc import Callable
 from typing import Any
 
 PATIENCE = 2.0  # nobody wants a bar for less [s]
+FORMAT = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
 
 
 def progress(duration: float) -> Callable[[float], None]:
-    """What a run calls with the time it has reached [s]; a bar appears on a terminal's standard error, after a while.
+    """What a run calls now and then with the time it has reached [s].
+
+    After a while, a bar appears on standard error, if that is a terminal.
 
     Args:
-        duration: Of the run, simulated [s].
+        duration: Simulated time of the whole run [s].
     """
     began = time.monotonic()
     bar: Any = None
 
     def show(reached: float) -> None:
         nonlocal bar
-        if not sys.stderr.isatty():
-            return
-        if bar is None and time.monotonic() - began > PATIENCE:
+        if bar is None and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
             from tqdm import tqdm
 
-            bar = tqdm(total=duration, unit="s", desc="simulated", leave=False, bar_format=_FORMAT, file=sys.stderr)
+            bar = tqdm(total=duration, desc="swam", bar_format=FORMAT, leave=False, file=sys.stderr)
         if bar is not None:
             bar.update(reached - bar.n)
             if reached >= duration:
                 bar.close()
 
     return show
-
-
-_FORMAT = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"

@@ -37,10 +37,8 @@ class Robots:
     For example: laticauda robots mamba --toml
     """
 
-    name: Annotated[
-        str, tyro.conf.Positional, tyro.conf.arg(metavar="NAME|PATH", help_behavior_hint="(default: all)")
-    ] = ""
-    """A preset of either kind, or a TOML file."""
+    name: Annotated[Preset, tyro.conf.Positional, default("all")] = None
+    """A preset of any kind, or a TOML file."""
     toml: Switch = False
     """Print its TOML file, to change and to swim with."""
     json: Switch = False

@@ -1,5 +1,14 @@
 """From sections and dimensionless coefficients to loads: coefficients per link, and scalar laws per element."""
 
 from laticauda.fluid.coefficients import Coefficients, immersion_factor, link_coefficients
+from laticauda.fluid.laws import coulomb_friction, magnitude, plate, polynomial_drag
 
-__all__ = ["Coefficients", "immersion_factor", "link_coefficients"]
+__all__ = [
+    "Coefficients",
+    "coulomb_friction",
+    "immersion_factor",
+    "link_coefficients",
+    "magnitude",
+    "plate",
+    "polynomial_drag",
+]

@@ -7,23 +7,30 @@ With rho the water's density, a and b the vertical and lateral half-axes, l the 
     mu_n = rho pi C_A a^2 2l             lambda_3 = rho pi C_f (a+b) l^4 / 8
     mu_t = C_T rho pi a b 2l
 
-Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1. There lambda_2 and lambda_3
-hold the tangential friction alone; ``rotational="strip"`` replaces all three lambdas by those of normal drag and added
-mass spread along the link: 1/3 mu_n l^2, 1/3 c_n l^2 and 1/4 c_n l^3.
+Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0 there. Its lambda_2
+and lambda_3 hold the tangential friction alone, and the unit of its lambda_1 is not that of an inertia (its value is
+negligible). ``rotational="strip"`` replaces all three by those of the normal loads spread evenly along a link that
+turns about its middle:
+
+    lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 
+_LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
+_Number = TypeVar("_Number", float, np.ndarray)
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Coefficients:
-    """Loads per element, tail first; every field has shape (n,)."""
+    """Loads per element, tail first; every field but `fin` has shape (n,)."""
 
     half_length: Float[np.ndarray, " n"]
     """l [m]."""
@@ -32,9 +39,9 @@ class Coefficients:
     mass: Float[np.ndarray, " n"]
     """m [kg]."""
     c_t: Float[np.ndarray, " n"]
-    """Drag along the element [N s^2/m^2] (on dry ground mu_t m g [N])."""
+    """Drag along the element [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_t m g [N]."""
     c_n: Float[np.ndarray, " n"]
-    """Drag across the element [N s^2/m^2] (on dry ground mu_n m g [N])."""
+    """Drag across the element [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_n m g [N]."""
     mu_t: Float[np.ndarray, " n"]
     """Added mass along the element [kg]."""
     mu_n: Float[np.ndarray, " n"]
@@ -42,61 +49,82 @@ class Coefficients:
     lambda_1: Float[np.ndarray, " n"]
     """Added inertia about the element's middle [kg m^2]."""
     lambda_2: Float[np.ndarray, " n"]
-    """Linear rotational drag, times U_ref [N s^2]."""
+    """Linear rotational drag per U_ref [N s^2]."""
     lambda_3: Float[np.ndarray, " n"]
     """Quadratic rotational drag [N m s^2]."""
     fin: "Coefficients | None" = None
-    """Strips of the caudal fin from its root to the trailing edge, on body 0; None without a fin."""
+    """Strips of the caudal fin on body 0, from its root to the trailing edge; None without a fin [-]."""
 
 
 def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
-    """Drag and added mass of every link of a planar robot and of its fin.
+    """Drag and added mass of every link of a planar robot and of every strip of its fin.
+
+    A fin strip of length d has, at its own middle,
+
+        mu_n = rho pi C_A (h/2)^2 d,   c_n = 1/2 rho C_D h d,   c_t = 1/2 rho C_f 2 h d (two faces),   mu_t = 0
+
+    and no torque of its own, unless ``rotational="strip"`` asks for what is left inside a strip. An open opening has
+    mass (see `CaudalFin`) but no area, and so no strip. On the ground the strips carry the fin's whole mass: dry
+    friction acts on their weight, viscous friction, which is given per link, does not act on them.
 
     Args:
         robot: All joints turn about the vertical axis (see `Robot.planar`).
         environment: The water it swims in or the ground it crawls on.
 
     Returns:
-        Arrays per link, tail first.
+        Arrays per link, tail first, with the fin's strips beside them. Coefficients that a module or the fin brings
+        along replace the water's on that module or on the fin.
+
+    Raises:
+        ValueError: If the water's depth does not cover a link or the fin.
     """
-    modules = robot.modules
+    half_length = np.array([module.half_length for module in robot.modules])
+    mass = np.array([module.mass for module in robot.modules])
+    fin = robot.caudal_fin
     if isinstance(environment, Ground):
-        rows = [_ground_row(module, environment) for module in modules]
-        fin = None
+        loads = _ground_loads(mass, environment)
+        strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        rows = [_water_row(module, environment) for module in modules]
-        fin = _fin_strips(robot.caudal_fin, environment) if robot.caudal_fin else None
-    columns = list(np.array(rows).T)
-    half_length = np.array([module.length / 2.0 for module in modules])
-    return _coefficients(half_length, half_length, columns, fin)
+        loads = np.array([_link_loads(module, environment) for module in robot.modules]).T
+        strips = _fin_in_water(fin, environment) if fin else None
+    return _coefficients(half_length, half_length, mass, loads, strips)
 
 
 def immersion_factor(half_height: float, depth: float | None) -> float:
-    """1 + a^2 / (2 h^2): what an image at the surface adds to the normal added mass at axis depth h."""
-    return 1.0 if depth is None else 1.0 + half_height**2 / (2.0 * depth**2)
+    """What the surface does to the normal added mass: the factor 1 + a^2 / (2 h^2), by an image above the surface.
+
+    Surface waves are left out: at the frequencies of swimming, the surface acts as a lid.
+
+    Args:
+        half_height: a [m].
+        depth: h of the axis below the surface [m]; None for far below it.
+
+    Returns:
+        The factor [-], from 1 (deep) to 3/2 (just covered).
+
+    Raises:
+        ValueError: If the element is not covered, h <= a.
+    """
+    if depth is None:
+        return 1.0
+    if not depth > half_height:
+        raise ValueError(f"`depth` must be > {half_height:g} m, the element's half height, got {depth}.")
+    return 1.0 + half_height**2 / (2.0 * depth**2)
 
 
 def _coefficients(
-    half_length: np.ndarray, position: np.ndarray, columns: Sequence[np.ndarray], fin: Coefficients | None = None
+    half_length: np.ndarray,
+    position: np.ndarray,
+    mass: np.ndarray,
+    loads: Iterable[np.ndarray],
+    fin: Coefficients | None = None,
 ) -> Coefficients:
-    mass, c_t, c_n, mu_t, mu_n, lambda_1, lambda_2, lambda_3 = columns
-    return Coefficients(
-        half_length=half_length,
-        position=position,
-        mass=mass,
-        c_t=c_t,
-        c_n=c_n,
-        mu_t=mu_t,
-        mu_n=mu_n,
-        lambda_1=lambda_1,
-        lambda_2=lambda_2,
-        lambda_3=lambda_3,
-        fin=fin,
-    )
+    named = dict(zip(_LOADS, loads, strict=True))
+    return Coefficients(half_length=half_length, position=position, mass=mass, fin=fin, **named)
 
 
-def _water_row(module: Module, water: Water) -> tuple[float, ...]:
-    rho, l = water.density, module.length / 2.0  # noqa: E741
+def _link_loads(module: Module, water: Water) -> tuple[float, ...]:
+    rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
     C_f = _own(module.tangential_friction, water.tangential_friction)
     C_D = _own(module.normal_drag, water.normal_drag)
@@ -107,36 +135,54 @@ def _water_row(module: Module, water: Water) -> tuple[float, ...]:
     mu_n = rho * np.pi * C_A * a**2 * 2.0 * l * immersion_factor(a, water.depth)
     mu_t = rho * np.pi * water.tangential_added_mass * a * b * 2.0 * l
     if water.rotational == "strip":
-        lambdas = (mu_n * l**2 / 3.0, c_n * l**2 / 3.0, c_n * l**3 / 4.0)
+        lambdas = _strip_lambdas(mu_n, c_n, l)
     else:
         friction = rho * np.pi * C_f * (a + b) * l**3
         lambdas = (rho * np.pi * C_M * (a**2 - b**2) ** 2 * l**3 / 12.0, friction / 6.0, friction * l / 8.0)
-    return (module.mass, c_t, c_n, mu_t, mu_n, *lambdas)
+    return (c_t, c_n, mu_t, mu_n, *lambdas)
 
 
-def _ground_row(module: Module, ground: Ground) -> tuple[float, ...]:
-    weight = module.mass * ground.gravity if ground.friction == "coulomb" else 1.0
-    return (module.mass, ground.tangential * weight, ground.normal * weight, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-def _fin_strips(fin: CaudalFin, water: Water) -> Coefficients:
-    """Strips of the fin; an open opening has mass (see `CaudalFin`) but no area and so no strip."""
-    edges = np.linspace(fin.opening_length, fin.length, fin.n_strips + 1)
-    if fin.opening == "closed" and fin.opening_length > 0.0:
-        pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
-        edges = np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
-    d = np.diff(edges)
-    C_f = _own(fin.tangential_friction, water.tangential_friction)
-    C_D = _own(fin.normal_drag, water.normal_drag)
-    C_A = _own(fin.added_mass, water.added_mass)
-    mu_n = water.density * np.pi * C_A * (fin.height / 2.0) ** 2 * d * immersion_factor(fin.height / 2.0, water.depth)
-    c_n = 0.5 * water.density * C_D * fin.height * d
-    c_t = 0.5 * water.density * C_f * 2.0 * fin.height * d
-    mass = fin.mass * d / fin.length
+def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
+    edges = _strip_edges(fin, closed=fin.opening == "closed")
+    d, h, rho = np.diff(edges), fin.height, water.density
     zero = np.zeros_like(d)
-    lambdas = [mu_n * d**2 / 12.0, c_n * d**2 / 12.0, c_n * d**3 / 32.0] if water.rotational == "strip" else [zero] * 3
-    columns = (mass, c_t, c_n, zero, mu_n, *lambdas)
-    return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, columns)
+    mu_n = rho * np.pi * _own(fin.added_mass, water.added_mass) * (h / 2.0) ** 2 * d
+    mu_n *= immersion_factor(h / 2.0, water.depth)
+    c_n = 0.5 * rho * _own(fin.normal_drag, water.normal_drag) * h * d
+    c_t = 0.5 * rho * _own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
+    lambdas = _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
+    return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas))
+
+
+def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:
+    edges = _strip_edges(fin, closed=True)
+    mass = fin.mass * np.diff(edges) / fin.length
+    dry = ground.friction == "coulomb"
+    return _strips(fin, edges, _ground_loads(mass, ground) if dry else [np.zeros_like(mass)] * len(_LOADS))
+
+
+def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
+    weight = mass * ground.gravity if ground.friction == "coulomb" else np.ones_like(mass)
+    return [ground.tangential * weight, ground.normal * weight] + [np.zeros_like(mass)] * 5
+
+
+def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
+    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others."""
+    edges = np.linspace(fin.opening_length, fin.length, fin.n_strips + 1)
+    if not closed or fin.opening_length == 0.0:
+        return edges
+    pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
+    return np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
+
+
+def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> Coefficients:
+    d = np.diff(edges)
+    return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads)
+
+
+def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_Number, _Number, _Number]:
+    """Normal added mass and drag (linear, quadratic) spread along an element that turns about its middle."""
+    return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
 
 
 def _own(override: float | None, water: float) -> float:

@@ -1,12 +1,14 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
-from laticauda.errors import finite, nearest, not_negative, whole
+from laticauda.errors import finite, not_negative, one_of, whole
 
 Envelope = Callable[[int, int], float]
 
+# By kind, equation (3) of the paper.
 _ENVELOPES: dict[str, Envelope] = {
     "lateral_undulation": lambda i, n: 1.0,
     "eel_like": lambda i, n: (n - i) / (n + 1),
@@ -16,19 +18,24 @@ GAIT_KINDS = (*_ENVELOPES, "custom")
 
 @dataclass(frozen=True, kw_only=True)
 class Gait:
-    """A traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0 (3).
+    """A traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
-    i = 1 is the tail-most joint and n the number of links, so a positive phase shift swims head first.
+    Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
+    the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
+    and the amplitude starts smoothly: see `Generator`.
+
+    Raises:
+        ValueError: If a field is out of its range, or `envelope` and `kind` do not fit together.
     """
 
     kind: str = "lateral_undulation"
-    """lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)) or custom."""
+    """lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)) or custom; hyphens are as good as underscores [-]."""
     amplitude: float
-    """alpha [rad]."""
+    """alpha, not negative [rad]."""
     frequency: float
-    """omega, an angular frequency as in the paper [rad/s]."""
+    """omega, not negative, an angular frequency as in the paper [rad/s]."""
     phase_shift: float
-    """delta between neighboring joints [rad]."""
+    """delta between neighboring joints; negative swims tail first [rad]."""
     offset: float = 0.0
     """phi_0 of every joint; positive turns left [rad]."""
     envelope: tuple[float, ...] | None = None
@@ -36,24 +43,25 @@ class Gait:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        kind = str(self.kind).replace("-", "_")
-        if kind not in GAIT_KINDS:
-            raise ValueError(
-                f"`kind` must be one of {', '.join(GAIT_KINDS)}, got {self.kind!r}{nearest(kind, GAIT_KINDS)}."
-            )
-        object.__setattr__(self, "kind", kind)
+        kind = self.kind.replace("-", "_") if isinstance(self.kind, str) else self.kind  # pyright: ignore
+        object.__setattr__(self, "kind", one_of("kind", kind, GAIT_KINDS))
         object.__setattr__(self, "amplitude", not_negative("amplitude", self.amplitude, "rad"))
         object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
         object.__setattr__(self, "phase_shift", finite("phase_shift", self.phase_shift, "rad"))
         object.__setattr__(self, "offset", finite("offset", self.offset, "rad"))
-        if (self.envelope is None) == (kind == "custom"):
-            raise ValueError("`envelope` must be given for kind custom, and only for it.")
+        if (self.envelope is None) == (self.kind == "custom"):
+            raise ValueError(
+                f"`envelope` must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, "
+                f"got {self.envelope}."
+            )
         if self.envelope is not None:
-            values = tuple(finite(f"envelope[{i}]", g) for i, g in enumerate(self.envelope))
-            object.__setattr__(self, "envelope", values)
+            object.__setattr__(self, "envelope", _numbers(self.envelope))
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
-        """G of each of the n - 1 joints of a robot with `n_links` links, tail first.
+        """The envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.
+
+        Args:
+            n_links: n.
 
         Raises:
             ValueError: If a custom envelope has another number of joints.
@@ -62,9 +70,8 @@ class Gait:
             shape = _ENVELOPES[self.kind]
             return tuple(shape(i, n_links) for i in range(1, n_links))
         if len(self.envelope) != n_links - 1:
-            raise ValueError(
-                f"`envelope` must have one value per joint ({n_links - 1} for {n_links} links), got {len(self.envelope)}."
-            )
+            need = f"one value per joint, {n_links - 1} for {n_links} links"
+            raise ValueError(f"`envelope` must have {need}, got {len(self.envelope)}.")
         return self.envelope
 
 
@@ -125,10 +132,11 @@ def custom_gait(
         frequency: omega [rad/s].
         phase_shift: delta [rad].
         offset: phi_0 [rad].
-        n_links: n; needed when `envelope` is a function.
+        n_links: n; needed when `envelope` is a function, and checked against the number of its values otherwise.
 
     Raises:
-        ValueError: If an argument is not a finite number, or `n_links` is missing.
+        ValueError: If an argument is not a finite number, amplitude or frequency is negative, `n_links` is missing, or
+            the envelope has another number of joints.
 
     Example:
         >>> custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7).envelope
@@ -136,15 +144,26 @@ def custom_gait(
     """
     if callable(envelope):
         if n_links is None:
-            raise ValueError("`n_links` must be given when `envelope` is a function g(i, n).")
+            raise ValueError("`n_links` must be given when `envelope` is a function g(i, n), got None.")
         n = whole("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
-    return Gait(
+    gait = Gait(
         kind="custom",
         amplitude=amplitude,
         frequency=frequency,
         phase_shift=phase_shift,
         offset=offset,
-        envelope=tuple(envelope),
+        envelope=_numbers(envelope),
     )
+    if n_links is not None:
+        gait.joint_envelope(whole("n_links", n_links, 1))
+    return gait
+
+
+def _numbers(envelope: object) -> tuple[float, ...]:
+    """The values of an envelope as finite floats."""
+    if isinstance(envelope, str) or not isinstance(envelope, Iterable):
+        raise ValueError(f"`envelope` must be a sequence of numbers or a function g(i, n), got {envelope!r}.")
+    values = cast("Iterable[object]", envelope)
+    return tuple(finite(f"envelope[{i}]", value) for i, value in enumerate(values))

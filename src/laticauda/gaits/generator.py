@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, positive
+from laticauda.errors import not_negative, positive, whole
 from laticauda.gaits import reference
 from laticauda.gaits.gait import Gait
 
@@ -31,10 +31,25 @@ class GeneratorState:
 
 @dataclass(frozen=True, kw_only=True)
 class Generator:
-    """Turns a gait, which may change at any time, into joint references that a body can follow."""
+    """Turns a gait, which may change at any time, into joint references that a body can follow.
+
+    Amplitude, frequency, phase shift and offset follow what is asked for through critically damped filters, so the
+    references and their rates are continuous; see `laticauda.gaits.reference`. The planar kernels compute the same.
+    The envelope is not filtered: bring the amplitude to zero before asking for another kind of gait.
+
+    Raises:
+        ValueError: If a field is out of its range.
+
+    Example:
+        >>> gait = Gait(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        >>> generator = Generator(n_links=4)
+        >>> state = generator.step(generator.init(gait), gait, 1.5)
+        >>> generator.joints(state, gait)[0].round(3).tolist()
+        [0.071, -0.265, -0.476]
+    """
 
     n_links: int
-    """n, the number of links."""
+    """n, the number of links [-]."""
     bandwidth: float = 10.0
     """Of the critically damped filters on amplitude, frequency, phase shift and offset [rad/s]."""
     ramp: float = 1.0
@@ -42,11 +57,16 @@ class Generator:
 
     def __post_init__(self) -> None:
         """Check every field once."""
+        object.__setattr__(self, "n_links", whole("n_links", self.n_links, 1))
         object.__setattr__(self, "bandwidth", positive("bandwidth", self.bandwidth, "rad/s"))
         object.__setattr__(self, "ramp", not_negative("ramp", self.ramp, "s"))
 
     def init(self, gait: Gait) -> GeneratorState:
-        """At rest at the gait's amplitude, frequency and phase shift; the offset builds up from zero."""
+        """The start: at the gait's amplitude, frequency and phase shift; the offset builds up from zero.
+
+        Args:
+            gait: What is asked for at the start.
+        """
         return GeneratorState(
             time=0.0,
             phase=0.0,
@@ -57,7 +77,13 @@ class Generator:
         )
 
     def step(self, state: GeneratorState, gait: Gait, dt: float) -> GeneratorState:
-        """The state after `dt` [s] during which `gait` is asked for; exact for any `dt`."""
+        """The state after a time step during which one gait is asked for; exact for steps of any size.
+
+        Args:
+            state: Before the step.
+            gait: What is asked for; steering goes into its offset.
+            dt: Step [s].
+        """
         w = self.bandwidth
         decay = math.exp(-w * dt)
         amplitude = reference.filter_step(*state.amplitude, gait.amplitude, w, decay, dt)
@@ -74,7 +100,18 @@ class Generator:
         )
 
     def joints(self, state: GeneratorState, gait: Gait) -> Float[np.ndarray, "3 n_joints"]:
-        """phi_ref [rad], its rate [rad/s] and its acceleration [rad/s^2] of every joint, tail first."""
+        """The references of every joint, tail first.
+
+        Args:
+            state: Where the generator stands.
+            gait: What is asked for at that instant; the accelerations depend on it, angles and rates do not.
+
+        Returns:
+            phi_ref [rad], phi_ref' [rad/s] and phi_ref'' [rad/s^2], one row each.
+
+        Raises:
+            ValueError: If the gait has a custom envelope for another number of joints.
+        """
         w = self.bandwidth
         second = [
             reference.filter_acceleration(*value, target, w)

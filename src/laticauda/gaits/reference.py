@@ -2,10 +2,13 @@
 
 What is asked for may change at any time. Amplitude, frequency, phase shift and offset each pass through a critically
 damped second-order filter, the phase is the integral of the filtered frequency, and the amplitude starts with a
-smooth ramp. So phi_ref is continuous with its first derivative, whatever happens. The filter has a closed-form
-solution for a constant input, so a time step of any size is exact.
+smooth ramp. So phi_ref and phi_ref' are continuous whatever is asked for, and phi_ref'' jumps only where that jumps.
+The envelope alone is not filtered: bring the amplitude to zero before another kind of gait is asked for.
+
+The filter has a closed-form solution for a constant input, so a time step of any size is exact.
 
 These are plain scalar functions: the kernels compile them; `laticauda.gaits.Generator` wraps them for a real robot.
+The annotations say float; complex numbers work too, for complex-step derivatives.
 """
 
 
@@ -14,16 +17,19 @@ def filter_step(
 ) -> tuple[float, float, float]:
     """Advance y'' = w^2 (target - y) - 2 w y' by dt, exactly.
 
+    With e = y - target and r = y' + w e, e(t) = (e + r t) exp(-w t).
+
     Args:
         value: y.
-        rate: y' [1/s].
+        rate: y' [unit of y / s].
         target: Constant input over the step.
-        bandwidth: w [rad/s].
-        decay: exp(-w dt), handed in because it is the same for every filter.
+        bandwidth: w, positive [rad/s].
+        decay: exp(-w dt), handed in because it is the same for every filter [-].
         dt: Step [s].
 
     Returns:
-        y, y' after the step, and the integral of y over it.
+        y and y' after the step, and the integral of y over it [unit of y * s]. Two steps of dt/2 give the same as one
+        of dt.
     """
     error = value - target
     slope = rate + bandwidth * error
@@ -33,7 +39,17 @@ def filter_step(
 
 
 def filter_acceleration(value: float, rate: float, target: float, bandwidth: float) -> float:
-    """y'' of the filter: w^2 (target - y) - 2 w y'."""
+    """y'' of the filter: w^2 (target - y) - 2 w y'.
+
+    Args:
+        value: y.
+        rate: y' [unit of y / s].
+        target: Input.
+        bandwidth: w [rad/s].
+
+    Returns:
+        y'' [unit of y / s^2].
+    """
     return bandwidth * (bandwidth * (target - value) - 2.0 * rate)
 
 
@@ -41,14 +57,14 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
     """The ramp s^3 (10 - 15 s + 6 s^2), s = t / T, and its two time derivatives; 1 after T.
 
     Args:
-        time: Since the start [s].
+        time: Since the start, not negative [s].
         duration: T [s]; 0 means no ramp.
 
     Returns:
-        Value, rate [1/s], acceleration [1/s^2]; all continuous.
+        Value [-], rate [1/s], acceleration [1/s^2]. All three are continuous; with T = 0 the value is 1 from the start.
     """
     if time.real >= duration.real:
-        return 1.0, 0.0, 0.0
+        return 1.0 + 0.0 * time, 0.0 * time, 0.0 * time  # of the same kind, real or complex, as below
     s = time / duration
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration
@@ -59,7 +75,19 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
 def ramped(
     amplitude: float, rate: float, acceleration: float, ramp: float, ramp_rate: float, ramp_acceleration: float
 ) -> tuple[float, float, float]:
-    """Product of the filtered amplitude and the ramp, with both derivatives."""
+    """Product of the filtered amplitude and the ramp, with its two time derivatives.
+
+    Args:
+        amplitude: alpha [rad].
+        rate: alpha' [rad/s].
+        acceleration: alpha'' [rad/s^2].
+        ramp: Value of `smooth_start` [-].
+        ramp_rate: Its rate [1/s].
+        ramp_acceleration: Its acceleration [1/s^2].
+
+    Returns:
+        Ramped amplitude [rad], its rate [rad/s] and its acceleration [rad/s^2].
+    """
     return (
         amplitude * ramp,
         rate * ramp + amplitude * ramp_rate,
@@ -81,6 +109,19 @@ def joint_reference(
     offset_acceleration: float,
 ) -> tuple[float, float, float]:
     """phi_ref = alpha g sin(psi) + phi_0 (3) and its two derivatives, given sin and cos of the joint's phase psi.
+
+    Args:
+        sine: sin(psi) [-].
+        cosine: cos(psi) [-].
+        envelope: g of this joint [-].
+        amplitude: alpha, ramp included [rad].
+        amplitude_rate: alpha' [rad/s].
+        amplitude_acceleration: alpha'' [rad/s^2].
+        phase_rate: psi' [rad/s].
+        phase_acceleration: psi'' [rad/s^2].
+        offset: phi_0 [rad].
+        offset_rate: phi_0' [rad/s].
+        offset_acceleration: phi_0'' [rad/s^2].
 
     Returns:
         phi_ref [rad], phi_ref' [rad/s], phi_ref'' [rad/s^2].

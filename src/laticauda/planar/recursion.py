@@ -20,7 +20,7 @@ import numpy as np
 
 from laticauda.fluid import laws
 from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
-from laticauda.planar.specialize import bindings, compiled, kernel
+from laticauda.planar.specialize import bindings, compiled, kernel, routine
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
@@ -78,7 +78,7 @@ def sincos(x):
     return (-sine if quadrant & 2 else sine), (-cosine if (quadrant + 1) & 2 else cosine)
 
 
-@kernel
+@routine
 @no_type_check
 def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""

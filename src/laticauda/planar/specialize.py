@@ -75,6 +75,11 @@ def kernel(function: Callable[..., Any]) -> Any:
     return njit(forceinline=True, **_OPTIONS)(function)
 
 
+def routine(function: Callable[..., Any]) -> Any:
+    """Decorator of a template's larger functions, which several others call: compiled once, not into each of them."""
+    return njit(**_OPTIONS)(function)
+
+
 def compiled(function: Callable[..., Any]) -> Any:
     """Compile a plain scalar function together with the plain functions that it calls.
 

@@ -19,7 +19,7 @@ from laticauda.actuation import laws
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
 from laticauda.planar.rows import *  # noqa: F403  (the table of rows is this module's vocabulary)
-from laticauda.planar.specialize import bindings, compiled, entry, kernel
+from laticauda.planar.specialize import bindings, compiled, entry, kernel, routine
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
@@ -99,7 +99,7 @@ def link_forces(S, n, first_strip, first_plate, law, tether_body, has_extras, lo
 # --- the reference --------------------------------------------------------------------------------------------------
 
 
-@kernel
+@routine
 @no_type_check
 def advance_reference(S, n, law, dt):
     """Move the generator on by dt and set the reference there."""
@@ -122,7 +122,7 @@ def advance_reference(S, n, law, dt):
     set_reference(S, n, law)
 
 
-@kernel
+@routine
 @no_type_check
 def set_reference(S, n, law):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
@@ -186,7 +186,7 @@ def one_reference(S, b, joint, law):
 # --- joint laws and work --------------------------------------------------------------------------------------------
 
 
-@kernel
+@routine
 @no_type_check
 def joint_torques(S, n, law, gamma_dt):
     """Torque of every free joint for the first stage of an implicit step, and what that step adds to its inertia."""
@@ -373,7 +373,7 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
                 S[(b + RATE) * W + k] += dt * acceleration
 
 
-@kernel
+@routine
 @no_type_check
 def second_torques(S, n, law, gamma_dt):
     """Right-hand side of the second stage for a = k2 + 2 k1, so that the mass matrix is not needed."""

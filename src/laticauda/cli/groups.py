@@ -1,0 +1,121 @@
+"""Groups of options that commands share: what swims, how, where, and by which model."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from laticauda.cli.flags import Number, Numbers, Preset, Whole, changed, changes, choice, default
+from laticauda.cli.messages import given
+from laticauda.robot import Environment, Robot, Water, load_ground, load_robot, load_water
+
+if TYPE_CHECKING:
+    from laticauda.gaits import Gait
+
+# What options that are left out stand for: Mamba's first trial of the paper.
+ROBOT = "mamba"
+GAIT = "lateral-undulation"
+AMPLITUDE_DEG, FREQUENCY_DEG_S, PHASE_SHIFT_DEG = 30.0, 130.0, 40.0
+
+WaterChanges = changes(Water, omit=("name",), otherwise="the water's")
+Coefficients = Annotated[Any, tyro.conf.arg(constructor=WaterChanges)]
+ORIGINS = {
+    "lateral_undulation": "the paper's for lateral undulation",
+    "eel_like": "the paper's for eel-like motion",
+    "custom": "the paper's for lateral undulation, in want of others for this gait",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotFlags:
+    """What swims."""
+
+    robot: Annotated[Preset, default(ROBOT)] = None
+    """A preset (`laticauda robots` lists them) or a TOML file."""
+    n_links: Annotated[Whole, default("the robot's")] = None
+    """Number of links to have instead, for robots whose links are all alike."""
+
+    def chosen(self) -> Robot:
+        """The robot that is asked for."""
+        return load_robot(ROBOT if self.robot is None else self.robot, self.n_links)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaitFlags:
+    """How it moves: phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail."""
+
+    gait: Annotated[str | None, choice("lateral-undulation", "eel-like", "custom"), default(GAIT)] = None
+    """The envelope g: 1, (n-i)/(n+1), or one's own."""
+    envelope: Annotated[Numbers, default("none")] = None
+    """g of every joint for the gait `custom`, tail first [-]."""
+    amplitude_deg: Annotated[Number, default(f"{AMPLITUDE_DEG:g}")] = None
+    """alpha [deg]."""
+    frequency_deg_s: Annotated[Number, default(f"{FREQUENCY_DEG_S:g}")] = None
+    """omega, an angular frequency [deg/s]."""
+    phase_shift_deg: Annotated[Number, default(f"{PHASE_SHIFT_DEG:g}")] = None
+    """delta between neighboring joints [deg]."""
+    offset_deg: Annotated[Number, default("0")] = None
+    """phi_0 of every joint; positive turns left [deg]."""
+
+    def chosen(self) -> "Gait":
+        """The gait that is asked for."""
+        from laticauda.gaits import Gait
+
+        return Gait(
+            kind=GAIT if self.gait is None else self.gait,
+            amplitude=radians(self.amplitude_deg, AMPLITUDE_DEG),
+            frequency=radians(self.frequency_deg_s, FREQUENCY_DEG_S),
+            phase_shift=radians(self.phase_shift_deg, PHASE_SHIFT_DEG),
+            offset=radians(self.offset_deg, 0.0),
+            envelope=self.envelope,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvironmentFlags:
+    """Where it moves."""
+
+    water: Annotated[Preset, default("paper-eel for the gait eel-like, else paper-lateral")] = None
+    """A preset or a TOML file."""
+    ground: Annotated[Preset, default("none")] = None
+    """A preset or a TOML file: crawl on land instead."""
+
+    def chosen(self, gait: "Gait", coefficients: object) -> tuple[Environment, str]:
+        """What is asked for, and where it is from, in words.
+
+        Args:
+            gait: It decides on the water if none was asked for.
+            coefficients: `WaterChanges`.
+        """
+        if self.ground is not None:
+            for name in ("water", *given(coefficients)):
+                if name != "water" or self.water is not None:
+                    raise ValueError(f"`{name}` must not be given with `ground`: it belongs to water.")
+            return load_ground(self.ground), "as asked for"
+        from laticauda.simulate import default_water
+
+        water = load_water(default_water(gait) if self.water is None else self.water)
+        origin = "as asked for" if self.water is not None else ORIGINS[gait.kind]
+        return changed(water, coefficients), origin
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelFlags:
+    """How it is computed."""
+
+    model: Annotated[str | None, choice("planar"), default("planar")] = None
+    """The model of the body."""
+    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
+    """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
+    ramp: Annotated[Number, default("1 for prescribed joints, else 0")] = None
+    """Duration of the smooth start [s]."""
+    offset_bandwidth: Annotated[Number, default("10")] = None
+    """Of the filters behind the gait's parameters [rad/s]."""
+    dt: Annotated[Number, default("a converged one")] = None
+    """Largest time step [s]."""
+
+
+def radians(degrees: float | None, otherwise: float) -> float:
+    """An angle of an option in radians; `otherwise`, in degrees too, if the option was left out."""
+    return math.radians(otherwise if degrees is None else degrees)

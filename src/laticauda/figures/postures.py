@@ -1,0 +1,126 @@
+"""The body seen from above: polygons with the real lengths and widths, to be drawn along a path."""
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
+
+from laticauda.figures import style
+from laticauda.kinematics import link_ends, trailing_edge
+from laticauda.robot import Robot
+from laticauda.trial import Trial
+
+Points = Float[np.ndarray, "n_points 2"]
+
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 25)
+_NOSE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
+NOSE = 2.0  # length of the pointed front, in half widths
+FADED = 0.72  # how much white is in the oldest posture
+
+
+def planar_body(trial: Trial) -> Robot:
+    """The robot whose links the columns of `link_angle` are."""
+    return trial.robot if trial.center_of_mass.shape[1] == 3 else trial.robot.planar()
+
+
+def outline(robot: Robot, trial: Trial, sample: int) -> Points:
+    """Trailing edge, tail end, joints and head end of the body at a sample, in this order [m]."""
+    center, angle = trial.center_of_mass[sample, :2], trial.link_angle[sample]
+    return np.vstack((trailing_edge(robot, center, angle), link_ends(robot, center, angle)))
+
+
+def instants(trial: Trial) -> list[int]:
+    """Samples at which to draw the body: first, last, and as many between as fit without lying on each other."""
+    robot = planar_body(trial)
+    path = trial.center_of_mass[:, :2]
+    traveled = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
+    reach = robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
+    n_steps = min(int(traveled[-1] / (1.06 * reach)), 8)
+    if n_steps < 1:
+        return sorted({0, len(path) - 1})
+    wanted = np.linspace(0.0, traveled[-1], n_steps + 1)
+    chosen = [int(i) for i in np.searchsorted(traveled, wanted)]
+    return _apart(robot, trial, sorted({min(i, len(path) - 1) for i in chosen}))
+
+
+def _apart(robot: Robot, trial: Trial, samples: list[int]) -> list[int]:
+    """Those samples whose bodies stay clear of all later ones; the last is always kept."""
+    clearance = 2.5 * max(module.section.half_width for module in robot.modules)
+    kept: list[int] = []
+    bodies: list[Points] = []
+    for sample in reversed(samples):
+        body = outline(robot, trial, sample)
+        gaps = (np.linalg.norm(body[:, np.newaxis] - other, axis=2).min() for other in bodies)
+        if all(gap > clearance for gap in gaps):
+            kept.append(sample)
+            bodies.append(body)
+    return kept[::-1]
+
+
+def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
+    """Draw one posture.
+
+    Args:
+        ax: Where.
+        robot: Whose body it is.
+        points: Its `outline` [m].
+        age: From 0, the newest and darkest, to 1 [-].
+    """
+    order = 3.0 - age
+    ends = points[1:]
+    if robot.caudal_fin is not None:
+        _draw_fin(ax, robot, points, age)
+    widths = [module.section.half_width for module in robot.modules]
+    links = [_link(ends[i], ends[i + 1], width) for i, width in enumerate(widths[:-1])]
+    bends = [_circle(ends[i + 1], min(widths[i], widths[i + 1])) for i in range(len(widths) - 1)]
+    body = PolyCollection([*links, *bends], facecolor=_faded(style.BLUE, age), edgecolor="none", zorder=order)
+    head = PolyCollection(
+        [_head(ends[-2], ends[-1], widths[-1])], facecolor=_faded(style.ORANGE, age), edgecolor="none", zorder=order
+    )
+    ax.add_collection(body)
+    ax.add_collection(head)
+    ax.plot(*ends[1:-1].T, linestyle="none", marker="o", markersize=1.4, color="white", zorder=order + 0.01)
+
+
+def _draw_fin(ax: Axes, robot: Robot, points: Points, age: float) -> None:
+    """The fin is a plate of some millimeters, seen from its edge: a line, thinner where its opening is."""
+    assert robot.caudal_fin is not None
+    edge, root = points[0], points[1]
+    inner = root + (edge - root) * (robot.caudal_fin.opening_length / robot.caudal_fin.length)
+    if robot.caudal_fin.opening == "closed":
+        inner = root
+    lines = LineCollection([np.stack((root, inner)), np.stack((inner, edge))], zorder=3.0 - age)
+    lines.set(linewidth=[0.8, 2.2], color=_faded(style.INK, age), capstyle="butt")
+    ax.add_collection(lines)
+
+
+def _link(tail: Points, head: Points, half_width: float) -> Points:
+    """A rectangle around the line between the two ends of a link."""
+    side = half_width * _normal(tail, head)
+    return np.stack((tail + side, head + side, head - side, tail - side))
+
+
+def _head(tail: Points, head: Points, half_width: float) -> Points:
+    """The foremost link, with a pointed front so that one sees where it swims."""
+    length = float(np.linalg.norm(head - tail))
+    nose = min(NOSE * half_width, length)
+    along, side = (head - tail) / length, _normal(tail, head)
+    front = tail + (length - nose) * along
+    tip = front + nose * np.cos(_NOSE)[:, np.newaxis] * along + half_width * np.sin(_NOSE)[:, np.newaxis] * side
+    return np.vstack((tail - half_width * side, tip, tail + half_width * side))
+
+
+def _circle(center: Points, radius: float) -> Points:
+    return center + radius * np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1)
+
+
+def _normal(tail: Points, head: Points) -> Points:
+    along = (head - tail) / np.linalg.norm(head - tail)
+    return np.array([-along[1], along[0]])
+
+
+def _faded(color: str, age: float) -> tuple[float, float, float]:
+    """A color, the whiter the older."""
+    red, green, blue = (1.0 - (1.0 - part) * (1.0 - FADED * age) for part in to_rgb(color))
+    return red, green, blue

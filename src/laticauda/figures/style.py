@@ -1,0 +1,79 @@
+"""What all figures have in common: sizes, colors and labels, for print at journal width.
+
+Nothing global is touched, neither pyplot nor the settings of matplotlib, so that figures can be made in any thread and
+beside those of the user.
+"""
+
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+SINGLE_COLUMN = 3.5  # width [in]
+DOUBLE_COLUMN = 7.16  # width [in]
+LABEL = 9  # size of labels [pt]
+TICK = 8  # size of tick labels and legends [pt]
+THIN, LINE = 0.6, 1.2  # line widths [pt]
+DOTS_PER_INCH = 300
+
+# Okabe and Ito's colors, told apart by the color-blind; their lightness differs, so also in gray print.
+INK = "#222222"
+BLUE = "#0072B2"
+ORANGE = "#D55E00"
+GRAY = "#8A8A8A"
+LIGHT = "#D9D9D9"
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure that belongs to no window.
+
+    Args:
+        width: [in].
+        height: [in].
+    """
+    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure to a file; the same figure always gives the same file.
+
+    Args:
+        figure: Any figure.
+        path: Its ending, .png or .pdf, says the format.
+    """
+    # A date or a version in the file would make every one different.
+    metadata: dict[str, Any] = {".png": {"Software": None}, ".pdf": {"CreationDate": None, "Creator": None}}
+    suffix = Path(path).suffix.lower()
+    figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata.get(suffix))
+
+
+def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
+    """Give axes their labels and the common look."""
+    ax.set_xlabel(xlabel, fontsize=LABEL, color=INK)
+    ax.set_ylabel(ylabel, fontsize=LABEL, color=INK)
+    ax.tick_params(labelsize=TICK, labelcolor=INK, color=GRAY, width=THIN, length=3)
+    for side, spine in ax.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(GRAY)
+        spine.set_linewidth(THIN)
+    return ax
+
+
+def legend(ax: Axes, **settings: Any) -> None:
+    """A legend without a frame."""
+    ax.legend(fontsize=TICK, labelcolor=INK, frameon=False, handlelength=1.6, borderaxespad=0.2, **settings)
+
+
+def joint_colors(n_joints: int) -> tuple[LinearSegmentedColormap, BoundaryNorm]:
+    """Colors of the joints, dark at the tail to light at the head: lightness falls evenly, also in gray print."""
+    stops = ["#0B1E4B", "#2C4A8C", "#4C7F9E", "#79A97E", "#BDB95A"]
+    colors = LinearSegmentedColormap.from_list("joints", stops, N=max(n_joints, 2))
+    return colors, BoundaryNorm([i - 0.5 for i in range(n_joints + 1)], colors.N)
