@@ -34,14 +34,14 @@ def instants(trial: Trial) -> list[int]:
     """Samples at which to draw the body: first, last, and as many between as fit without lying on each other."""
     robot = planar_body(trial)
     path = trial.center_of_mass[:, :2]
-    traveled = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
+    traveled = float(np.sum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     reach = robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
-    n_steps = min(int(traveled[-1] / (1.06 * reach)), 8)
+    n_steps = min(int(traveled / (1.06 * reach)), 8)
     if n_steps < 1:
         return sorted({0, len(path) - 1})
-    wanted = np.linspace(0.0, traveled[-1], n_steps + 1)
-    chosen = [int(i) for i in np.searchsorted(traveled, wanted)]
-    return _apart(robot, trial, sorted({min(i, len(path) - 1) for i in chosen}))
+    wanted = np.linspace(trial.time[0], trial.time[-1], n_steps + 1)
+    chosen = {int(np.argmin(np.abs(trial.time - moment))) for moment in wanted}
+    return _apart(robot, trial, sorted(chosen))
 
 
 def _apart(robot: Robot, trial: Trial, samples: list[int]) -> list[int]:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import postures, style
 from laticauda.robot import Water
@@ -19,6 +20,7 @@ from laticauda.trial.cycles import cycle_middles, interpolated
 
 Series = Float[np.ndarray, "n_samples ..."]
 
+WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion", "custom": "custom gait"}
 CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
 STRIP_HEIGHT = (0.85, 2.2)  # of the path, where it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
@@ -195,7 +197,7 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
     bar = figure.colorbar(ScalarMappable(norm=norm, cmap=colors), ax=axes, aspect=25, pad=0.03, drawedges=False)
     ticks = sorted({0, n_joints - 1})
     bar.set_ticks(ticks, labels=[f"{i} ({end})" for i, end in zip(ticks, ("tail", "head"), strict=False)])
-    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK, length=0)
+    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK, length=0, which="both")
     bar.set_label("joint", fontsize=style.LABEL, color=style.INK, labelpad=-10)
     bar.outline.set_visible(False)
 
@@ -227,7 +229,7 @@ def _title(trial: Trial) -> str:
     if trial.gait is not None:
         gait = trial.gait
         angles = (gait.amplitude, gait.frequency, gait.phase_shift)
-        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(gait.kind.replace("_", " "), *np.degrees(angles))
+        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(WORDS.get(gait.kind, gait.kind), *np.degrees(angles))
         if gait.offset:
             text += f", offset {math.degrees(gait.offset):.3g} deg"
     return text
@@ -236,3 +238,4 @@ def _title(trial: Trial) -> str:
 def _from_to(ax: Axes, time: Series) -> None:
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
+        ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
