@@ -85,7 +85,6 @@ def test_the_dataset_in_memory_is_the_one_in_the_file(make_trial, full_trial, pa
     for trial in (make_trial(), full_trial):
         trial.save(path)
         with xarray.open_dataset(path) as data:
-            del data.attrs["digest"]  # of the file only
             xarray.testing.assert_identical(trial.to_dataset(), data.load())
     assert full_trial.to_dataset().link_angle.sel(time=0.5, link=3) == full_trial.link_angle[25, 3]
 
@@ -184,7 +183,7 @@ def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(make_trial, pa
         load_trial(path)
 
 
-@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state", "digest"])
+@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state"])
 def test_a_file_without_an_attribute_is_refused_by_its_name(make_trial, path, name):
     make_trial(duration=1.0).save(path)
     with netCDF4.Dataset(path, "a") as file:
@@ -193,23 +192,38 @@ def test_a_file_without_an_attribute_is_refused_by_its_name(make_trial, path, na
         load_trial(path)
 
 
-def test_a_file_that_was_edited_is_refused_and_one_that_was_added_to_is_not(make_trial, path):
+def test_a_file_that_another_program_edited_in_place_is_taken_as_it_is(make_trial, path):
     trial = make_trial(duration=1.0)
     trial.save(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr("comment", "the good one")
-        file.setncattr("title", "Another title")
         file.createVariable("depth", "f8", ("time",))[:] = 0.5
     assert load_trial(path).equals(trial)
-    with netCDF4.Dataset(path, "a") as file:
-        file["joint_torque"][7, 3] *= 1.0 + 1e-15
-    with pytest.raises(TrialFileError, match=r"Cannot load .*: it was damaged, or changed by another program"):
-        load_trial(path)
     trial.save(path)
     with netCDF4.Dataset(path, "a") as file:
-        file.setncattr("robot", file.robot.replace("0.055", "0.056"))
-    with pytest.raises(TrialFileError, match=r"Cannot load .*: it was damaged, or changed by another program"):
-        load_trial(path)
+        file["joint_torque"][7, 3] = 0.25
+    assert load_trial(path).joint_torque[7, 3] == 0.25
+
+
+def test_one_wrong_bit_anywhere_is_found(full_trial, path):
+    full_trial.save(path)
+    content = path.read_bytes()
+    rng = np.random.default_rng(3)
+    for place in (0, len(content) - 1, *rng.integers(0, len(content) - 82, 200)):
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        path.write_bytes(damaged)
+        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is damaged: its checksum is wrong\."):
+            load_trial(path)
+
+
+def test_a_file_that_was_cut_off_is_refused(full_trial, path):
+    full_trial.save(path)
+    content = path.read_bytes()
+    for size in (1, 100, 4096, len(content) // 2, len(content) - 200):
+        path.write_bytes(content[:size])
+        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is no netCDF file, or it is damaged\."):
+            load_trial(path)
 
 
 def test_a_file_whose_arrays_do_not_belong_together_is_refused(make_trial, path):
@@ -223,26 +237,6 @@ def test_a_file_whose_arrays_do_not_belong_together_is_refused(make_trial, path)
         file.renameVariable("joint_torque", "torque")
     with pytest.raises(TrialFileError, match="it has no `joint_torque`"):
         load_trial(path)
-
-
-def test_a_truncated_or_damaged_file_is_refused_or_still_the_same_trial(full_trial, path):
-    full_trial.save(path)
-    content = path.read_bytes()
-    rng = np.random.default_rng(3)
-    cuts = [content[: int(n)] for n in rng.integers(0, len(content), 40)]
-    flips = []
-    for place in rng.integers(0, len(content), 200):
-        damaged = bytearray(content)
-        damaged[place] ^= 1 << int(rng.integers(8))
-        flips.append(bytes(damaged))
-    refused = 0
-    for damaged in (*cuts, *flips):
-        path.write_bytes(damaged)
-        try:
-            assert load_trial(path).equals(full_trial)
-        except TrialFileError:
-            refused += 1
-    assert refused >= len(cuts)
 
 
 def test_a_csv_has_a_header_with_units_and_every_number(full_trial, tmp_path):

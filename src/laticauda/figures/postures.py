@@ -36,6 +36,8 @@ def instants(trial: Trial) -> list[int]:
     path = trial.center_of_mass[:, :2]
     traveled = float(np.sum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     reach = robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
+    if traveled < 0.1 * reach:
+        return [len(path) - 1]
     n_steps = min(int(traveled / (1.06 * reach)), 8)
     if n_steps < 1:
         return sorted({0, len(path) - 1})

@@ -60,6 +60,8 @@ def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
     ax.set_xlabel(xlabel, fontsize=LABEL, color=INK)
     ax.set_ylabel(ylabel, fontsize=LABEL, color=INK)
     ax.tick_params(labelsize=TICK, labelcolor=INK, color=GRAY, width=THIN, length=3)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.get_offset_text().set_fontsize(TICK)
     for side, spine in ax.spines.items():
         spine.set_visible(side in ("left", "bottom"))
         spine.set_color(GRAY)

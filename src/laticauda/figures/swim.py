@@ -11,7 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D, ScaledTranslation
 
 from laticauda.figures import postures, style
 from laticauda.robot import Water
@@ -40,12 +43,13 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
         ax: Where to draw.
     """
     robot = postures.planar_body(trial)
+    half_width = max(module.section.half_width for module in robot.modules)
     samples = postures.instants(trial)
     for k, sample in enumerate(samples):
         points = postures.outline(robot, trial, sample)
         age = (len(samples) - 1 - k) / max(len(samples) - 1, 1)
         postures.draw_posture(ax, robot, points, age)
-        _tell_time(ax, trial, points, sample)
+        _tell_time(ax, trial, points, sample, half_width)
     x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
     ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
@@ -111,65 +115,89 @@ def swim_sheet(trial: Trial) -> Figure:
     Args:
         trial: Any trial, a failed one too.
     """
-    strip = _strip_height(trial)
+    width, height = _extent(trial)
     last = None if trial.period is None else CYCLES_SHOWN * trial.period
-    if strip <= STRIP_HEIGHT[1]:
-        heights = [max(strip, STRIP_HEIGHT[0]) + LABELS, PANEL_HEIGHT]
+    strip = (style.DOUBLE_COLUMN - 0.6) * height / width
+    if strip < 1.5 * STRIP_HEIGHT[1]:
+        heights = [min(max(strip, STRIP_HEIGHT[0]), STRIP_HEIGHT[1]) + LABELS, PANEL_HEIGHT]
         figure = style.new_figure(style.DOUBLE_COLUMN, sum(heights))
         grid = figure.add_gridspec(2, 3, height_ratios=heights, width_ratios=(1.25, 1.0, 1.0))
         places = [grid[0, :], grid[1, 0], grid[1, 1], grid[1, 2]]
     else:
-        figure = style.new_figure(style.DOUBLE_COLUMN, 3.0 * 0.8 * PANEL_HEIGHT)
-        grid = figure.add_gridspec(3, 2, width_ratios=(1.15, 1.0))
+        figure = style.new_figure(style.DOUBLE_COLUMN, 2.4 * PANEL_HEIGHT)
+        grid = figure.add_gridspec(3, 2, width_ratios=(min(max(1.2 * width / height, 0.5), 1.2), 1.0))
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
-    path.set_title(_title(trial), fontsize=style.LABEL, loc="left", color=style.INK)
+    figure.suptitle(_title(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)
-    _scale(figure, trial, [torque] if strip <= STRIP_HEIGHT[1] else [angle, torque])
+    _scale(figure, trial, [torque] if grid.ncols == 3 else [angle, torque])
+    figure.align_ylabels([velocity, angle, torque] if grid.ncols == 2 else [velocity])
     return figure
 
 
 # ---- parts ---------------------------------------------------------------------------------------------------------
 
 
-def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int) -> None:
-    """The time beside a posture, on its outer side where the path is curved."""
-    center, heading = trial.center_of_mass[sample, :2], float(trial.heading[sample])
-    left = np.array([-np.sin(heading), np.cos(heading)])
-    middle = 0.5 * (trial.center_of_mass[:, :2].min(axis=0) + trial.center_of_mass[:, :2].max(axis=0))
-    side = -left if left @ (center - middle) < -0.1 else left
-    reach = float(np.max((points - center) @ side))
-    place = center + (reach + 0.1) * side
+def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, half_width: float) -> None:
+    """The time beside a posture, to its left, or on the outer side where the path is curved."""
+    path = trial.center_of_mass[:, :2]
+    center, heading = path[sample], float(trial.heading[sample])
+    ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
+    is_straight = trial.path_speed < 1.25 * trial.forward_velocity if trial.time.size > 1 else True
+    outward = center - 0.5 * (path.min(axis=0) + path.max(axis=0))
+    side = left if is_straight or left @ outward > 0.0 else -left
+    near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
+    reach = float(np.max((near - center) @ side, initial=0.0)) + half_width
     ax.annotate(
         f"{trial.time[sample]:.3g} s",
-        place,
-        xytext=4.0 * side,
+        tuple(center + reach * side),
+        xytext=tuple(3.0 * side),
         textcoords="offset points",
-        ha="center",
-        va="center",
+        ha="left" if side[0] > 0.5 else "right" if side[0] < -0.5 else "center",
+        va="bottom" if side[1] > 0.5 else "top" if side[1] < -0.5 else "center",
         fontsize=style.TICK,
         color=style.INK,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")],
         zorder=5,
     )
-    # What a text covers does not count for the limits of axes; this point does.
-    ax.update_datalim([tuple(center + (reach + 0.25) * side)])
+    # The limits of axes do not mind texts; this point keeps room for it.
+    ax.update_datalim([tuple(center + (reach + MARGIN * max(_extent(trial))) * side)])
 
 
 def _tell_current(ax: Axes, current: tuple[float, float]) -> None:
-    speed = math.hypot(*current)
-    across = (0.5 * current[0] / speed, 0.5 * current[1] / speed)
+    """Strength and direction of the current, above the upper right corner."""
+    strength = math.hypot(*current)
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    # Points, counted from the corner: the arrow keeps its size and its direction.
+    in_points = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + ScaledTranslation(1.0, 1.0, ax.transAxes)
+    tip = tuple(7.0 * part / strength for part in current)
     ax.annotate(
-        f"current {speed:.3g} m/s",
-        xy=(0.98 + 0.0 * across[0], 0.93),
-        xycoords="axes fraction",
+        f"current {strength:.3g} m/s",
+        (-20.0, 9.0),
+        xycoords=in_points,
         ha="right",
-        va="top",
+        va="center",
         fontsize=style.TICK,
         color=style.INK,
+        annotation_clip=False,
     )
+    arrow = FancyArrowPatch(
+        (-10.0 - tip[0], 9.0 - tip[1]),
+        (-10.0 + tip[0], 9.0 + tip[1]),
+        arrowstyle="-|>",
+        mutation_scale=7,
+        shrinkA=0,
+        shrinkB=0,
+        color=style.INK,
+        linewidth=style.THIN,
+        clip_on=False,
+        transform=in_points,
+    )
+    ax.add_patch(arrow)
 
 
 def _joints(trial: Trial, values: Series, ax: Axes, label: str, last: float | None, scale: bool) -> Axes:
@@ -198,7 +226,7 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
     ticks = sorted({0, n_joints - 1})
     bar.set_ticks(ticks, labels=[f"{i} ({end})" for i, end in zip(ticks, ("tail", "head"), strict=False)])
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK, length=0, which="both")
-    bar.set_label("joint", fontsize=style.LABEL, color=style.INK, labelpad=-10)
+    bar.ax.set_title("joint", fontsize=style.LABEL, color=style.INK, loc="left", pad=5)
     bar.outline.set_visible(False)
 
 
@@ -215,13 +243,13 @@ def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
     return middle, np.linalg.norm(after - before, axis=1) / trial.period
 
 
-def _strip_height(trial: Trial) -> float:
-    """Height of the path's axes if they are as wide as the figure, at equal scales [in]."""
+def _extent(trial: Trial) -> tuple[float, float]:
+    """Width and height that path and postures take, with room for the times [m]."""
     robot = postures.planar_body(trial)
     bodies = [postures.outline(robot, trial, sample) for sample in postures.instants(trial)]
-    points = np.vstack([*bodies, trial.center_of_mass[:, :2]])
-    width, height = np.ptp(points, axis=0)
-    return (style.DOUBLE_COLUMN - 0.6) * (height + 0.6) / max(width + 0.2, 1e-9)
+    width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
+    room = 2.0 * MARGIN * max(width, height)
+    return float(width + room), float(height + room)
 
 
 def _title(trial: Trial) -> str:
@@ -238,4 +266,4 @@ def _title(trial: Trial) -> str:
 def _from_to(ax: Axes, time: Series) -> None:
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
-        ax.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+        ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))

@@ -68,7 +68,7 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
     s = time / duration
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration
-    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (duration * duration)
+    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration / duration
     return value, rate, acceleration
 
 

@@ -1,9 +1,9 @@
 """Compile the kernels for a lane width and a fluid law.
 
-`recursion` and `stepping` are templates: each reads `WIDTH` and its fluid law from here while it is loaded, and
-`specialize` loads them once per combination. A specialization's name carries a digest of all sources it is made of and
-of the law's own code, so compiled code on disk is found again by the next process and is never stale: an edited law, or
-an edited kernel, has another name and compiles anew.
+`loads`, `recursion`, `drives` and `stepping` are templates: each reads `WIDTH`, the fluid law and the templates before
+it from here while it is loaded, and `specialize` loads them once per combination. A specialization's name carries a
+digest of all sources it is made of and of the law's own code, so compiled code on disk is found again by the next
+process and is never stale: an edited law, or an edited kernel, has another name and compiles anew.
 """
 
 import functools
@@ -28,7 +28,9 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
+    "planar/loads.py",
     "planar/recursion.py",
+    "planar/drives.py",
     "planar/stepping.py",
     "planar/specialize.py",
     "fluid/laws.py",
@@ -61,8 +63,10 @@ def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> b
 @functools.cache
 def _specialize(width: int, fluid_law: FluidLaw, law_digest: str) -> ModuleType:
     key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()}".encode()).hexdigest()[:16]
-    recursion = _load("recursion", key, {"WIDTH": width, "fluid_law": fluid_law})
-    return _load("stepping", key, {"WIDTH": width, "recursion": recursion})
+    names: dict[str, Any] = {"WIDTH": width, "fluid_law": fluid_law}
+    for template in ("loads", "recursion", "drives"):
+        names[template] = _load(template, key, names)
+    return _load("stepping", key, names)
 
 
 def bindings(module_name: str) -> dict[str, Any]:

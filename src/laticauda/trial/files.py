@@ -2,8 +2,8 @@
 
 A file appears whole or not at all: it is written beside its place under another name and then moved there, over any
 older file of that name. A netCDF file opens in any netCDF tool and by `xarray.open_dataset`; the plant's state, for a
-restart, is in its group `state`. A checksum covers all that a trial is made of, so a damaged file is refused; other
-programs may add variables and attributes of their own.
+restart, is in its group `state`. A checksum covers the whole file, so a damaged one is refused and not half read; a
+file that another program edited has lost it, and is taken as it is.
 """
 
 # netCDF4 types what it reads as Any, by the nature of the format: this module turns that into arrays and texts.
@@ -12,6 +12,7 @@ programs may add variables and attributes of their own.
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import os
 import uuid
@@ -22,25 +23,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import TrialFileError
-from laticauda.trial.layout import (
-    AXES,
-    FORMAT,
-    MARK,
-    STATE,
-    attributes,
-    coordinates,
-    digest,
-    stored_arrays,
-    trial_from,
-    variables,
-)
+from laticauda.trial.layout import AXES, FORMAT, MARK, attributes, coordinates, trial_from, variables
 from laticauda.trial.trial import Trial
 
 if TYPE_CHECKING:
     import netCDF4
     import xarray
 
-DIGEST = "digest"  # the attribute with the checksum
+# Behind the end of the HDF5 data, where netCDF does not look, stand this and the SHA-256 of all before it. The check
+# comes first, because HDF5 itself may hang on a single wrong bit. Programs that edit a file in place cut this off.
+SEAL = b"\nlaticauda sha256 "
+SEAL_LENGTH = len(SEAL) + 64
 
 
 def save_trial(trial: Trial, path: str | Path) -> None:
@@ -138,23 +131,34 @@ def _store(trial: Trial, path: Path) -> None:
         for name, values in index.items():
             file.createDimension(name, values.size)
             file.createVariable(name, str if values.dtype == object else "i4", (name,))[:] = values
-        arrays = stored_arrays(trial)
-        for variable, _ in variables(trial):
+        for variable, values in variables(trial):
             stored = file.createVariable(variable.name, "f8", variable.dimensions, fill_value=False)
-            stored[:] = arrays[variable.name]
+            stored[:] = values
             stored.setncatts({"units": variable.units, "long_name": variable.long_name})
-        state = file.createGroup(STATE)
-        for name in trial.state:
-            _store_state(state, name, arrays[f"{STATE}/{name}"])
-        texts = attributes(trial)
-        file.setncatts(texts | {DIGEST: digest(texts, arrays)})
+        state = file.createGroup("state")
+        for name, values in trial.state.items():
+            _store_state(state, name, values)
+        file.setncatts(attributes(trial))
+    content = path.read_bytes()
+    path.write_bytes(content + SEAL + hashlib.sha256(content).hexdigest().encode())
 
 
 def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:
+    plain = values.astype(np.int8) if values.dtype == np.bool_ else values  # netCDF has no truth values
     dimensions = tuple(f"{name}_{i}" for i in range(values.ndim))
     for dimension, size in zip(dimensions, values.shape, strict=True):
         group.createDimension(dimension, size)
-    group.createVariable(name, values.dtype.str, dimensions, fill_value=False)[...] = values
+    group.createVariable(name, plain.dtype.str, dimensions, fill_value=False)[...] = plain
+
+
+def _unsealed(content: bytes) -> bytes:
+    """The content without its seal, if it has one; raises ValueError if the seal is broken."""
+    body, seal = content[:-SEAL_LENGTH], content[-SEAL_LENGTH:]
+    if not seal.startswith(SEAL):
+        return content
+    if seal[len(SEAL) :] != hashlib.sha256(body).hexdigest().encode():
+        raise ValueError("it is damaged: its checksum is wrong.")
+    return body
 
 
 def _decoded(content: bytes) -> Trial:
@@ -168,7 +172,7 @@ def _decoded(content: bytes) -> Trial:
     import netCDF4
 
     # From memory: what the file system has to say was said when the bytes were read.
-    with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
+    with netCDF4.Dataset("trial.nc", mode="r", memory=_unsealed(content)) as file:
         file.set_auto_mask(False)
         texts: dict[str, Any] = {name: file.getncattr(name) for name in file.ncattrs()}
         if MARK not in texts:
@@ -176,19 +180,13 @@ def _decoded(content: bytes) -> Trial:
         if texts[MARK] != FORMAT:
             raise ValueError(f"it has format {texts[MARK]}, and this version of laticauda reads format {FORMAT}.")
 
-        arrays: dict[str, np.ndarray] = {}
-
         def read(name: str) -> np.ndarray:
             try:
-                arrays[name] = np.asarray(file[name][...])
+                return np.asarray(file[name][...])
             except IndexError:
                 raise KeyError(name) from None
-            return arrays[name]
 
-        trial = trial_from(read, texts)
-    if digest(texts, arrays) != texts[DIGEST]:
-        raise ValueError("it was damaged, or changed by another program, after it was written.")
-    return trial
+        return trial_from(read, texts)
 
 
 def _write_whole(path: Path, write: Callable[[Path], object]) -> None:

@@ -5,7 +5,6 @@ JSON), so that any netCDF tool shows them; both write floats with all their digi
 """
 
 import dataclasses
-import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -25,7 +24,6 @@ MARK = "laticauda_trial"
 """The attribute that makes a netCDF file a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
 FORCE = "link_force_"
-STATE = "state"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,8 +87,6 @@ ELECTRICAL = Variable(
 )
 
 TEXTS = ("version", "created", "status")
-CHECKED = ("succeeded", "robot", "environment", "gait", "settings", "has_electrical_work", "link_force", "state")
-"""The attributes that a trial is made of, besides `TEXTS`."""
 
 
 def variables(trial: Trial) -> list[tuple[Variable, Float[np.ndarray, "n_samples ..."]]]:
@@ -133,32 +129,11 @@ def attributes(trial: Trial) -> dict[str, str | int]:
     }
 
 
-def stored_arrays(trial: Trial) -> dict[str, AnyArray]:
-    """Every array as it is stored, by the name of its variable; those of the state are named ``state/...``."""
-    series = {variable.name: values for variable, values in variables(trial)}
-    # netCDF has no truth values.
-    state = {
-        name: values.astype(np.int8) if values.dtype == np.bool_ else values for name, values in trial.state.items()
-    }
-    return series | {f"{STATE}/{name}": values for name, values in state.items()}
-
-
-def digest(texts: Mapping[str, object], arrays: Mapping[str, AnyArray]) -> str:
-    """SHA-256 of everything that a trial is made of: what was damaged or edited has another one."""
-    total = hashlib.sha256()
-    for name in (*TEXTS, *CHECKED):
-        total.update(f"{name}={texts[name]}\0".encode())
-    for name in sorted(arrays):
-        total.update(f"{name}:{arrays[name].dtype.str}{arrays[name].shape}\0".encode())
-        total.update(arrays[name].tobytes())
-    return total.hexdigest()
-
-
 def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -> Trial:
     """The trial again.
 
     Args:
-        read: Gives the array of a variable by its name, as in `stored_arrays`.
+        read: Gives the array of a variable by its name; those of the state are named ``state/...``.
         attributes: As `attributes` made them.
 
     Raises:
@@ -181,7 +156,7 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
         settings=json.loads(attributes["settings"]),
         **texts,
         succeeded=bool(attributes["succeeded"]),
-        state={name: read(f"{STATE}/{name}").astype(dtype) for name, dtype in state.items()},
+        state={name: read(f"state/{name}").astype(dtype) for name, dtype in state.items()},
     )
 
 

@@ -1,0 +1,234 @@
+import numpy as np
+import pytest
+from derivatives import check_compiled, check_complex_steps
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from laticauda.fluid import coulomb_friction, magnitude, plate, polynomial_drag
+
+velocities = st.floats(-3.0, 3.0)
+coefficients = st.floats(0.0, 50.0)
+switches = st.sampled_from([0.0, 1.0])
+shares = st.floats(0.1, 1.0)
+angles = st.floats(-np.pi, np.pi)
+signed = st.one_of(st.floats(-3.0, -0.01), st.floats(0.01, 3.0))
+
+AEROSONDE = {"lift_slope": 3.45, "stall_angle": 0.4712, "sharpness": 50.0}
+PLATE = {"half_density_area": 5.0, **AEROSONDE, "parasitic_drag": 0.0}
+
+
+def moving(angle: float, speed: float = 1.0) -> tuple[float, float]:
+    """Velocity along and across a plate that meets the water at this angle of attack."""
+    return speed * np.cos(angle), -speed * np.sin(angle)
+
+
+def lift_and_drag(angle: float, **changes: float) -> tuple[float, float]:
+    """Coefficients at unit speed: force to the left of the velocity, and against it."""
+    v_t, v_n = moving(angle)
+    f_t, f_n = plate(v_t, v_n, **{**PLATE, "half_density_area": 1.0, **changes})
+    return -v_n * f_t + v_t * f_n, -(v_t * f_t + v_n * f_n)
+
+
+# --- magnitude --------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(-1e6, 1e6))
+def test_the_magnitude_is_the_absolute_value_and_its_complex_step_the_sign(x: float):
+    assert magnitude(x) == abs(x)
+    perturbed = magnitude(x + 1e-30j)  # pyright: ignore[reportArgumentType]
+    assert perturbed.real == abs(x)
+    assert perturbed.imag == (1e-30 if x >= 0.0 else -1e-30)
+
+
+# --- drag in water ----------------------------------------------------------------------------------------------------
+
+
+@given(velocities, velocities, velocities, *[coefficients] * 4, st.floats(0.0, 3.0), switches, switches)
+def test_drag_never_feeds_energy_in_neither_along_nor_across_nor_turning(
+    v_t: float, v_n: float, rate: float, c_t: float, c_n: float, l2: float, l3: float, u: float, lin: float, quad: float
+):
+    f_t, f_n, tau = polynomial_drag(v_t, v_n, rate, c_t, c_n, l2, l3, u, lin, quad)
+    assert f_t * v_t <= 0.0
+    assert f_n * v_n <= 0.0
+    assert tau * rate <= 0.0
+
+
+@given(velocities, velocities, velocities)
+def test_drag_is_odd_in_the_velocities(v_t: float, v_n: float, rate: float):
+    rest = (0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0)
+    forward, backward = polynomial_drag(v_t, v_n, rate, *rest), polynomial_drag(-v_t, -v_n, -rate, *rest)
+    np.testing.assert_array_equal(np.array(backward), -np.array(forward))
+
+
+@given(velocities, velocities, velocities, st.floats(0.1, 3.0))
+def test_linear_and_quadratic_drag_add_up_and_are_equal_at_the_reference_speed(
+    v_t: float, v_n: float, rate: float, u: float
+):
+    c = (0.3, 4.0, 0.1, 0.2)
+    linear, quadratic, both = (
+        np.array(polynomial_drag(v_t, v_n, rate, *c, u, *parts)) for parts in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+    )
+    np.testing.assert_allclose(linear + quadratic, both, atol=1e-14)
+    at_reference = [polynomial_drag(u, -u, 0.0, *c, u, *parts)[:2] for parts in ((1.0, 0.0), (0.0, 1.0))]
+    np.testing.assert_allclose(*at_reference, rtol=1e-14)
+
+
+@given(velocities, velocities, velocities, st.floats(0.1, 4.0))
+def test_the_parts_of_the_drag_grow_with_the_first_and_the_second_power(
+    v_t: float, v_n: float, rate: float, factor: float
+):
+    rest = (0.3, 4.0, 0.1, 0.2, 0.7)
+    for power, parts in ((1, (1.0, 0.0)), (2, (0.0, 1.0))):
+        slow = np.array(polynomial_drag(v_t, v_n, rate, *rest, *parts))
+        fast = np.array(polynomial_drag(factor * v_t, factor * v_n, factor * rate, *rest, *parts))
+        np.testing.assert_allclose(fast, factor**power * slow, rtol=1e-12, atol=1e-14)
+
+
+def test_drag_has_its_textbook_values():
+    f_t, f_n, tau = polynomial_drag(0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 1.0, 1.0, 1.0)
+    assert f_t == pytest.approx(-0.3 * 0.5 * 1.5)
+    assert f_n == pytest.approx(4.0 * 2.0 * 3.0)
+    assert tau == pytest.approx(-(0.1 + 0.2 * 3.0) * 3.0)
+
+
+def test_the_reference_speed_acts_on_the_torque_too():
+    assert polynomial_drag(0.0, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 0.25, 1.0, 1.0)[2] == pytest.approx(-0.025)
+
+
+@given(st.tuples(*[signed] * 3, *[st.floats(0.1, 3.0)] * 7))
+def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+    check_complex_steps(polynomial_drag, arguments)
+
+
+# --- dry friction -----------------------------------------------------------------------------------------------------
+
+
+@given(velocities, velocities, velocities, coefficients, coefficients, st.floats(1e-4, 0.1))
+def test_dry_friction_never_feeds_energy_in_and_never_exceeds_its_limit(
+    v_t: float, v_n: float, rate: float, c_t: float, c_n: float, eps: float
+):
+    f_t, f_n, tau = coulomb_friction(v_t, v_n, rate, c_t, c_n, 0.1, 0.2, eps, 1.0, 1.0)
+    assert f_t * v_t <= 0.0
+    assert f_n * v_n <= 0.0
+    assert abs(f_t) <= c_t
+    assert abs(f_n) <= c_n
+    assert tau == 0.0
+
+
+def test_dry_friction_is_independent_of_the_speed_but_for_the_regularization():
+    f_t, f_n, _ = coulomb_friction(0.5, -2.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)
+    assert (f_t, f_n) == (pytest.approx(-3.0, rel=1e-5), pytest.approx(4.0, rel=1e-5))
+    at_eps = coulomb_friction(1e-3, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)[0]
+    assert at_eps == pytest.approx(-3.0 / np.sqrt(2.0))
+
+
+@given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 7))
+def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+    check_complex_steps(coulomb_friction, arguments)
+
+
+# --- plates -----------------------------------------------------------------------------------------------------------
+
+
+@given(
+    velocities,
+    velocities,
+    st.floats(0.0, 50.0),
+    st.floats(0.0, 7.0),
+    st.floats(0.01, 1.57),
+    st.floats(0.1, 500.0),
+    shares,
+)
+def test_a_plate_never_feeds_energy_in_all_around_the_circle(
+    v_t: float, v_n: float, area: float, slope: float, stall: float, sharpness: float, parasitic: float
+):
+    f_t, f_n = plate(v_t, v_n, area, slope, stall, sharpness, parasitic)
+    rounding = 1e-13 * np.hypot(f_t, f_n) * np.hypot(v_t, v_n)
+    assert f_t * v_t + f_n * v_n <= rounding
+
+
+@given(angles, st.floats(0.0, 0.3))
+def test_the_power_of_a_plate_is_that_of_its_drag_alone(angle: float, parasitic: float):
+    _, drag = lift_and_drag(angle, parasitic_drag=parasitic)
+    assert drag == pytest.approx(parasitic + 2.0 * abs(np.sin(angle)) ** 3, abs=1e-12)
+
+
+@given(velocities, velocities)
+def test_a_plate_is_the_same_from_both_sides_and_from_both_ends(v_t: float, v_n: float):
+    f_t, f_n = plate(v_t, v_n, **PLATE)
+    assert plate(v_t, -v_n, **PLATE) == (pytest.approx(f_t, abs=1e-13), pytest.approx(-f_n, abs=1e-13))
+    assert plate(-v_t, v_n, **PLATE) == (pytest.approx(-f_t, abs=1e-13), pytest.approx(f_n, abs=1e-13))
+
+
+@given(angles, st.floats(0.1, 5.0))
+def test_the_force_on_a_plate_grows_with_the_square_of_the_speed(angle: float, speed: float):
+    fast = np.array(plate(*moving(angle, speed), **PLATE))
+    np.testing.assert_allclose(fast, speed**2 * np.array(plate(*moving(angle), **PLATE)), atol=1e-11)
+
+
+@given(st.floats(0.5, 7.0))
+def test_at_small_angles_the_lift_has_its_slope_and_pushes_towards_where_the_flow_goes(slope: float):
+    lift, _ = lift_and_drag(1e-4, lift_slope=slope)
+    assert lift == pytest.approx(1e-4 * slope, rel=1e-6)
+    # Positive angle of attack: the plate drifts to the right, and is pushed to the left.
+    assert plate(*moving(1e-4), **PLATE)[1] > 0.0
+
+
+def test_at_a_right_angle_a_plate_has_twice_the_dynamic_pressure_and_no_lift():
+    lift, drag = lift_and_drag(np.pi / 2.0, parasitic_drag=0.1)
+    assert (lift, drag) == (pytest.approx(0.0, abs=1e-12), pytest.approx(2.1))
+
+
+@given(st.floats(0.75, np.pi / 2.0))
+def test_behind_the_stall_the_force_is_normal_to_the_plate(angle: float):
+    f_t, f_n = plate(*moving(angle), **PLATE)
+    assert abs(f_t) < 1e-3 * abs(f_n)
+    assert f_n == pytest.approx(5.0 * 2.0 * np.sin(angle) ** 2, rel=1e-3)
+
+
+def test_the_lift_drops_at_the_stall_halfway_between_both_laws():
+    alpha = AEROSONDE["stall_angle"]
+    lift, _ = lift_and_drag(alpha)
+    linear, separated = 3.45 * np.sin(alpha) * np.cos(alpha), 2.0 * np.sin(alpha) ** 2 * np.cos(alpha)
+    assert lift == pytest.approx(0.5 * (linear + separated), rel=1e-9)
+    assert lift_and_drag(alpha - 0.1)[0] > lift > lift_and_drag(alpha + 0.1)[0]
+
+
+def test_before_and_behind_the_stall_the_lift_is_that_of_the_textbook():
+    def textbook(alpha: float, slope: float, stall: float, sharpness: float) -> float:
+        minus, plus = np.exp(-sharpness * (alpha - stall)), np.exp(sharpness * (alpha + stall))
+        blend = (1.0 + minus + plus) / ((1.0 + minus) * (1.0 + plus))
+        return (1.0 - blend) * slope * alpha + blend * 2.0 * np.sign(alpha) * np.sin(alpha) ** 2 * np.cos(alpha)
+
+    alphas = np.array([-1.5, -1.0, -0.8, -0.2, -0.1, 0.05, 0.2, 0.8, 1.2, 1.5])
+    ours = [lift_and_drag(alpha)[0] for alpha in alphas]
+    np.testing.assert_allclose(ours, [textbook(alpha, *AEROSONDE.values()) for alpha in alphas], rtol=0.03)
+
+
+def test_a_plate_at_rest_bears_nothing_however_sharp_its_stall():
+    assert plate(0.0, 0.0, 5.0, 3.0, 0.4, 1e6, 0.1) == (0.0, 0.0)
+    attached, separated = (lift_and_drag(alpha, sharpness=1e6)[0] for alpha in (0.47, 0.48))
+    assert attached == pytest.approx(3.45 * np.sin(0.47) * np.cos(0.47))
+    assert separated == pytest.approx(2.0 * np.sin(0.48) ** 2 * np.cos(0.48))
+
+
+@given(st.tuples(velocities, signed, st.floats(0.1, 5.0), shares, st.floats(0.1, 1.4), st.floats(1.0, 50.0), shares))
+def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+    assume(np.hypot(*arguments[:2]) > 0.5)
+    check_complex_steps(plate, arguments)
+
+
+# --- compiled ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("law", "arguments"),
+    [
+        (magnitude, (-0.3,)),
+        (polynomial_drag, (0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0)),
+        (coulomb_friction, (0.5, -2.0, 3.0, 0.3, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)),
+        (plate, (0.5, -0.3, 5.0, 3.0, 0.4, 50.0, 0.1)),
+    ],
+)
+def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):
+    check_compiled(law, arguments)  # pyright: ignore[reportArgumentType]

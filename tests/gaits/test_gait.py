@@ -1,0 +1,131 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.gaits import GAIT_KINDS, Gait, custom_gait, eel_like, lateral_undulation
+
+WAVE = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
+
+chains = st.integers(2, 40)
+
+
+def uniform(i: int, n: int) -> float:
+    return 1.0
+
+
+@given(chains)
+def test_lateral_undulation_is_the_same_in_every_joint(n: int):
+    assert lateral_undulation(**WAVE).joint_envelope(n) == (1.0,) * (n - 1)
+
+
+@given(chains)
+def test_an_eel_like_wave_grows_from_head_to_tail(n: int):
+    g = eel_like(**WAVE).joint_envelope(n)
+    assert len(g) == n - 1
+    assert list(g) == sorted(g, reverse=True)
+    # (3) with i = 1 the tail-most joint.
+    assert (g[0], g[-1]) == (pytest.approx((n - 1) / (n + 1)), pytest.approx(1 / (n + 1)))
+
+
+@given(chains)
+def test_an_envelope_may_be_a_function_of_joint_and_links_or_a_list(n: int):
+    by_function = custom_gait(envelope=lambda i, n: i / n, n_links=n, **WAVE)
+    by_list = custom_gait(envelope=[i / n for i in range(1, n)], **WAVE)
+    by_array = custom_gait(envelope=np.arange(1, n) / n, n_links=n, **WAVE)  # pyright: ignore[reportArgumentType]
+    assert by_function == by_list == by_array
+    assert by_function.kind == "custom"
+    assert by_function.joint_envelope(n) == tuple(i / n for i in range(1, n))
+
+
+def test_a_custom_envelope_can_be_one_of_the_built_in_ones():
+    custom = custom_gait(envelope=lambda i, n: (n - i) / (n + 1), n_links=9, **WAVE)
+    assert custom.joint_envelope(9) == eel_like(**WAVE).joint_envelope(9)
+
+
+def test_the_offset_is_zero_unless_given():
+    assert lateral_undulation(**WAVE).offset == 0.0
+    assert eel_like(**WAVE, offset=0.1).offset == 0.1
+    assert custom_gait(envelope=[1.0], **WAVE, offset=-0.1).offset == -0.1
+
+
+def test_a_kind_may_be_written_with_hyphens():
+    assert Gait(kind="eel-like", **WAVE) == eel_like(**WAVE)
+    assert GAIT_KINDS == ("lateral_undulation", "eel_like", "custom")
+
+
+def test_numbers_become_floats_and_the_envelope_a_tuple():
+    gait = Gait(kind="custom", amplitude=1, frequency=2, phase_shift=0, envelope=[1, 2])  # pyright: ignore
+    assert gait.envelope == (1.0, 2.0)
+    assert all(isinstance(x, float) for x in (gait.amplitude, gait.frequency, gait.phase_shift, *gait.envelope))
+    assert hash(gait) == hash(custom_gait(envelope=(1.0, 2.0), amplitude=1.0, frequency=2.0, phase_shift=0.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"amplitude": -0.1}, r"`amplitude` must be >= 0 rad, got -0.1\."),
+        ({"amplitude": float("nan")}, r"`amplitude` must be a finite number in rad, got nan\."),
+        ({"amplitude": "30 deg"}, r"`amplitude` must be a number in rad, got '30 deg'\."),
+        ({"amplitude": True}, r"`amplitude` must be a number in rad, got True\."),
+        ({"frequency": -2.0}, r"`frequency` must be >= 0 rad/s, got -2.0\."),
+        ({"frequency": float("inf")}, r"`frequency` must be a finite number in rad/s, got inf\."),
+        ({"phase_shift": float("inf")}, r"`phase_shift` must be a finite number in rad, got inf\."),
+        ({"phase_shift": None}, r"`phase_shift` must be a number in rad, got None\."),
+        ({"offset": float("nan")}, r"`offset` must be a finite number in rad, got nan\."),
+        (
+            {"kind": "eellike"},
+            r"`kind` must be one of `lateral_undulation`, `eel_like`, `custom`, got 'eellike'; "
+            r"did you mean `eel_like`\?",
+        ),
+        ({"kind": 3}, r"`kind` must be one of `lateral_undulation`, `eel_like`, `custom`, got 3\."),
+        (
+            {"kind": "custom"},
+            r"`envelope` must be given for kind `custom`, and only for it; `kind` is `custom`, got None\.",
+        ),
+        (
+            {"envelope": (1.0, 1.0)},
+            r"`envelope` must be given for kind `custom`, and only for it; "
+            r"`kind` is `lateral_undulation`, got \(1.0, 1.0\)\.",
+        ),
+        ({"kind": "custom", "envelope": (1.0, float("nan"))}, r"`envelope\[1\]` must be a finite number, got nan\."),
+        ({"kind": "custom", "envelope": 0.5}, r"`envelope` must be a sequence of numbers .*, got 0.5\."),
+        (
+            {"kind": "custom", "envelope": "ab"},
+            r"`envelope` must be a sequence of numbers .*, got 'ab'\.",
+        ),
+    ],
+)
+def test_a_gait_refuses(changes: dict[str, Any], message: str):
+    with pytest.raises(ValueError, match=message):
+        Gait(**{**WAVE, **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"envelope": lambda i, n: 1.0},
+            r"`n_links` must be given when `envelope` is a function g\(i, n\), got None\.",
+        ),  # pyright: ignore
+        ({"envelope": lambda i, n: 1.0, "n_links": 0}, r"`n_links` must be a whole number >= 1, got 0\."),  # pyright: ignore
+        ({"envelope": lambda i, n: 1j, "n_links": 3}, r"`envelope\[0\]` must be a number, got 1j\."),  # pyright: ignore
+        (
+            {"envelope": [1.0, 1.0], "n_links": 9},
+            r"`envelope` must have one value per joint, 8 for 9 links, got 2\.",
+        ),
+        ({"envelope": None}, r"`envelope` must be a sequence of numbers or a function g\(i, n\), got None\."),
+    ],
+)
+def test_a_custom_gait_refuses(changes: dict[str, Any], message: str):
+    with pytest.raises(ValueError, match=message):
+        custom_gait(**WAVE, **changes)
+
+
+def test_a_custom_envelope_fits_one_number_of_links_only():
+    gait = custom_gait(envelope=[1.0, 0.5], **WAVE)
+    assert gait.joint_envelope(3) == (1.0, 0.5)
+    with pytest.raises(ValueError, match=r"`envelope` must have one value per joint, 8 for 9 links, got 2\."):
+        gait.joint_envelope(9)
