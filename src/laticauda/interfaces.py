@@ -84,21 +84,28 @@ class Plant(Protocol[State]):
         ...
 
     def init(self, start: Start, command: Command) -> State:
-        """The state at time 0."""
+        """The state at time 0: at `start`, with the generator at the gait of `command`."""
         ...
 
     def step(self, state: State, command: Command, dt: float) -> State:
-        """The state `dt` [s] later, under a command that is held."""
+        """The state that follows `state` by `dt` [s], while `command` is held."""
         ...
 
     def observe(self, state: State) -> Observation:
-        """What can be seen of a state."""
+        """What can be seen of `state`."""
         ...
 
     def march(
         self, state: State, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
     ) -> tuple[State, Log, str | None]:
         """Many steps at once under one command.
+
+        Args:
+            state: Where it starts.
+            command: Held all the while.
+            duration: [s].
+            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
+            link_forces: Log the force on every link too, as ``force_drag`` and so on.
 
         Returns:
             The state after `duration` [s], the samples with both ends included, and a sentence that says what went
@@ -107,9 +114,9 @@ class Plant(Protocol[State]):
         ...
 
     def pack(self, state: State) -> dict[str, np.ndarray]:
-        """A state as arrays that can be stored."""
+        """`state` as arrays that can be stored."""
         ...
 
     def unpack(self, stored: Mapping[str, np.ndarray]) -> State:
-        """The state back from `pack`."""
+        """The state back from what `pack` gave as `stored`."""
         ...

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from laticauda.gaits import GAIT_KINDS, Gait, custom_gait, eel_like, lateral_undulation
 
-WAVE = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
+WAVE: dict[str, Any] = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
 
 chains = st.integers(2, 40)
 
@@ -58,8 +58,8 @@ def test_a_kind_may_be_written_with_hyphens():
 
 def test_numbers_become_floats_and_the_envelope_a_tuple():
     gait = Gait(kind="custom", amplitude=1, frequency=2, phase_shift=0, envelope=[1, 2])  # pyright: ignore
-    assert gait.envelope == (1.0, 2.0)
-    assert all(isinstance(x, float) for x in (gait.amplitude, gait.frequency, gait.phase_shift, *gait.envelope))
+    assert repr(gait.envelope) == "(1.0, 2.0)"
+    assert all(isinstance(x, float) for x in (gait.amplitude, gait.frequency, gait.phase_shift))
     assert hash(gait) == hash(custom_gait(envelope=(1.0, 2.0), amplitude=1.0, frequency=2.0, phase_shift=0.0))
 
 
@@ -92,10 +92,7 @@ def test_numbers_become_floats_and_the_envelope_a_tuple():
         ),
         ({"kind": "custom", "envelope": (1.0, float("nan"))}, r"`envelope\[1\]` must be a finite number, got nan\."),
         ({"kind": "custom", "envelope": 0.5}, r"`envelope` must be a sequence of numbers .*, got 0.5\."),
-        (
-            {"kind": "custom", "envelope": "ab"},
-            r"`envelope` must be a sequence of numbers .*, got 'ab'\.",
-        ),
+        ({"kind": "custom", "envelope": "ab"}, r"`envelope` must be a sequence of numbers .*, got 'ab'\."),
     ],
 )
 def test_a_gait_refuses(changes: dict[str, Any], message: str):
@@ -106,16 +103,10 @@ def test_a_gait_refuses(changes: dict[str, Any], message: str):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"envelope": lambda i, n: 1.0},
-            r"`n_links` must be given when `envelope` is a function g\(i, n\), got None\.",
-        ),  # pyright: ignore
-        ({"envelope": lambda i, n: 1.0, "n_links": 0}, r"`n_links` must be a whole number >= 1, got 0\."),  # pyright: ignore
-        ({"envelope": lambda i, n: 1j, "n_links": 3}, r"`envelope\[0\]` must be a number, got 1j\."),  # pyright: ignore
-        (
-            {"envelope": [1.0, 1.0], "n_links": 9},
-            r"`envelope` must have one value per joint, 8 for 9 links, got 2\.",
-        ),
+        ({"envelope": uniform}, r"`n_links` must be given when `envelope` is a function g\(i, n\), got None\."),
+        ({"envelope": uniform, "n_links": 0}, r"`n_links` must be a whole number >= 1, got 0\."),
+        ({"envelope": complex, "n_links": 3}, r"`envelope\[0\]` must be a number, got \(1\+3j\)\."),
+        ({"envelope": [1.0, 1.0], "n_links": 9}, r"`envelope` must have one value per joint, 8 for 9 links, got 2\."),
         ({"envelope": None}, r"`envelope` must be a sequence of numbers or a function g\(i, n\), got None\."),
     ],
 )

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import laticauda as lc
 from laticauda.gaits import Gait, Generator, GeneratorState, custom_gait, eel_like, lateral_undulation
 
-WAVE = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
+WAVE: dict[str, Any] = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
 
 gaits = st.builds(
     Gait,
@@ -113,7 +113,7 @@ def test_the_envelope_is_not_filtered_but_at_amplitude_zero_it_may_change():
 
 def test_a_larger_bandwidth_follows_faster():
     still, steered = lateral_undulation(**WAVE), lateral_undulation(**WAVE, offset=0.3)
-    offsets = []
+    offsets: list[float] = []
     for bandwidth in (1.0, 10.0, 100.0):
         generator = Generator(n_links=5, bandwidth=bandwidth)
         offsets.append(generator.step(go(generator, still, 2.0), steered, 0.1).offset[0])

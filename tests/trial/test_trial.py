@@ -165,3 +165,9 @@ def test_figures_over_cycles_need_a_gait_that_moves(make_trial):
             getattr(trial, figure)
     standing = dataclasses.replace(make_trial().gait, frequency=0.0)
     assert make_trial(gait=standing).period is None
+
+
+def test_a_trial_introduces_itself_on_one_line(make_trial):
+    assert repr(make_trial()) == (
+        "<Trial of mamba: lateral_undulation, 30 s in 1501 samples; The run reached its end.>"
+    )

@@ -136,7 +136,7 @@ def _gait(gait: Gait | None) -> str:
         return "none"
     amplitude, shift, offset = (math.degrees(angle) for angle in (gait.amplitude, gait.phase_shift, gait.offset))
     text = (
-        f"{gait.kind.replace('_', ' ')}: amplitude {amplitude:.4g} deg, "
+        f"{gait.kind.replace('_', '-')}: amplitude {amplitude:.4g} deg, "
         f"frequency {math.degrees(gait.frequency):.4g} deg/s, phase shift {shift:.4g} deg"
     )
     if gait.offset:

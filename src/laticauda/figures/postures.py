@@ -16,7 +16,8 @@ Points = Float[np.ndarray, "n_points 2"]
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 25)
 _NOSE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
 NOSE = 2.0  # length of the pointed front, in half widths
-FADED = 0.72  # how much white is in the oldest posture
+MOST = 9  # postures along a path
+FADED = 0.65  # how much white is in the oldest posture
 
 
 def planar_body(trial: Trial) -> Robot:
@@ -32,22 +33,32 @@ def outline(robot: Robot, trial: Trial, sample: int) -> Points:
 
 def instants(trial: Trial) -> list[int]:
     """Samples at which to draw the body: first, last, and as many between as fit without lying on each other."""
+    last = trial.time.size - 1
+    lengths = _body_lengths(trial)
+    if is_crowded(trial):
+        return [0, last] if lengths > 0.1 else [last]
+    n_steps = min(int(lengths), MOST - 1)
+    first, duration = float(trial.time[0]), float(trial.time[-1] - trial.time[0])
+    moments = [first + duration * k / n_steps for k in range(n_steps + 1)]
+    return _apart(trial, sorted({int(np.argmin(np.abs(trial.time - moment))) for moment in moments}))
+
+
+def is_crowded(trial: Trial) -> bool:
+    """Whether the robot swam so short a way that its first and its last posture lie on each other."""
+    return _body_lengths(trial) < 1.0
+
+
+def _body_lengths(trial: Trial) -> float:
+    """Length of the path in lengths of the body with its fin, and a little room."""
     robot = planar_body(trial)
-    path = trial.center_of_mass[:, :2]
-    traveled = float(np.sum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     reach = robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
-    if traveled < 0.1 * reach:
-        return [len(path) - 1]
-    n_steps = min(int(traveled / (1.06 * reach)), 8)
-    if n_steps < 1:
-        return sorted({0, len(path) - 1})
-    wanted = np.linspace(trial.time[0], trial.time[-1], n_steps + 1)
-    chosen = {int(np.argmin(np.abs(trial.time - moment))) for moment in wanted}
-    return _apart(robot, trial, sorted(chosen))
+    steps = np.diff(trial.center_of_mass[:, :2], axis=0)
+    return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * reach)
 
 
-def _apart(robot: Robot, trial: Trial, samples: list[int]) -> list[int]:
+def _apart(trial: Trial, samples: list[int]) -> list[int]:
     """Those samples whose bodies stay clear of all later ones; the last is always kept."""
+    robot = planar_body(trial)
     clearance = 2.5 * max(module.section.half_width for module in robot.modules)
     kept: list[int] = []
     bodies: list[Points] = []
@@ -78,11 +89,12 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
     bends = [_circle(ends[i + 1], min(widths[i], widths[i + 1])) for i in range(len(widths) - 1)]
     body = PolyCollection([*links, *bends], facecolor=_faded(style.BLUE, age), edgecolor="none", zorder=order)
     head = PolyCollection(
-        [_head(ends[-2], ends[-1], widths[-1])], facecolor=_faded(style.ORANGE, age), edgecolor="none", zorder=order
+        [_head(ends[-2], ends[-1], widths[-1])], facecolor=_faded(style.AMBER, age), edgecolor="none", zorder=order
     )
     ax.add_collection(body)
     ax.add_collection(head)
-    ax.plot(*ends[1:-1].T, linestyle="none", marker="o", markersize=1.4, color="white", zorder=order + 0.01)
+    hinges = [_circle(end, 0.22 * min(widths)) for end in ends[1:-1]]
+    ax.add_collection(PolyCollection(hinges, facecolor="white", edgecolor="none", zorder=order + 0.01))
 
 
 def _draw_fin(ax: Axes, robot: Robot, points: Points, age: float) -> None:

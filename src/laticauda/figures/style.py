@@ -26,8 +26,8 @@ DOTS_PER_INCH = 300
 INK = "#222222"
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
+AMBER = "#E69F00"
 GRAY = "#8A8A8A"
-LIGHT = "#D9D9D9"
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -1,4 +1,4 @@
-"""The figures of one run: its path with the body along it, its speed, its joint angles and torques."""
+"""The figures of one run: speed, joint angles and torques, and a sheet with all of them and the path."""
 
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
@@ -11,13 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import Affine2D, ScaledTranslation
 
-from laticauda.figures import postures, style
-from laticauda.robot import Water
+from laticauda.figures import style
+from laticauda.figures.path import extent, path_strip
 from laticauda.trial import Trial, measured_counterpart
 from laticauda.trial.cycles import cycle_middles, interpolated
 
@@ -25,38 +22,13 @@ Series = Float[np.ndarray, "n_samples ..."]
 
 WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion", "custom": "custom gait"}
 CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
-STRIP_HEIGHT = (0.85, 2.2)  # of the path, where it is above the other figures [in]
+STRIP_HEIGHT = (0.85, 2.4)  # of the path, where it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
 LABELS = 0.55  # height that title and labels of a figure take [in]
+LEGEND = 0.4  # share of its axes that a legend is high [-]
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------
-
-
-def path_strip(trial: Trial, ax: Axes) -> Axes:
-    """The path of the center of mass, with the body drawn along it like a film strip, older postures lighter.
-
-    The body has its real lengths and widths; the head is orange and pointed, a fin is a dark line at the tail.
-
-    Args:
-        trial: Any trial, a failed one too.
-        ax: Where to draw.
-    """
-    robot = postures.planar_body(trial)
-    half_width = max(module.section.half_width for module in robot.modules)
-    samples = postures.instants(trial)
-    for k, sample in enumerate(samples):
-        points = postures.outline(robot, trial, sample)
-        age = (len(samples) - 1 - k) / max(len(samples) - 1, 1)
-        postures.draw_posture(ax, robot, points, age)
-        _tell_time(ax, trial, points, sample, half_width)
-    x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
-    ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
-    ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
-    if isinstance(trial.environment, Water) and any(trial.environment.current):
-        _tell_current(ax, trial.environment.current)
-    ax.set_aspect("equal", adjustable="datalim")
-    return style.dress(ax, xlabel="x [m]", ylabel="y [m]")
 
 
 def speed(trial: Trial, ax: Axes) -> Axes:
@@ -77,9 +49,11 @@ def speed(trial: Trial, ax: Axes) -> Axes:
     measured = measured_counterpart(trial)
     if measured is not None and measured.forward_velocity is not None:
         label = f"measured, {measured.forward_velocity:.3f} m/s"
-        ax.axhline(measured.forward_velocity, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), label=label)
+        ax.axhline(
+            measured.forward_velocity, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), label=label
+        )
     _from_to(ax, trial.time)
-    style.legend(ax, loc="lower right")
+    _add_legend(ax, forward[trial.time.size // 5 :])
     return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")
 
 
@@ -115,7 +89,7 @@ def swim_sheet(trial: Trial) -> Figure:
     Args:
         trial: Any trial, a failed one too.
     """
-    width, height = _extent(trial)
+    width, height = extent(trial)
     last = None if trial.period is None else CYCLES_SHOWN * trial.period
     strip = (style.DOUBLE_COLUMN - 0.6) * height / width
     if strip < 1.5 * STRIP_HEIGHT[1]:
@@ -125,7 +99,8 @@ def swim_sheet(trial: Trial) -> Figure:
         places = [grid[0, :], grid[1, 0], grid[1, 1], grid[1, 2]]
     else:
         figure = style.new_figure(style.DOUBLE_COLUMN, 2.4 * PANEL_HEIGHT)
-        grid = figure.add_gridspec(3, 2, width_ratios=(min(max(1.2 * width / height, 0.5), 1.2), 1.0))
+        sides = (min(max(1.2 * width / height, 0.5), 1.2), 1.0)
+        grid = figure.add_gridspec(3, 2, width_ratios=sides, height_ratios=(1.5, 1.0, 1.0))
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
@@ -133,71 +108,24 @@ def swim_sheet(trial: Trial) -> Figure:
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)
+    if grid.ncols == 2:  # one above the other
+        angle.set_xlabel("")
+        figure.align_ylabels([velocity, angle, torque])
     _scale(figure, trial, [torque] if grid.ncols == 3 else [angle, torque])
-    figure.align_ylabels([velocity, angle, torque] if grid.ncols == 2 else [velocity])
     return figure
 
 
 # ---- parts ---------------------------------------------------------------------------------------------------------
 
 
-def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, half_width: float) -> None:
-    """The time beside a posture, to its left, or on the outer side where the path is curved."""
-    path = trial.center_of_mass[:, :2]
-    center, heading = path[sample], float(trial.heading[sample])
-    ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
-    is_straight = trial.path_speed < 1.25 * trial.forward_velocity if trial.time.size > 1 else True
-    outward = center - 0.5 * (path.min(axis=0) + path.max(axis=0))
-    side = left if is_straight or left @ outward > 0.0 else -left
-    near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
-    reach = float(np.max((near - center) @ side, initial=0.0)) + half_width
-    ax.annotate(
-        f"{trial.time[sample]:.3g} s",
-        tuple(center + reach * side),
-        xytext=tuple(3.0 * side),
-        textcoords="offset points",
-        ha="left" if side[0] > 0.5 else "right" if side[0] < -0.5 else "center",
-        va="bottom" if side[1] > 0.5 else "top" if side[1] < -0.5 else "center",
-        fontsize=style.TICK,
-        color=style.INK,
-        path_effects=[withStroke(linewidth=2.0, foreground="white")],
-        zorder=5,
-    )
-    # The limits of axes do not mind texts; this point keeps room for it.
-    ax.update_datalim([tuple(center + (reach + MARGIN * max(_extent(trial))) * side)])
-
-
-def _tell_current(ax: Axes, current: tuple[float, float]) -> None:
-    """Strength and direction of the current, above the upper right corner."""
-    strength = math.hypot(*current)
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    # Points, counted from the corner: the arrow keeps its size and its direction.
-    in_points = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + ScaledTranslation(1.0, 1.0, ax.transAxes)
-    tip = tuple(7.0 * part / strength for part in current)
-    ax.annotate(
-        f"current {strength:.3g} m/s",
-        (-20.0, 9.0),
-        xycoords=in_points,
-        ha="right",
-        va="center",
-        fontsize=style.TICK,
-        color=style.INK,
-        annotation_clip=False,
-    )
-    arrow = FancyArrowPatch(
-        (-10.0 - tip[0], 9.0 - tip[1]),
-        (-10.0 + tip[0], 9.0 + tip[1]),
-        arrowstyle="-|>",
-        mutation_scale=7,
-        shrinkA=0,
-        shrinkB=0,
-        color=style.INK,
-        linewidth=style.THIN,
-        clip_on=False,
-        transform=in_points,
-    )
-    ax.add_patch(arrow)
+def _add_legend(ax: Axes, late: Series) -> None:
+    """A legend where it covers no line: below the speeds, or else above them, in room made for it."""
+    low, high = ax.get_ylim()
+    if np.min(late, initial=high) < low + LEGEND * (high - low):
+        ax.set_ylim(low, high + LEGEND / (1.0 - LEGEND) * (high - low))
+        style.legend(ax, loc="upper right")
+    else:
+        style.legend(ax, loc="lower right")
 
 
 def _joints(trial: Trial, values: Series, ax: Axes, label: str, last: float | None, scale: bool) -> Axes:
@@ -207,7 +135,7 @@ def _joints(trial: Trial, values: Series, ax: Axes, label: str, last: float | No
     if n_joints:
         colors, norm = style.joint_colors(n_joints)
         lines = [np.stack((trial.time[shown], values[shown, i]), axis=1) for i in range(n_joints)]
-        drawn = LineCollection(lines, cmap=colors, norm=norm, array=np.arange(n_joints), linewidth=0.9)
+        drawn = LineCollection(lines, cmap=colors, norm=norm, array=list(range(n_joints)), linewidth=0.9)
         ax.add_collection(drawn)
         ax.autoscale_view()
         if scale:
@@ -243,21 +171,14 @@ def _cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
     return middle, np.linalg.norm(after - before, axis=1) / trial.period
 
 
-def _extent(trial: Trial) -> tuple[float, float]:
-    """Width and height that path and postures take, with room for the times [m]."""
-    robot = postures.planar_body(trial)
-    bodies = [postures.outline(robot, trial, sample) for sample in postures.instants(trial)]
-    width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
-    room = 2.0 * MARGIN * max(width, height)
-    return float(width + room), float(height + room)
-
-
 def _title(trial: Trial) -> str:
     text = trial.robot.name
     if trial.gait is not None:
         gait = trial.gait
         angles = (gait.amplitude, gait.frequency, gait.phase_shift)
-        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(WORDS.get(gait.kind, gait.kind), *np.degrees(angles))
+        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(
+            WORDS.get(gait.kind, gait.kind), *np.degrees(angles)
+        )
         if gait.offset:
             text += f", offset {math.degrees(gait.offset):.3g} deg"
     return text

@@ -59,8 +59,8 @@ def link_angles(
         ValueError: If the robot has no such link.
 
     Example:
-        >>> link_angles(np.array([0.1, 0.1]), angle=0.0)
-        array([-0.1,  0. ,  0.1])
+        >>> link_angles(np.array([0.25, 0.5]), angle=1.0, link=0)
+        array([1.  , 1.25, 1.75])
     """
     joint_angle = np.asarray(joint_angle, dtype=np.float64)
     start = np.zeros((*joint_angle.shape[:-1], 1))

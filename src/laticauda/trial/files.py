@@ -139,8 +139,9 @@ def _store(trial: Trial, path: Path) -> None:
         for name, values in trial.state.items():
             _store_state(state, name, values)
         file.setncatts(attributes(trial))
-    content = path.read_bytes()
-    path.write_bytes(content + SEAL + hashlib.sha256(content).hexdigest().encode())
+    with path.open("rb+") as sealed:
+        total = hashlib.sha256(sealed.read())
+        sealed.write(SEAL + total.hexdigest().encode())
 
 
 def _store_state(group: netCDF4.Group, name: str, values: np.ndarray) -> None:

@@ -30,7 +30,7 @@ def _now() -> str:
     return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Trial:
     """The time-stamped log of one run, with its robot, its gait and how it ended.
 
@@ -303,13 +303,13 @@ class Trial:
         return summary(self)
 
     def save(self, path: str | Path) -> None:
-        """Write the trial to a netCDF file; see `files.save_trial`."""
+        """Write the trial to the netCDF file `path`, for `load_trial` or any netCDF tool; see `files.save_trial`."""
         from laticauda.trial.files import save_trial
 
         save_trial(self, path)
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the time series to a CSV file for a spreadsheet; see `files.write_csv`."""
+        """Write the time series to the CSV file `path`, for a spreadsheet; see `files.write_csv`."""
         from laticauda.trial.files import write_csv
 
         write_csv(self, path)
@@ -321,11 +321,17 @@ class Trial:
         return to_dataset(self)
 
     def equals(self, other: object) -> bool:
-        """Whether both trials hold the same, bit for bit: every array, setting and text."""
+        """Whether `other` is a trial that holds the same, bit for bit: every array, setting and text."""
         if not isinstance(other, Trial):
             return False
         names = (field.name for field in dataclasses.fields(self))
         return all(contents.same(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __repr__(self) -> str:
+        """On one line: who swam what for how long, and how it ended."""
+        gait = "no gait" if self.gait is None else self.gait.kind
+        span = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
+        return f"<Trial of {self.robot.name}: {gait}, {span}; {self.status}>"
 
     # ---- inside --------------------------------------------------------------------------------------------------
 
