@@ -1,4 +1,4 @@
-"""laticauda: simulate, identify, optimise and operate swimming snake robots, with and without a caudal fin.
+"""laticauda: simulate, identify, optimize and operate swimming snake robots, with and without a caudal fin.
 
     import laticauda as lc
     trial = lc.swim(lc.load_robot("mamba"), lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70))
@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
-    from laticauda.interfaces import Command, Observation, Plant, Start
+    from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
     from laticauda.robot import Ground, Robot, Water, load_ground, load_robot, load_water
     from laticauda.simulate import plant, resume, run, swim
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
     "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
-    "interfaces": ("Command", "Observation", "Plant", "Start"),
+    "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
     "robot": ("Ground", "Robot", "Water", "load_ground", "load_robot", "load_water"),
     "simulate": ("plant", "resume", "run", "swim"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
@@ -27,9 +27,11 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Command",
+    "Controller",
     "Gait",
     "Ground",
     "Observation",
+    "OpenLoop",
     "Plant",
     "Robot",
     "Start",

@@ -1,5 +1,6 @@
 """What bodies and brains agree on: the planar model, the 3D twin and the robot in the tank are all a `Plant`."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
@@ -63,6 +64,50 @@ class Start:
         at = (finite("center_of_mass[0]", x, "m"), finite("center_of_mass[1]", y, "m"))
         object.__setattr__(self, "center_of_mass", at)
         object.__setattr__(self, "heading", finite("heading", self.heading, "rad"))
+
+
+class Controller(Protocol[State]):
+    """What decides the next command. Its state is a value, as a plant's is."""
+
+    @property
+    def gait(self) -> Gait:
+        """The gait that a run starts with."""
+        ...
+
+    @property
+    def interval(self) -> float:
+        """Time between two control instants, at which it is asked [s]; infinite: once."""
+        ...
+
+    def init(self) -> State:
+        """The state before the first control instant."""
+        ...
+
+    def step(self, state: State, observation: Observation) -> tuple[State, Command]:
+        """The state after `observation` was made in `state`, and the command until the next control instant."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenLoop:
+    """The controller that looks at nothing: one command from start to end."""
+
+    command: Command
+    """Held all the time."""
+    interval: float = math.inf
+    """Asked once."""
+
+    @property
+    def gait(self) -> Gait:
+        """That of the command."""
+        return self.command.gait
+
+    def init(self) -> None:
+        """No state."""
+
+    def step(self, state: None, observation: Observation) -> tuple[None, Command]:
+        """The command, whatever `state` and `observation` are."""
+        return None, self.command
 
 
 class Plant(Protocol[State]):

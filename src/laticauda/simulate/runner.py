@@ -1,13 +1,15 @@
 """Run a plant on a clock and keep the log."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from laticauda import __version__
 from laticauda.errors import SimulationFailed, positive
-from laticauda.interfaces import Command, Log, Plant, Start
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Controller, Log, OpenLoop, Plant, Start
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
@@ -18,7 +20,7 @@ CHUNK = 2000
 
 def run(
     plant: Plant[Any],
-    command: Command,
+    controller: Controller[Any],
     duration: float,
     *,
     start: Start | None = None,
@@ -27,14 +29,15 @@ def run(
     throw: bool = False,
     progress: Progress | None = None,
 ) -> Trial:
-    """Let a plant swim under one command, from straight and at rest.
+    """Let a controller drive a plant, from straight and at rest.
 
     Args:
         plant: What swims; see `plant`.
-        command: The gait, and a steering offset.
+        controller: Decides the command at every control instant; `OpenLoop` holds one.
         duration: [s].
         start: Where it begins; None: at the origin, along x.
-        sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
+        sample_interval: Between two samples of the log [s]; adjusted so that it divides the time between two control
+            instants, and the duration.
         link_forces: Log the force on every link too.
         throw: Raise when the run blows up, instead of returning a trial that says so.
         progress: Called now and then with the time reached [s].
@@ -46,8 +49,8 @@ def run(
         ValueError: If an argument is out of its range.
         SimulationFailed: If the run blows up and `throw` is set.
     """
-    state = plant.init(start or Start(), command)
-    return _go(plant, state, command, duration, sample_interval, link_forces, throw, progress)
+    state = plant.init(start or Start(), Command(gait=controller.gait))
+    return _go(plant, controller, state, duration, sample_interval, link_forces, throw, progress)
 
 
 def resume(
@@ -55,26 +58,26 @@ def resume(
     trial: Trial,
     duration: float,
     *,
-    command: Command | None = None,
+    controller: Controller[Any] | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,
     throw: bool = False,
     progress: Progress | None = None,
 ) -> Trial:
-    """Go on from where a trial ended; the rest of a run is the same as if it had never been cut.
+    """Go on from where a trial ended; the rest of an open-loop run is the same as if it had never been cut.
 
     Args:
-        plant: The same plant as that of the trial (`plant_of` makes it again).
+        plant: The same plant as that of the trial.
         trial: A trial that ran to its end.
         duration: How much longer [s].
-        command: None goes on with the trial's gait.
+        controller: None goes on with the trial's gait. A controller starts from its own initial state.
         sample_interval: As for `run` [s].
         link_forces: As for `run`.
         throw: As for `run`.
         progress: As for `run`.
 
     Returns:
-        The trial of the second part; `laticauda.trial.joined` puts the two together.
+        The trial of the second part; `laticauda.joined` puts the two together.
 
     Raises:
         ValueError: If the trial has no state to go on from, or not one of this plant.
@@ -82,18 +85,18 @@ def resume(
     """
     if not trial.succeeded or not trial.state:
         raise ValueError(f"`trial` must have run to its end and hold its final state; it says: {trial.status}")
-    if command is None:
+    if controller is None:
         if trial.gait is None:
-            raise ValueError("`command` must be given to go on with a trial that has no gait.")
-        command = Command(gait=trial.gait)
+            raise ValueError("`controller` must be given to go on with a trial that has no gait.")
+        controller = OpenLoop(command=Command(gait=trial.gait))
     state = plant.unpack(trial.state)
-    return _go(plant, state, command, duration, sample_interval, link_forces, throw, progress)
+    return _go(plant, controller, state, duration, sample_interval, link_forces, throw, progress)
 
 
 def _go(
     plant: Plant[Any],
+    controller: Controller[Any],
     state: Any,
-    command: Command,
     duration: float,
     sample_interval: float,
     link_forces: bool,
@@ -102,39 +105,49 @@ def _go(
 ) -> Trial:
     positive("duration", duration, "s")
     positive("sample_interval", sample_interval, "s")
-    n_samples = max(1, round(duration / sample_interval))
+    thought = controller.init()
     logs: list[Log] = []
     failure: str | None = None
-    for first in range(0, n_samples, CHUNK):
-        count = min(CHUNK, n_samples - first)
-        share = duration * count / n_samples
+    for share, count, done in _stretches(duration, sample_interval, controller.interval):
+        thought, command = controller.step(thought, plant.observe(state))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
-        logs.append(log if first == 0 else {name: values[1:] for name, values in log.items()})
+        logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
         if failure is not None:
             break
         if progress is not None:
-            progress(duration * (first + count) / n_samples)
+            progress(done)
     if throw and failure is not None:
         raise SimulationFailed(failure)
     log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
-    return _trial(plant, command, log, failure, state)
+    return _trial(plant, controller.gait, log, failure, state)
 
 
-def _trial(plant: Plant[Any], command: Command, log: Log, failure: str | None, state: Any) -> Trial:
+def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
+    """Cut a run at its control instants, and long stretches where `progress` wants to know.
+
+    Yields:
+        Length of the stretch [s], samples in it, time reached at its end [s].
+    """
+    n_stretches = max(1, math.ceil(duration / control_interval - 1e-9))
+    length = duration / n_stretches
+    n_samples = max(1, round(length / sample_interval))
+    for i in range(n_stretches):
+        for first in range(0, n_samples, CHUNK):
+            count = min(CHUNK, n_samples - first)
+            yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
+
+
+def _trial(plant: Plant[Any], gait: Gait, log: Log, failure: str | None, state: Any) -> Trial:
     force = {name[len("force_") :]: log.pop(name) for name in list(log) if name.startswith("force_")}
-    gait = command.gait
     return Trial(
         **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
         link_force=force or None,
         robot=plant.robot,
         gait=gait,
         environment=plant.environment,
-        settings={**plant.settings, "command_offset": command.offset},
+        settings=plant.settings,
         version=__version__,
         status=failure or "The run reached its end.",
         succeeded=failure is None,
         state=plant.pack(state) if failure is None else {},
     )
-
-
-__all__ = ["resume", "run"]

@@ -3,7 +3,7 @@
 import functools
 
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Start
+from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.robot import Environment, Robot, load_water
 from laticauda.simulate.plants import FluidLaw, plant
 from laticauda.simulate.runner import Progress, run
@@ -11,7 +11,7 @@ from laticauda.trial import Trial
 
 
 def default_water(gait: Gait) -> str:
-    """Name of the paper's coefficient set for a gait: it identified one for each."""
+    """Name of the paper's coefficient set for `gait`: it identified one for each kind."""
     return "paper-eel" if gait.kind == "eel_like" else "paper-lateral"
 
 
@@ -81,7 +81,7 @@ def swim(
     )
     return run(
         body,
-        Command(gait=gait),
+        OpenLoop(command=Command(gait=gait)),
         duration,
         start=start,
         sample_interval=sample_interval,

@@ -87,7 +87,7 @@ def to_dataset(trial: Trial) -> xarray.Dataset:
     import xarray
 
     series = {
-        variable.name: (variable.dimensions, values, {"units": variable.units, "long_name": variable.long_name})
+        variable.name: (variable.dimensions, values.copy(), {"units": variable.units, "long_name": variable.long_name})
         for variable, values in variables(trial)
     }
     return xarray.Dataset(series, coords=coordinates(trial), attrs=attributes(trial))

@@ -1,0 +1,74 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.robot import load_robot, load_water
+from laticauda.simulate import runner
+
+GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+
+
+@dataclass(frozen=True)
+class TurnAfter:
+    """Counts its control instants, and turns left after some of them."""
+
+    gait: lc.Gait
+    interval: float
+    instants: int
+
+    def init(self):
+        return ()
+
+    def step(self, state, observation):
+        seen = (*state, observation.time)
+        return seen, lc.Command(gait=self.gait, offset=0.1 if len(seen) > self.instants else 0.0)
+
+
+def run(controller, **choices):
+    return lc.run(lc.plant(load_robot("mamba"), load_water("paper-lateral")), controller, 10.0, **choices)
+
+
+def test_a_controller_is_asked_at_every_control_instant():
+    asked = []
+
+    @dataclass(frozen=True)
+    class Spy(TurnAfter):
+        def step(self, state, observation):
+            asked.append(observation.time)
+            return super().step(state, observation)
+
+    run(Spy(GAIT, 0.1, 1000))
+    np.testing.assert_allclose(asked, np.arange(100) * 0.1, atol=1e-12)
+
+
+def test_a_controller_that_never_changes_its_mind_is_the_open_loop():
+    closed, free = run(TurnAfter(GAIT, 0.1, 1000)), run(lc.OpenLoop(command=lc.Command(gait=GAIT)))
+    np.testing.assert_allclose(closed.time, free.time, atol=1e-12)
+    np.testing.assert_allclose(closed.center_of_mass, free.center_of_mass, atol=1e-9)
+
+
+def test_a_controller_can_steer():
+    turned, straight = run(TurnAfter(GAIT, 0.1, 20)), run(TurnAfter(GAIT, 0.1, 1000))
+    assert turned.heading[-1] > straight.heading[-1] + 0.3
+
+
+def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
+    monkeypatch.setattr(runner, "CHUNK", 50)
+    told = []
+    lc.swim(load_robot("mamba"), GAIT, duration=10.0, progress=told.append)
+    assert told == pytest.approx([2.5, 5.0, 7.5, 10.0])
+
+
+def test_a_run_in_chunks_is_the_same_run(monkeypatch):
+    whole = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
+    monkeypatch.setattr(runner, "CHUNK", 50)
+    chunks = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
+    np.testing.assert_array_equal(chunks.center_of_mass, whole.center_of_mass)
+
+
+def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
+    trial = replace(lc.swim(load_robot("mamba"), GAIT, duration=1.0), gait=None)
+    with pytest.raises(ValueError, match="`controller` must be given to go on with a trial that has no gait"):
+        lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
