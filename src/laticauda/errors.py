@@ -131,6 +131,22 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     raise ValueError(f"`{name}` must be one of {listed}, got {_shown(value)}{hint or '.'}")
 
 
+def instance(name: str, value: object, *kinds: type) -> None:
+    """Refuse a `value` that is an object of none of these classes.
+
+    Args:
+        name: The argument's name, as its user knows it.
+        value: What was given.
+        kinds: The classes that will do.
+
+    Raises:
+        ValueError: If `value` is of another class.
+    """
+    if not isinstance(value, kinds):
+        wanted = " or ".join(kind.__name__ for kind in kinds)
+        raise ValueError(f"`{name}` must be of class {wanted}, got {type(value).__name__}.")
+
+
 def nearest(word: str, choices: Sequence[str]) -> str:
     """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near."""
     import difflib

@@ -162,6 +162,11 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
         ({"joints": "servos"}, "`joints` must be one of"),
         ({"model": "spatial"}, "`model` must be"),
+        ({"environment": "paper-eel"}, "`environment` must be of class Water or Ground, got str."),
+        ({"fluid_law": 3}, "`fluid_law` must be a function of the ten numbers"),
+        ({"fluid_law": lambda v: v}, "`fluid_law` must be a function of the ten numbers"),
+        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j: a.nothing}, "cannot be: "),
+        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j: a}, "`fluid_law` must return three finite numbers"),
         ({"environment": replace(WATER, depth=0.05)}, "`depth` must be > 0.055 m"),
     ],
 )
@@ -186,3 +191,10 @@ def test_a_state_of_another_robot_is_refused():
 def test_a_start_that_is_no_number_is_refused():
     with pytest.raises(ValueError, match=r"`heading` must be a finite number in rad, got nan\."):
         lc.Start(heading=float("nan"))
+
+
+def test_a_name_is_no_robot_and_no_gait():
+    with pytest.raises(ValueError, match="`robot` must be of class Robot, got str"):
+        lc.swim("mamba", GAIT)
+    with pytest.raises(ValueError, match="`gait` must be of class Gait, got str"):
+        lc.swim(load_robot("mamba"), "eel_like")

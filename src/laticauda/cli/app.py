@@ -69,8 +69,10 @@ def main(args: Sequence[str] | None = None) -> int:
         return _complain(in_flags(str(error), command), 2)
     except OSError as error:
         return _complain(reason(error), 2)
+    except OverflowError as error:
+        return _complain(f"a number is out of every range: {error}.", 2)
     except MemoryError:
-        return _complain("there is not enough memory; try a shorter run, or less samples.", 2)
+        return _complain("there is not enough memory; try a shorter run, or fewer samples.", 2)
 
 
 def _read(words: list[str]) -> Command:

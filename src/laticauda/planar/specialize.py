@@ -9,13 +9,15 @@ process and is never stale: an edited law, or an edited kernel, has another name
 import functools
 import hashlib
 import importlib.util
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import CellType, CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, cast
 
 from numba import njit
+from numba.core.errors import NumbaError
 
 from laticauda.fluid import laws
 
@@ -52,6 +54,27 @@ def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> Mo
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
     return _specialize(width, fluid_law, fingerprint(fluid_law))
+
+
+def check_law(fluid_law: FluidLaw) -> None:
+    """Refuse a fluid law that cannot be compiled, or does not return three finite numbers.
+
+    Raises:
+        ValueError: With the reason.
+    """
+    rule = "`fluid_law` must be a function of the ten numbers of `fluid.laws.polynomial_drag` that Numba can compile"
+    if not callable(fluid_law) or not hasattr(getattr(fluid_law, "py_func", fluid_law), "__code__"):
+        raise ValueError(f"{rule}, got {fluid_law!r}.")
+    try:
+        loads: object = compiled(fluid_law)(0.3, -0.2, 0.5, 1.0, 10.0, 0.1, 0.01, 1.0, 1.0, 1.0)
+    except (NumbaError, TypeError) as err:
+        reason = next((line.strip() for line in reversed(str(err).splitlines()) if line.strip()), type(err).__name__)
+        raise ValueError(f"{rule}; `{fluid_law.__name__}` cannot be: {reason}") from err
+    if (
+        not isinstance(loads, tuple)
+        or [isinstance(x, float) and math.isfinite(x) for x in cast(tuple[object, ...], loads)] != [True] * 3
+    ):
+        raise ValueError(f"`fluid_law` must return three finite numbers, f_t [N], f_n [N] and tau [N m], got {loads}.")
 
 
 def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> bool:

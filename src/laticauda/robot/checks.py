@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any, cast
 
-from laticauda.errors import finite
+from laticauda.errors import finite, instance
 
 
 def settle(owner: object, check: Callable[[str, object, str], float], unit: str, *names: str) -> None:
@@ -40,12 +40,6 @@ def items(name: str, value: object, kind: type) -> tuple[Any, ...]:
     for i, item in enumerate(found):
         instance(f"{name}[{i}]", item, kind)
     return tuple(found)
-
-
-def instance(name: str, value: object, kind: type) -> None:
-    """Refuse a `value` that is no `kind`."""
-    if not isinstance(value, kind):
-        raise ValueError(f"`{name}` must be of class {kind.__name__}, got {type(value).__name__}.")
 
 
 def pair(name: str, value: object, unit: str) -> tuple[float, float]:

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.robot.checks import instance, settle_required
+from laticauda.errors import instance, not_negative, one_of, positive, within
+from laticauda.robot.checks import settle_required
 
 AXES = ("yaw", "pitch")
 

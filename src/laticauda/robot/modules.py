@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from laticauda.errors import finite, not_negative, positive
-from laticauda.robot.checks import instance, settle, settle_required
+from laticauda.errors import finite, instance, not_negative, positive
+from laticauda.robot.checks import settle, settle_required
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from laticauda.errors import not_negative, whole
-from laticauda.robot.checks import instance, items, label, put, settle_required, text
+from laticauda.errors import instance, not_negative, whole
+from laticauda.robot.checks import items, label, put, settle_required, text
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
 from laticauda.robot.joints import Joint
 from laticauda.robot.modules import Module

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from laticauda.errors import one_of
+from laticauda.errors import instance, one_of
 from laticauda.interfaces import Plant
-from laticauda.robot import Environment, Robot
+from laticauda.robot import Environment, Ground, Robot, Water
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
 MODELS = ("planar",)
@@ -42,9 +42,14 @@ def plant(
     Raises:
         ValueError: If an argument is out of its range, or robot and environment do not fit together.
     """
+    instance("robot", robot, Robot)
+    instance("environment", environment, Water, Ground)
     one_of("model", model, MODELS)
     from laticauda.planar.model import PlanarPlant
+    from laticauda.planar.specialize import check_law
 
+    if fluid_law is not None:
+        check_law(fluid_law)
     return PlanarPlant(
         robot=robot,
         environment=environment,

@@ -2,6 +2,7 @@
 
 import functools
 
+from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.robot import Environment, Robot, load_water
@@ -69,6 +70,7 @@ def swim(
         >>> round(trial.forward_velocity, 3)
         0.148
     """
+    instance("gait", gait, Gait)
     body = plant(
         robot,
         environment or _preset(default_water(gait)),
