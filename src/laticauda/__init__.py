@@ -10,6 +10,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from laticauda.control import (
+        HeadingController,
+        IntegralLineOfSight,
+        LineOfSight,
+        PathFollowing,
+        Polyline,
+        Spline,
+        StraightLine,
+    )
     from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
     from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
     from laticauda.robot import Ground, Robot, Water, load_ground, load_robot, load_water
@@ -17,6 +26,15 @@ if TYPE_CHECKING:
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
+    "control": (
+        "HeadingController",
+        "IntegralLineOfSight",
+        "LineOfSight",
+        "PathFollowing",
+        "Polyline",
+        "Spline",
+        "StraightLine",
+    ),
     "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
     "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
     "robot": ("Ground", "Robot", "Water", "load_ground", "load_robot", "load_water"),
@@ -30,11 +48,18 @@ __all__ = [
     "Controller",
     "Gait",
     "Ground",
+    "HeadingController",
+    "IntegralLineOfSight",
+    "LineOfSight",
     "Observation",
     "OpenLoop",
+    "PathFollowing",
     "Plant",
+    "Polyline",
     "Robot",
+    "Spline",
     "Start",
+    "StraightLine",
     "Trial",
     "Water",
     "compare",

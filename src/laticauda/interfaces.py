@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +13,7 @@ from laticauda.gaits import Gait
 from laticauda.robot import Environment, Robot
 
 State = TypeVar("State")
+Seen = TypeVar("Seen", contravariant=True)  # a state that is looked at only
 Log = dict[str, np.ndarray]
 """Samples by the names of `Trial`'s fields, time first."""
 
@@ -85,6 +86,24 @@ class Controller(Protocol[State]):
 
     def step(self, state: State, observation: Observation) -> tuple[State, Command]:
         """The state after `observation` was made in `state`, and the command until the next control instant."""
+        ...
+
+
+@runtime_checkable
+class ReportingController(Protocol[Seen]):
+    """What a controller may offer besides: then a run refuses what does not fit, and its trial keeps the rest."""
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """How the controller was made, for the Trial's record: texts and numbers by name."""
+        ...
+
+    def signals(self, state: Seen) -> Mapping[str, float]:
+        """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units."""
+        ...
+
+    def check(self, robot: Robot) -> None:
+        """Raise a ValueError if `robot` cannot do what the controller may ask for."""
         ...
 
 

@@ -54,6 +54,48 @@ def test_a_controller_can_steer():
     assert turned.heading[-1] > straight.heading[-1] + 0.3
 
 
+@dataclass(frozen=True)
+class Counting(TurnAfter):
+    """Reports how often it was asked; too wide for a robot of two links."""
+
+    @property
+    def settings(self):
+        return {"gain": 2.0, "model": "none"}
+
+    def signals(self, state):
+        return {"asked": float(len(state))}
+
+    def check(self, robot):
+        if robot.n_links < 3:
+            raise ValueError("`robot` must have 3 links.")
+
+
+def test_signals_are_held_from_one_control_instant_to_the_next():
+    trial = run(Counting(GAIT, 0.5, 1000), sample_interval=0.1)
+    expected = np.minimum(np.floor(trial.time / 0.5 + 1e-9) + 1, 20)
+    np.testing.assert_array_equal(trial.signals["asked"], expected)
+    assert run(Counting(GAIT, np.inf, 1000)).signals["asked"].tolist() == [1.0] * 201
+
+
+def test_the_trial_keeps_what_the_controller_says_of_itself_and_not_of_the_plant():
+    trial = run(Counting(GAIT, 5.0, 1000))
+    assert (trial.settings["gain"], trial.settings["model"]) == (2.0, "planar")
+    assert run(TurnAfter(GAIT, 5.0, 1000)).signals == {}
+
+
+def test_a_failed_run_keeps_its_signals():
+    plant = lc.plant(load_robot("mamba"), load_water("paper-lateral"), joints="pd", dt=0.5)
+    trial = lc.run(plant, Counting(GAIT, 1.0, 0), 10.0, sample_interval=0.5)
+    assert not trial.succeeded
+    assert trial.signals["asked"].size == trial.time.size
+
+
+def test_a_controller_can_refuse_a_robot():
+    plant = lc.plant(load_robot("mamba", n_links=2), load_water("paper-lateral"))
+    with pytest.raises(ValueError, match="`robot` must have 3 links"):
+        lc.run(plant, Counting(GAIT, 1.0, 0), 1.0)
+
+
 def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
     monkeypatch.setattr(runner, "CHUNK", 50)
     told = []

@@ -101,6 +101,7 @@ def full_trial() -> Trial:
         joint_torque=rng.normal(size=(n, 3)),
         electrical_work=np.cumsum(rng.random(n)),
         link_force={"drag": rng.normal(size=(n, 4, 2)), "effector": -np.zeros((n, 4, 2))},
+        signals={"offset": rng.normal(size=n), "of_ones_own": -np.zeros(n)},
         settings={"model": "planar", "dt": 0.02, "bandwidth": math.inf, "steps": 3, "throw": False, "seed": None},
         created="2026-01-02T03:04:05+00:00",
         status="The joints jumped at 0.5 s. Try a smaller gain: ½ of it.",

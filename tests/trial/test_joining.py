@@ -16,6 +16,7 @@ def cut(trial, begin, end, *, restart_clock=False):
             part[field.name] = value[begin:end]
     if trial.link_force is not None:
         part["link_force"] = {name: force[begin:end] for name, force in trial.link_force.items()}
+    part["signals"] = {name: signal[begin:end] for name, signal in trial.signals.items()}
     if restart_clock:
         part |= {"time": part["time"] - part["time"][0], "work": part["work"] - part["work"][0]}
     return dataclasses.replace(trial, **part)
@@ -25,7 +26,13 @@ def cut(trial, begin, end, *, restart_clock=False):
 def whole(make_trial):
     plain = make_trial(duration=4.0)
     force = np.random.default_rng(1).normal(size=(201, 9, 2))
-    return make_trial(duration=4.0, created="then", electrical_work=2.0 * plain.time, link_force={"drag": force})
+    return make_trial(
+        duration=4.0,
+        created="then",
+        electrical_work=2.0 * plain.time,
+        link_force={"drag": force},
+        signals={"offset": np.sin(plain.time)},
+    )
 
 
 def test_two_halves_joined_are_the_whole_to_the_last_bit(whole):
@@ -59,3 +66,13 @@ def test_what_does_not_follow_is_not_joined(whole):
         joined(first, dataclasses.replace(second, robot=load_robot("mamba-thruster")))
     with pytest.raises(ValueError, match="`second` must log the same as `first`"):
         joined(first, dataclasses.replace(second, electrical_work=None))
+    with pytest.raises(
+        ValueError, match="`second` must log the same as `first`: electrical work, link forces, signals"
+    ):
+        joined(first, dataclasses.replace(second, signals={}))
+
+
+def test_at_the_joint_a_signal_is_what_the_second_run_decided(whole):
+    first = cut(whole, 0, 101)
+    held = dataclasses.replace(first, signals={"offset": np.append(first.signals["offset"][:-1], 9.0)})
+    assert joined(held, cut(whole, 100, 201)).equals(whole)

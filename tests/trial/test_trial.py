@@ -171,3 +171,13 @@ def test_a_trial_introduces_itself_on_one_line(make_trial):
     assert repr(make_trial()) == (
         "<Trial of mamba: lateral_undulation, 30 s in 1501 samples; The run reached its end.>"
     )
+
+
+def test_signals_have_one_number_per_sample(make_trial):
+    assert make_trial(duration=1.0).signals == {}
+    with pytest.raises(ValueError, match=r"`signals\['offset'\]` must have shape \(51\), got \(50,\)"):
+        make_trial(duration=1.0, signals={"offset": np.zeros(50)})
+    with pytest.raises(ValueError, match="`signals` must have names of letters, digits and underscores as keys"):
+        make_trial(duration=1.0, signals={"an offset": np.zeros(51)})
+    with pytest.raises(ValueError, match="must hold finite numbers only, got nan at sample 3"):
+        make_trial(duration=1.0, signals={"offset": np.where(np.arange(51) == 3, np.nan, 0.0)})

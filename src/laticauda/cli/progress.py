@@ -25,9 +25,10 @@ def progress(duration: float) -> Callable[[float], None]:
         if bar is None and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
             from tqdm import tqdm
 
-            bar = tqdm(total=duration, desc="swam", bar_format=FORMAT, leave=False, file=sys.stderr)
+            bar = tqdm(total=duration, initial=reached, desc="swam", bar_format=FORMAT, leave=False, file=sys.stderr)
         if bar is not None:
-            bar.update(reached - bar.n)
+            bar.n = reached
+            bar.refresh()
             if reached >= duration:
                 bar.close()
 

@@ -13,6 +13,7 @@ from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, measured_counterpart
 
 WIDTH = 110
+MEASURED_DURATION = 30.0  # of the paper's trials [s]
 # Said once at the top, or by `mean_power`.
 LEFT_OUT = ("duration",)
 
@@ -91,7 +92,7 @@ def figure_table(trial: Trial) -> str:
         rows.append((title, shown, unit, *(("", "") if beside is None else (number(beside), percent(difference)))))
     if not measured:
         rows = [row[:3] for row in rows]
-    return aligned(rows, right=(1, 3, 4))
+    return aligned(rows, right=(1, 3, 4)) if len(rows) > 1 else ""
 
 
 def _measured(trial: Trial) -> dict[str, float]:
@@ -110,17 +111,29 @@ def _notes(trial: Trial) -> str:
     measured = measured_counterpart(trial)
     if measured is not None:
         notes.append(_about(measured, trial))
+    if not trial.succeeded:  # its status says more
+        return _filled(notes)
     by_reason: dict[str, list[str]] = {}
     missing: Any = trial.summary()["not_available"]
     for name, reason in missing.items():
         by_reason.setdefault(reason, []).append(name)
     notes += [f"Not available: {', '.join(names)}. {reason}" for reason, names in by_reason.items()]
+    return _filled(notes)
+
+
+def _filled(notes: Sequence[str]) -> str:
     return "\n".join(textwrap.fill(note, WIDTH, subsequent_indent="  ") for note in notes)
 
 
 def _about(measured: MeasuredTrial, trial: Trial) -> str:
     fin = "with" if measured.has_fin else "without"
-    text = f"Measured: Mamba {fin} its fin in the tank, 30 s from rest, the best of a sweep (Table 1 of the paper)."
+    text = (
+        f"Measured: Mamba {fin} its fin in the tank, {MEASURED_DURATION:g} s from rest, the best of a sweep "
+        "(Table 1 of the paper)."
+    )
+    duration = float(trial.time[-1] - trial.time[0])
+    if abs(duration - MEASURED_DURATION) > 0.5:
+        text += f" This run: {duration:.4g} s."
     if trial.mean_power_kind == "mechanical":
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."
     return text

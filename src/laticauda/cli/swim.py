@@ -15,7 +15,7 @@ from laticauda.cli.groups import (
     WaterChanges,
     radians,
 )
-from laticauda.cli.messages import given
+from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
 from laticauda.robot import Environment
 
@@ -137,7 +137,7 @@ class Swim:
 
         print(as_json(trial) if self.output.json else as_text(trial, origin))
         if not trial.succeeded:
-            print(trial.status, file=sys.stderr)
+            print(in_flags(trial.status, self), file=sys.stderr)
 
 
 def _progress(environment: Environment, duration: float, **_: object) -> Callable[[float], None]:

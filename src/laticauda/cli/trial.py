@@ -10,8 +10,8 @@ from laticauda.cli.flags import Switch
 from laticauda.cli.outputs import check_output
 
 
-def _positional(metavar: str) -> object:
-    return tyro.conf.arg(metavar=metavar)
+def _positional(metavar: str, hint: str = "(required)") -> object:
+    return tyro.conf.arg(metavar=metavar, help_behavior_hint=hint)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class Compare:
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: Annotated[tuple[str, ...], tyro.conf.Positional, _positional("FILE")]
+    files: Annotated[tuple[str, ...], tyro.conf.Positional, _positional("FILES ...", "(two or more)")]
     """The trials; the one to compare with first."""
     json: Switch = False
     """Print one JSON object in SI units."""
@@ -72,8 +72,8 @@ class Convert:
 
     file: Annotated[str, tyro.conf.Positional, _positional("FILE")]
     """The trial, as `laticauda swim --save` wrote it."""
-    output: Annotated[str, tyro.conf.Positional, _positional("OUT.csv")]
-    """The file to write; an older one is replaced."""
+    output: Annotated[str, tyro.conf.Positional, _positional("OUTPUT")]
+    """The file to write (.csv); an older one is replaced."""
     json: Switch = False
     """Print one JSON object."""
 

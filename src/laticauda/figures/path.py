@@ -15,7 +15,7 @@ from laticauda.figures import postures, style
 from laticauda.robot import Water
 from laticauda.trial import Trial
 
-MARGIN = 0.07  # around the path, for the times beside the postures, as a share of its extent [-]
+MARGIN = 0.05  # around the path, for the times beside the postures, as a share of its extent [-]
 
 
 def path_strip(trial: Trial, ax: Axes) -> Axes:
@@ -80,7 +80,7 @@ def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, hal
         zorder=5,
     )
     # The limits of axes do not mind texts; this point keeps room for it.
-    room = MARGIN * max(extent(trial)) * (1.0 + abs(side[0]))
+    room = MARGIN * max(extent(trial)) * (1.0 + 1.5 * abs(side[0]))
     ax.update_datalim([tuple(place + room * side)])
 
 

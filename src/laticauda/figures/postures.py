@@ -11,6 +11,7 @@ from laticauda.kinematics import link_ends, trailing_edge
 from laticauda.robot import Robot
 from laticauda.trial import Trial
 
+Point = Float[np.ndarray, " 2"]
 Points = Float[np.ndarray, "n_points 2"]
 
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 25)
@@ -109,13 +110,13 @@ def _draw_fin(ax: Axes, robot: Robot, points: Points, age: float) -> None:
     ax.add_collection(lines)
 
 
-def _link(tail: Points, head: Points, half_width: float) -> Points:
+def _link(tail: Point, head: Point, half_width: float) -> Points:
     """A rectangle around the line between the two ends of a link."""
     side = half_width * _normal(tail, head)
     return np.stack((tail + side, head + side, head - side, tail - side))
 
 
-def _head(tail: Points, head: Points, half_width: float) -> Points:
+def _head(tail: Point, head: Point, half_width: float) -> Points:
     """The foremost link, with a pointed front so that one sees where it swims."""
     length = float(np.linalg.norm(head - tail))
     nose = min(NOSE * half_width, length)
@@ -125,11 +126,11 @@ def _head(tail: Points, head: Points, half_width: float) -> Points:
     return np.vstack((tail - half_width * side, tip, tail + half_width * side))
 
 
-def _circle(center: Points, radius: float) -> Points:
+def _circle(center: Point, radius: float) -> Points:
     return center + radius * np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1)
 
 
-def _normal(tail: Points, head: Points) -> Points:
+def _normal(tail: Point, head: Point) -> Point:
     along = (head - tail) / np.linalg.norm(head - tail)
     return np.array([-along[1], along[0]])
 

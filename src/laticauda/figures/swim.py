@@ -98,7 +98,7 @@ def swim_sheet(trial: Trial) -> Figure:
         grid = figure.add_gridspec(2, 3, height_ratios=heights, width_ratios=(1.25, 1.0, 1.0))
         places = [grid[0, :], grid[1, 0], grid[1, 1], grid[1, 2]]
     else:
-        figure = style.new_figure(style.DOUBLE_COLUMN, 2.4 * PANEL_HEIGHT)
+        figure = style.new_figure(style.DOUBLE_COLUMN, 2.6 * PANEL_HEIGHT)
         sides = (min(max(1.2 * width / height, 0.5), 1.2), 1.0)
         grid = figure.add_gridspec(3, 2, width_ratios=sides, height_ratios=(1.5, 1.0, 1.0))
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
@@ -187,4 +187,5 @@ def _title(trial: Trial) -> str:
 def _from_to(ax: Axes, time: Series) -> None:
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
-        ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+        few = 2 if time[-1] - time[0] < 1.0 else 5  # fractions of a second are long to write
+        ax.xaxis.set_major_locator(MaxNLocator(few, steps=[1, 2, 5, 10]))

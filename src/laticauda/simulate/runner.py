@@ -1,15 +1,15 @@
 """Run a plant on a clock and keep the log."""
 
 import math
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda import __version__
 from laticauda.errors import SimulationFailed, positive
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Log, OpenLoop, Plant, Start
+from laticauda.interfaces import Command, Controller, Log, OpenLoop, Plant, ReportingController, Start
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
@@ -33,7 +33,8 @@ def run(
 
     Args:
         plant: What swims; see `plant`.
-        controller: Decides the command at every control instant; `OpenLoop` holds one.
+        controller: Decides the command at every control instant; `OpenLoop` holds one. What a `ReportingController`
+            says is kept in the trial.
         duration: [s].
         start: Where it begins; None: at the origin, along x.
         sample_interval: Between two samples of the log [s]; adjusted so that it divides the time between two control
@@ -46,7 +47,7 @@ def run(
         The trial, its final state included.
 
     Raises:
-        ValueError: If an argument is out of its range.
+        ValueError: If an argument is out of its range, or the controller refuses the robot.
         SimulationFailed: If the run blows up and `throw` is set.
     """
     state = plant.init(start or Start(), Command(gait=controller.gait))
@@ -105,11 +106,19 @@ def _go(
 ) -> Trial:
     positive("duration", duration, "s")
     positive("sample_interval", sample_interval, "s")
+    reporting = None
+    if isinstance(controller, ReportingController):
+        reporting = cast("ReportingController[Any]", controller)
+    if reporting is not None:
+        reporting.check(plant.robot)
     thought = controller.init()
     logs: list[Log] = []
+    told: list[Mapping[str, float]] = []
     failure: str | None = None
     for share, count, done in _stretches(duration, sample_interval, controller.interval):
         thought, command = controller.step(thought, plant.observe(state))
+        if reporting is not None:
+            told.append(reporting.signals(thought))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
         logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
         if failure is not None:
@@ -119,7 +128,9 @@ def _go(
     if throw and failure is not None:
         raise SimulationFailed(failure)
     log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
-    return _trial(plant, controller.gait, log, failure, state)
+    signals = _held(told, [part["time"].size for part in logs])
+    settings = {**({} if reporting is None else reporting.settings), **plant.settings}
+    return _trial(plant, controller.gait, settings, log, signals, failure, state)
 
 
 def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
@@ -137,7 +148,24 @@ def _stretches(duration: float, sample_interval: float, control_interval: float)
             yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
 
 
-def _trial(plant: Plant[Any], gait: Gait, log: Log, failure: str | None, state: Any) -> Trial:
+def _held(told: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
+    """Signals at the samples of the log, each held from its control instant to the next."""
+    # A stretch begins at its control instant, but that sample is stored as the last one of the stretch before.
+    counts = np.array(n_samples)
+    counts[0] -= 1
+    counts[-1] += 1
+    return {name: np.repeat([values[name] for values in told], counts) for name in (told[0] if told else ())}
+
+
+def _trial(
+    plant: Plant[Any],
+    gait: Gait,
+    settings: Mapping[str, Any],
+    log: Log,
+    signals: Mapping[str, np.ndarray],
+    failure: str | None,
+    state: Any,
+) -> Trial:
     force = {name[len("force_") :]: log.pop(name) for name in list(log) if name.startswith("force_")}
     return Trial(
         **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
@@ -145,7 +173,8 @@ def _trial(plant: Plant[Any], gait: Gait, log: Log, failure: str | None, state: 
         robot=plant.robot,
         gait=gait,
         environment=plant.environment,
-        settings=plant.settings,
+        settings=settings,
+        signals=signals,
         version=__version__,
         status=failure or "The run reached its end.",
         succeeded=failure is None,

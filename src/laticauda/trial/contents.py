@@ -56,6 +56,11 @@ def forces(value: object, shape: tuple[int, ...]) -> dict[str, Forces] | None:
     return {key: floats(f"link_force[{key!r}]", force, shape) for key, force in mapping("link_force", value).items()}
 
 
+def signals(value: object, n_samples: int) -> dict[str, Samples]:
+    """Each signal as a read-only array, one value per sample."""
+    return {key: floats(f"signals[{key!r}]", signal, (n_samples,)) for key, signal in mapping("signals", value).items()}
+
+
 def mapping(name: str, value: object) -> Mapping[str, object]:
     """`value` as a mapping from names that can be those of variables in a file."""
     if not isinstance(value, Mapping):

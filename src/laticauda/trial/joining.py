@@ -39,6 +39,8 @@ def joined(first: Trial, second: Trial) -> Trial:
     """
     _check_belong(first, second)
     later = slice(1, None)
+    # At the joint a signal is what the second run decided there, as at every other control instant.
+    signals = {name: np.concatenate((one[:-1], second.signals[name])) for name, one in first.signals.items()}
     series = {name: np.concatenate((getattr(first, name), getattr(second, name)[later])) for name in _SERIES}
     electrical, force = None, None
     if first.electrical_work is not None and second.electrical_work is not None:
@@ -52,6 +54,7 @@ def joined(first: Trial, second: Trial) -> Trial:
         work=_counted_on(first.work, second.work),
         electrical_work=electrical,
         link_force=force,
+        signals=signals,
         status=second.status,
         succeeded=second.succeeded,
         state=second.state,
@@ -65,15 +68,15 @@ def _check_belong(first: Trial, second: Trial) -> None:
         if getattr(first, name) != getattr(second, name):
             raise ValueError(f"`second` must have the same `{name}` as `first`.")
     if _logged(first) != _logged(second):
-        raise ValueError("`second` must log the same as `first`: electrical work and link forces, or not.")
+        raise ValueError("`second` must log the same as `first`: electrical work, link forces, signals, or not.")
     for name in _CONTINUED:
         gap = np.max(np.abs(getattr(second, name)[0] - getattr(first, name)[-1]), initial=0.0)
         if gap > _TOLERANCE:
             raise ValueError(f"`second` must begin where `first` ends, but `{name}` jumps by {gap:.3g}.")
 
 
-def _logged(trial: Trial) -> tuple[bool, set[str]]:
-    return trial.electrical_work is not None, set(trial.link_force or {})
+def _logged(trial: Trial) -> tuple[bool, set[str], set[str]]:
+    return trial.electrical_work is not None, set(trial.link_force or {}), set(trial.signals)
 
 
 def _counted_on(first: np.ndarray, second: np.ndarray) -> np.ndarray:

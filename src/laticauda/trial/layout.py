@@ -24,6 +24,7 @@ MARK = "laticauda_trial"
 """The attribute that makes a netCDF file a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
 FORCE = "link_force_"
+SIGNAL = "signal_"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +87,17 @@ ELECTRICAL = Variable(
     name="electrical_work", dimensions=("time",), units="J", long_name="electrical work of the robot above idle"
 )
 
+SIGNALS = {
+    "heading_ref": ("rad", "heading that guidance asks for"),
+    "heading_used": ("rad", "heading that the controller goes by"),
+    "cross_track_error": ("m", "distance from the path, positive to the left"),
+    "along_track_distance": ("m", "length of the path up to the nearest point"),
+    "path_tangential_angle": ("rad", "direction of the path at the nearest point"),
+    "offset": ("rad", "offset of all joints that steering asks for"),
+    "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
+}
+"""Unit and meaning of the signals of `laticauda.control`; a controller of one's own may have others."""
+
 TEXTS = ("version", "created", "status")
 
 
@@ -97,6 +109,7 @@ def variables(trial: Trial) -> list[tuple[Variable, Float[np.ndarray, "n_samples
         series.append((ELECTRICAL, trial.electrical_work))
     for component, force in (trial.link_force or {}).items():
         series.append((_force(component), force))
+    series += [(_signal(name), signal) for name, signal in trial.signals.items()]
     return series
 
 
@@ -125,6 +138,7 @@ def attributes(trial: Trial) -> dict[str, str | int]:
         "settings": json.dumps(trial.settings),
         "has_electrical_work": int(trial.electrical_work is not None),
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
+        "signals": json.dumps(list(trial.signals)),
         "state": json.dumps({name: value.dtype.str for name, value in trial.state.items()}),
     }
 
@@ -141,6 +155,7 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
         ValueError: If anything is not as it was written; `read` may raise its own.
     """
     forces = cast("list[str] | None", json.loads(attributes["link_force"]))
+    signals = cast("list[str]", json.loads(attributes["signals"]))
     state = cast("dict[str, str]", json.loads(attributes["state"]))
     gait = cast("dict[str, Any] | None", json.loads(attributes["gait"]))
     plain: dict[str, Any] = {variable.name: read(variable.name) for variable in PLAIN}
@@ -150,6 +165,7 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
         work=np.stack([read(variable.name) for variable in WORK], axis=1),
         electrical_work=read(ELECTRICAL.name) if attributes["has_electrical_work"] else None,
         link_force=None if forces is None else {name: read(FORCE + name) for name in forces},
+        signals={name: read(SIGNAL + name) for name in signals},
         robot=from_toml(attributes["robot"], Robot),
         gait=None if gait is None else Gait(**gait),
         environment=_environment(from_toml(attributes["environment"])),
@@ -168,6 +184,11 @@ def _force(component: str) -> Variable:
         units="N",
         long_name=f"force of the {words} on each link, world axes",
     )
+
+
+def _signal(name: str) -> Variable:
+    units, words = SIGNALS.get(name, ("SI", f"signal {name} of the controller"))
+    return Variable(name=SIGNAL + name, dimensions=("time",), units=units, long_name=words)
 
 
 def _environment(read: Robot | Water | Ground) -> Water | Ground:

@@ -70,6 +70,8 @@ class Trial:
     """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
     link_force: Mapping[str, Forces] | None = None
     """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
+    signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
+    """What a controller had in mind, held between control instants (`control` says which); empty without one [SI]."""
     robot: Robot
     """What swam."""
     gait: Gait | None = None
@@ -126,6 +128,7 @@ class Trial:
         clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
         clean |= {name: contents.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
         clean["link_force"] = contents.forces(self.link_force, (n, n_links, n_axes))
+        clean["signals"] = contents.signals(self.signals, n)
         settings, state = contents.mapping("settings", self.settings), contents.mapping("state", self.state)
         clean["settings"] = {key: contents.setting(key, value) for key, value in settings.items()}
         clean["state"] = {key: contents.state_array(key, value) for key, value in state.items()}

@@ -1,0 +1,26 @@
+"""Guidance, control and the paths to follow: from what is seen of a robot to the gait that it is asked for.
+
+Knows no model and no hardware: the same controller steers the planar model and the robot in the tank.
+"""
+
+from laticauda.control.frames import Path, PathFrame
+from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
+from laticauda.control.heading import HeadingController, HeadingEstimate
+from laticauda.control.path_following import HEADING_ESTIMATES, PathFollowing, PathFollowingState
+from laticauda.control.paths import Polyline, Spline, StraightLine
+
+__all__ = [
+    "HEADING_ESTIMATES",
+    "Guidance",
+    "HeadingController",
+    "HeadingEstimate",
+    "IntegralLineOfSight",
+    "LineOfSight",
+    "Path",
+    "PathFollowing",
+    "PathFollowingState",
+    "PathFrame",
+    "Polyline",
+    "Spline",
+    "StraightLine",
+]

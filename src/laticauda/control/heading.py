@@ -1,0 +1,122 @@
+"""Heading: what counts as the heading of a body that undulates, and the offset that turns it."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from laticauda.angles import wrap_to_pi
+from laticauda.errors import not_negative, positive
+
+_ROUNDING = 1e-9  # [s]: two control instants are never that close
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadingController:
+    """The offset of all joints that turns the robot towards a heading, in proportion to the error.
+
+        phi_0 = k (theta_ref - theta), within +-max_offset
+
+    Equation (8) of the paper; the error is wrapped, so the robot turns the short way.
+
+    Raises:
+        ValueError: If a field is not positive.
+
+    Example:
+        >>> HeadingController(gain=0.4, max_offset=0.35).offset(heading_ref=0.5, heading=0.0)
+        (0.2, False)
+    """
+
+    gain: float
+    """k [-]."""
+    max_offset: float
+    """Largest offset to either side [rad]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "gain", positive("gain", self.gain))
+        object.__setattr__(self, "max_offset", positive("max_offset", self.max_offset, "rad"))
+
+    def offset(self, *, heading_ref: float, heading: float) -> tuple[float, bool]:
+        """The offset to ask for.
+
+        Args:
+            heading_ref: theta_ref [rad].
+            heading: theta [rad].
+
+        Returns:
+            phi_0, positive to turn left [rad], and whether it is at its limit.
+        """
+        asked = self.gain * wrap_to_pi(heading_ref - heading)
+        if abs(asked) > self.max_offset:
+            return (self.max_offset if asked > 0.0 else -self.max_offset), True
+        return asked, False
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadingWindow:
+    """Headings seen within the last window, with their integral since the start."""
+
+    time: tuple[float, ...] = ()
+    """When each was seen, oldest first [s]."""
+    heading: tuple[float, ...] = ()
+    """[rad]."""
+    integral: tuple[float, ...] = ()
+    """Of the heading since the first of all [rad s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadingEstimate:
+    """The heading as the mean over the time that just passed.
+
+    The mean link angle (6) carries the ripple of the gait. A window of one gait period takes the ripple off, and lags
+    by half of it; a window of 0 gives (6) as it is. Until a whole window has passed, the mean is over what there is.
+
+    Raises:
+        ValueError: If the window is negative.
+    """
+
+    window: float = 0.0
+    """How far back the mean goes; the period of the gait, or 0 for no mean [s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "window", not_negative("window", self.window, "s"))
+
+    def init(self) -> HeadingWindow:
+        """Nothing seen yet."""
+        return HeadingWindow()
+
+    def step(self, state: HeadingWindow, time: float, heading: float) -> tuple[HeadingWindow, float]:
+        """Take in one more heading.
+
+        The headings need not come at equal distances; between them the heading is taken as a straight line.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            time: Of the heading, later than the last one [s].
+            heading: Theta, unwrapped [rad].
+
+        Returns:
+            The window now, and the mean over it [rad].
+        """
+        if self.window == 0.0 or not state.time:
+            first = HeadingWindow(time=(time,), heading=(heading,), integral=(0.0,))
+            return first, heading
+        step = time - state.time[-1]
+        if step <= _ROUNDING:
+            raise ValueError(f"`time` must grow from step to step, got {state.time[-1]} s and then {time} s.")
+        integral = state.integral[-1] + 0.5 * step * (state.heading[-1] + heading)
+        begin = max(time - self.window, state.time[0])
+        oldest = max(bisect_right(state.time, begin + _ROUNDING) - 1, 0)  # the last one not inside the window
+        seen = HeadingWindow(
+            time=(*state.time[oldest:], time),
+            heading=(*state.heading[oldest:], heading),
+            integral=(*state.integral[oldest:], integral),
+        )
+        return seen, (integral - _integral_at(seen, begin)) / (time - begin)
+
+
+def _integral_at(window: HeadingWindow, time: float) -> float:
+    """The integral between the first two headings of a window [rad s]."""
+    share = (time - window.time[0]) / (window.time[1] - window.time[0])
+    heading = window.heading[0] + share * (window.heading[1] - window.heading[0])
+    return window.integral[0] + 0.5 * (time - window.time[0]) * (window.heading[0] + heading)

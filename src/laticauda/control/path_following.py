@@ -1,0 +1,162 @@
+"""Path following, the paper's Fig. 3: guidance gives a heading, the heading controller an offset of the gait."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from laticauda.control.frames import Path
+from laticauda.control.guidance import Guidance
+from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
+from laticauda.errors import one_of, positive
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Observation
+from laticauda.robot import Robot
+
+HEADING_ESTIMATES = ("raw", "cycle_mean")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathFollowingState:
+    """What path following remembers: the states of its parts, and its last signals."""
+
+    progress: Any
+    """How far along the path."""
+    guidance: Any
+    """That of the guidance law."""
+    window: HeadingWindow
+    """That of the heading estimate."""
+    time: float | None = None
+    """Of the last control instant; None before the first [s]."""
+    heading_ref: float = 0.0
+    """theta_ref, the heading asked for [rad]."""
+    heading_used: float = 0.0
+    """theta, as the heading estimate has it [rad]."""
+    cross_track_error: float = 0.0
+    """Distance from the path, positive to the left [m]."""
+    along_track_distance: float = 0.0
+    """How far along the path [m]."""
+    path_tangential_angle: float = 0.0
+    """Direction of the path there [rad]."""
+    offset: float = 0.0
+    """phi_0, the offset asked for [rad]."""
+    is_saturated: bool = False
+    """Whether the offset is at its limit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathFollowing:
+    """A controller that makes a robot follow a path with its gait.
+
+    At every control instant: where is the center of mass beside the path, which heading leads back to it, which offset
+    turns the robot there. The offset is held until the next one; the reference generator of the plant smooths it.
+
+    Raises:
+        ValueError: If a field is out of its range.
+
+    Example:
+        >>> from laticauda.control import LineOfSight, StraightLine
+        >>> controller = PathFollowing(
+        ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
+        ...     path=StraightLine(),
+        ...     guidance=LineOfSight(look_ahead_distance=0.18),
+        ...     heading=HeadingController(gain=0.4, max_offset=0.35),
+        ... )
+        >>> sorted(controller.signals(controller.init()))[:3]
+        ['along_track_distance', 'cross_track_error', 'heading_ref']
+    """
+
+    gait: Gait
+    """What swims along the path; its own offset is added."""
+    path: Path[Any]
+    """Where to go: `StraightLine`, `Polyline`, `Spline` or one's own."""
+    guidance: Guidance[Any]
+    """The law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own."""
+    heading: HeadingController
+    """The law that turns the robot."""
+    heading_estimate: str = "raw"
+    """Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period [-]."""
+    interval: float = 0.05
+    """Time between two control instants [s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        given = self.heading_estimate
+        kind = given.replace("-", "_") if isinstance(given, str) else given  # pyright: ignore
+        object.__setattr__(self, "heading_estimate", one_of("heading_estimate", kind, HEADING_ESTIMATES))
+        object.__setattr__(self, "interval", positive("interval", self.interval, "s"))
+        if self.heading_estimate == "cycle_mean":
+            positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
+
+    @property
+    def estimate(self) -> HeadingEstimate:
+        """The heading estimate."""
+        is_raw = self.heading_estimate == "raw"
+        return HeadingEstimate(window=0.0 if is_raw else 2.0 * math.pi / self.gait.frequency)
+
+    def init(self) -> PathFollowingState:
+        """Before the first control instant."""
+        return PathFollowingState(progress=self.path.init(), guidance=self.guidance.init(), window=self.estimate.init())
+
+    def step(self, state: PathFollowingState, observation: Observation) -> tuple[PathFollowingState, Command]:
+        """One control instant: the `state` after the `observation`, and the command until the next one."""
+        dt = 0.0 if state.time is None else observation.time - state.time
+        window, heading = self.estimate.step(state.window, observation.time, observation.heading)
+        progress, frame = self.path.locate(state.progress, observation.center_of_mass)
+        guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, state.is_saturated)
+        offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
+        after = PathFollowingState(
+            progress=progress,
+            guidance=guidance,
+            window=window,
+            time=observation.time,
+            heading_ref=heading_ref,
+            heading_used=heading,
+            cross_track_error=frame.cross_track_error,
+            along_track_distance=frame.along_track_distance,
+            path_tangential_angle=frame.path_tangential_angle,
+            offset=offset,
+            is_saturated=is_saturated,
+        )
+        return after, Command(gait=self.gait, offset=offset)
+
+    def signals(self, state: PathFollowingState) -> dict[str, float]:
+        """The signals of the last control instant, out of `state`, for the log."""
+        return {
+            "heading_ref": state.heading_ref,
+            "heading_used": state.heading_used,
+            "cross_track_error": state.cross_track_error,
+            "along_track_distance": state.along_track_distance,
+            "path_tangential_angle": state.path_tangential_angle,
+            "offset": state.offset,
+            "is_saturated": float(state.is_saturated),
+        }
+
+    @property
+    def settings(self) -> Mapping[str, str | float]:
+        """How it was made, for the trial's record."""
+        return {
+            "path": repr(self.path),
+            "guidance": repr(self.guidance),
+            "heading_controller": repr(self.heading),
+            "heading_estimate": self.heading_estimate,
+            "control_interval": self.interval,
+        }
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
+
+        Args:
+            robot: What is to follow the path.
+
+        Raises:
+            ValueError: If the largest offset could take a joint beyond its limit.
+        """
+        chain = robot.planar()
+        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
+            room = joint.limit - self.gait.amplitude * abs(g) - abs(self.gait.offset)
+            if self.heading.max_offset > room:
+                raise ValueError(
+                    f"`max_offset` must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
+                    f"{joint.limit:.4g} rad with this gait; got {self.heading.max_offset}."
+                )

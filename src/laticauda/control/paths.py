@@ -1,0 +1,232 @@
+"""Paths to follow: a straight line, legs between waypoints, a smooth curve through them.
+
+Each is a `Path`: `init` and `locate`, with the progress along it as an explicit value.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from laticauda.angles import wrap_to_pi
+from laticauda.control.curve import Curve, natural_cubic
+from laticauda.control.frames import Distances, PathFrame, Points, Position
+from laticauda.errors import finite, not_negative
+
+Waypoints = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StraightLine:
+    """A line without begin and end.
+
+    Raises:
+        ValueError: If a field is not a finite number.
+
+    Example:
+        >>> line = StraightLine()
+        >>> line.locate(line.init(), np.array([2.0, 0.5]))[1].cross_track_error
+        0.5
+    """
+
+    point: tuple[float, float] = (0.0, 0.0)
+    """A point of it, at which the along-track distance is 0; x and y in world axes [m]."""
+    angle: float = 0.0
+    """Its direction to the world x axis, counter-clockwise [rad]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "point", _pair("point", self.point))
+        object.__setattr__(self, "angle", finite("angle", self.angle, "rad"))
+
+    def init(self) -> None:
+        """A line knows no progress."""
+
+    def locate(self, progress: None, position: Position) -> tuple[None, PathFrame]:
+        """Find a `position` [m]; there is no `progress`. See `Path`."""
+        along, across = _seen_from(self.point, self.angle, position)
+        return None, PathFrame(
+            along_track_distance=along,
+            cross_track_error=across,
+            path_tangential_angle=wrap_to_pi(self.angle),
+            curvature=0.0,
+            remaining=math.inf,
+        )
+
+    def points(self, along_track_distance: Distances) -> Points:
+        """Points of the line at each `along_track_distance` [m]. See `Path`."""
+        return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Polyline:
+    """Straight legs from waypoint to waypoint, followed one at a time.
+
+    The next leg begins when the robot comes within the acceptance distance of the leg's end, or passes it: a robot that
+    is carried past a waypoint does not turn back for it. After its end the last leg goes straight on.
+
+    Raises:
+        ValueError: If there are fewer than two waypoints, two equal ones in a row, or a number is not finite.
+    """
+
+    waypoints: Waypoints
+    """In order; x and y in world axes [m]."""
+    acceptance_distance: float = 0.0
+    """How near to a waypoint it counts as reached; 0: only passing counts [m]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "waypoints", _waypoints(self.waypoints))
+        near = not_negative("acceptance_distance", self.acceptance_distance, "m")
+        object.__setattr__(self, "acceptance_distance", near)
+
+    @cached_property
+    def lengths(self) -> tuple[float, ...]:
+        """Length up to each waypoint [m]."""
+        legs = np.linalg.norm(np.diff(np.array(self.waypoints), axis=0), axis=1)
+        return tuple(np.concatenate(([0.0], np.cumsum(legs))).tolist())
+
+    @property
+    def length(self) -> float:
+        """Of all legs [m]."""
+        return self.lengths[-1]
+
+    def init(self) -> int:
+        """On the first leg, 0."""
+        return 0
+
+    def locate(self, progress: int, position: Position) -> tuple[int, PathFrame]:
+        """Find a `position` [m] on the leg that is followed, whose number is the `progress`. See `Path`."""
+        leg = progress
+        while leg < len(self.waypoints) - 2 and self._is_done(leg, position):
+            leg += 1
+        angle = self._angle(leg)
+        along, across = _seen_from(self.waypoints[leg], angle, position)
+        along += self.lengths[leg]
+        return leg, PathFrame(
+            along_track_distance=along,
+            cross_track_error=across,
+            path_tangential_angle=wrap_to_pi(angle),
+            curvature=0.0,
+            remaining=max(self.length - along, 0.0),
+        )
+
+    def points(self, along_track_distance: Distances) -> Points:
+        """Points of the legs at each `along_track_distance` [m]. See `Path`."""
+        leg = np.clip(np.searchsorted(self.lengths, along_track_distance, side="right") - 1, 0, len(self.lengths) - 2)
+        corner = np.array(self.waypoints)
+        ahead = np.diff(corner, axis=0) / np.diff(self.lengths)[:, np.newaxis]
+        return corner[leg] + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
+
+    def _angle(self, leg: int) -> float:
+        (x, y), (to_x, to_y) = self.waypoints[leg], self.waypoints[leg + 1]
+        return math.atan2(to_y - y, to_x - x)
+
+    def _is_done(self, leg: int, position: Position) -> bool:
+        along, across = _seen_from(self.waypoints[leg + 1], self._angle(leg), position)
+        return along >= 0.0 or math.hypot(along, across) < self.acceptance_distance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spline:
+    """A smooth curve through waypoints, known by its length; see `laticauda.control.curve`.
+
+    The nearest point is searched everywhere at first and tracked from then on, so that a curve may cross itself. Before
+    its begin and after its end the curve goes straight on.
+
+    Raises:
+        ValueError: If there are fewer than two waypoints, two equal ones in a row, a number is not finite, or the curve
+            turns back on the spot.
+    """
+
+    waypoints: Waypoints
+    """In order; x and y in world axes [m]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "waypoints", _waypoints(self.waypoints))
+        _ = self._curve  # a curve that cannot be is refused now
+
+    @cached_property
+    def _curve(self) -> Curve:
+        return natural_cubic(np.array(self.waypoints))
+
+    @property
+    def length(self) -> float:
+        """Of the whole curve [m]."""
+        return float(self._curve.lengths[-1])
+
+    @cached_property
+    def lengths(self) -> tuple[float, ...]:
+        """Length up to each waypoint [m]."""
+        return tuple(self._curve.length(self._curve.knots).tolist())
+
+    def init(self) -> None:
+        """Nowhere yet: the first position is searched along the whole curve."""
+
+    def locate(self, progress: float | None, position: Position) -> tuple[float, PathFrame]:
+        """Find a `position` [m]; the `progress` is the length up to the last nearest point [m]. See `Path`."""
+        curve = self._curve
+        u = np.array([curve.nearest(position[:2], progress)])
+        (r,), (first,), (second,) = curve.derivatives(u)
+        length = float(curve.length(u)[0])
+        angle = math.atan2(first[1], first[0])
+        beyond, across = _seen_from((float(r[0]), float(r[1])), angle, position)
+        # Inside, the nearest point is at a right angle, and what is left of `beyond` is rounding.
+        is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
+        along = length + beyond if is_outside else length
+        return length, PathFrame(
+            along_track_distance=along,
+            cross_track_error=across,
+            path_tangential_angle=wrap_to_pi(angle),
+            curvature=0.0 if is_outside else _curvature(first, second),
+            remaining=max(self.length - along, 0.0),
+        )
+
+    def points(self, along_track_distance: Distances) -> Points:
+        """Points of the curve at each `along_track_distance` [m]. See `Path`."""
+        inside = np.clip(along_track_distance, 0.0, self.length)
+        r, first, _ = self._curve.derivatives(self._curve.parameter(inside))
+        unit = first / np.linalg.norm(first, axis=1, keepdims=True)
+        return r + (along_track_distance - inside)[:, np.newaxis] * unit
+
+
+def _unit(angle: float) -> tuple[float, float]:
+    return math.cos(angle), math.sin(angle)
+
+
+def _seen_from(origin: tuple[float, float], angle: float, position: Position) -> tuple[float, float]:
+    """A position in axes at `origin`, turned by `angle`: along them, and across to the left [m]."""
+    c, s = _unit(angle)
+    x, y = float(position[0]) - origin[0], float(position[1]) - origin[1]
+    return c * x + s * y, c * y - s * x
+
+
+def _curvature(first: Position, second: Position) -> float:
+    """(x' y'' - y' x'') / |r'|^3 [1/m]."""
+    turn = first[0] * second[1] - first[1] * second[0]
+    return float(turn / math.hypot(first[0], first[1]) ** 3)
+
+
+def _pair(name: str, value: object) -> tuple[float, float]:
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise ValueError(f"`{name}` must be two numbers, x and y in m, got {value!r}.")
+    numbers = tuple(cast("Iterable[object]", value))
+    if len(numbers) != 2:
+        raise ValueError(f"`{name}` must be two numbers, x and y in m, got {len(numbers)}.")
+    return finite(f"{name}[0]", numbers[0], "m"), finite(f"{name}[1]", numbers[1], "m")
+
+
+def _waypoints(value: object) -> Waypoints:
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise ValueError(f"`waypoints` must be points, x and y in m each, got {value!r}.")
+    points = tuple(_pair(f"waypoints[{i}]", point) for i, point in enumerate(cast("Iterable[object]", value)))
+    if len(points) < 2:
+        raise ValueError(f"`waypoints` must hold at least 2 points, got {len(points)}.")
+    for i in range(1, len(points)):
+        if points[i] == points[i - 1]:
+            raise ValueError(f"`waypoints[{i}]` must differ from the point before it, got {points[i]} twice.")
+    return points

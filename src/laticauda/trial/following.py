@@ -1,0 +1,142 @@
+"""Figures of path following: how soon and how well a run came to its path, one meaning each.
+
+Pure functions of the distance from the path over time, like `metrics`. All but the last speak of its mean over the gait
+cycle: the center of mass of a swimming snake swings across its course, and that swing is the ripple, not an error.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.errors import positive
+from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
+
+TOLERANCE = 0.1  # of the cycle mean, within which a run counts as converged [m]
+_ROUNDING = 1e-9  # of a cycle
+
+
+class Convergence(NamedTuple):
+    """When and where a run came to its path."""
+
+    time: float
+    """Since the start of the run [s]."""
+    distance: float
+    """Progress along the path since the start [m]."""
+
+
+def mean_error(time: Time, cross_track_error: Time, period: float) -> CycleMean:
+    """The cross-track error averaged over the gait cycle around each moment [m].
+
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Of the gait [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+    """
+    return cycle_mean(time, cross_track_error, _rate(time, cross_track_error), period)
+
+
+def convergence(
+    time: Time, cross_track_error: Time, along_track_distance: Time, period: float, tolerance: float = TOLERANCE
+) -> Convergence | None:
+    """When the cycle-mean error came within the tolerance and stayed there for a whole cycle.
+
+    Args:
+        time: Of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        along_track_distance: How far along the path [m].
+        period: Of the gait [s].
+        tolerance: Largest cycle-mean error to either side [m].
+
+    Returns:
+        Time and progress along the path until then; None if it never did.
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to see one.
+    """
+    positive("tolerance", tolerance, "m")
+    middle, error = mean_error(time, cross_track_error, period)
+    outside = np.flatnonzero(np.abs(error) > tolerance)
+    # Between two excursions, and before the first and after the last, it is inside: the first such time that lasts.
+    entries = np.concatenate(([0], outside + 1))
+    exits = np.concatenate((outside, [middle.size]))
+    for entry, leave in zip(entries, exits, strict=True):
+        if entry < leave and middle[leave - 1] - middle[entry] >= period * (1.0 - _ROUNDING):
+            at = middle[entry : entry + 1]
+            here = interpolated(time, along_track_distance, _rate(time, along_track_distance), at)
+            return Convergence(float(at[0] - time[0]), float(here[0] - along_track_distance[0]))
+    return None
+
+
+def overshoot(time: Time, cross_track_error: Time, period: float) -> float:
+    """Largest cycle-mean error on the other side of the path than the one where the run began [m], at least 0.
+
+    Arguments and errors as for `mean_error`.
+    """
+    error = mean_error(time, cross_track_error, period).value
+    return max(0.0, float(np.max(-np.sign(cross_track_error[0]) * error)))
+
+
+def steady_error(time: Time, cross_track_error: Time, period: float, start: float) -> float:
+    """Root mean square of the cycle-mean error from `start` on, time since the start of the run [m].
+
+    Other arguments and errors as for `mean_error`.
+    """
+    middle, error = mean_error(time, cross_track_error, period)
+    return _root_mean_square(error[_since(time[0], middle, start)])
+
+
+def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> float:
+    """Root mean square of the error minus its cycle mean from `start` on, time since the start of the run [m].
+
+    Other arguments and errors as for `mean_error`.
+    """
+    middle, error = mean_error(time, cross_track_error, period)
+    here = interpolated(time, cross_track_error, _rate(time, cross_track_error), middle)
+    return _root_mean_square((here - error)[_since(time[0], middle, start)])
+
+
+def last_third_error(time: Time, cross_track_error: Time, period: float) -> float:
+    """Mean of the cycle-mean error over the last third of the run, with its sign [m].
+
+    Arguments and errors as for `mean_error`.
+    """
+    middle, error = mean_error(time, cross_track_error, period)
+    return float(np.mean(error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]))
+
+
+def saturated_share(time: Time, is_saturated: Time) -> float:
+    """Share of the run during which the offset was at its limit [-].
+
+    Args:
+        time: Of the samples [s].
+        is_saturated: 1 where it was, 0 where it was not, each until the next sample.
+
+    Raises:
+        ValueError: If there are fewer than two samples.
+    """
+    if time.size < 2:
+        raise ValueError(f"`time` must have at least 2 samples for a share of time, got {time.size}.")
+    return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
+
+
+def _rate(time: Time, signal: Time) -> Time:
+    if time.size < 3:
+        raise ValueError(f"`time` must have at least 3 samples for a mean over a cycle, got {time.size}.")
+    return np.asarray(np.gradient(signal, time), dtype=np.float64)
+
+
+def _since(begin: float, middle: Middles, start: float) -> Bool[np.ndarray, " n_middles"]:
+    """Which of the middles of cycles lie after `start`, time since the begin of the run."""
+    inside = middle - begin >= start
+    if not np.any(inside):
+        last = float(middle[-1] - begin)
+        raise ValueError(f"`start` must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s.")
+    return inside
+
+
+def _root_mean_square(values: Float[np.ndarray, " n"]) -> float:
+    return float(np.sqrt(np.mean(values * values)))

@@ -1,0 +1,133 @@
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import laticauda
+from laticauda.cli import app
+
+PROGRAM = Path(sys.executable).parent / "laticauda"
+
+
+def shell(*words: str, **settings: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, timeout=120, **settings)
+
+
+def test_the_installed_command_swims():
+    done = shell("swim", "--duration", "2")
+    assert done.returncode == 0, done.stderr
+    assert "forward velocity" in done.stdout
+    assert "Traceback" not in done.stderr
+
+
+def test_the_installed_command_refuses_bad_input():
+    done = shell("swim", "--amplitude-deg", "-3")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == "laticauda: --amplitude-deg must be >= 0 deg, got -3.\n"
+
+
+def test_a_closed_pipe_is_no_error_message():
+    pipe = subprocess.Popen([PROGRAM, "robots"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert pipe.stdout is not None and pipe.stderr is not None
+    pipe.stdout.close()
+    assert pipe.wait(timeout=60) == 141
+    assert pipe.stderr.read() == b""
+    pipe.stderr.close()
+
+
+def test_the_version_is_that_of_the_package(run):
+    assert run("--version").out == f"laticauda {laticauda.__version__}\n"
+
+
+@pytest.mark.parametrize("line", ["--help", "-h", "trial --help", "swim -h", "robots --help", "trial show --help"])
+def test_help_is_printed_and_ends_well(run, line):
+    done = run(line)
+    assert done.status == 0
+    assert "usage: laticauda" in done.out
+    assert done.err == ""
+
+
+def test_the_help_lists_every_command(run):
+    listed = run("--help").out + run("trial --help").out
+    assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
+
+
+@pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
+def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
+    for name, robot in (("run.nc", "mamba"), ("bare.nc", "mamba"), ("fin.nc", "mamba-fin")):
+        assert run(f"swim --robot {robot} --duration 3 --save {name}").status == 0
+    text = run(f"{' '.join(words)} --help").out
+    assert "--json" in text
+    (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)
+    done = run(" ".join(example.split()))
+    assert done.status == 0, done.err
+    assert done.out
+
+
+@pytest.mark.parametrize(
+    "command", ["--help", "--version", "swim --help", "robots", "robots mamba --toml", "trial --help"]
+)
+def test_commands_that_do_not_simulate_load_no_heavy_library(command):
+    heavy = ["numba", "matplotlib", "netCDF4", "xarray", "scipy", "tqdm"]
+    code = (
+        f"import sys; from laticauda.cli import main; status = main({command.split()!r});"
+        f"print(*[name for name in {heavy} if name in sys.modules], file=sys.stderr); sys.exit(status)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.split() == []
+
+
+def test_a_swim_loads_neither_plots_nor_files_unless_asked():
+    heavy = ["matplotlib", "netCDF4", "xarray", "tqdm"]
+    code = (
+        "import sys; from laticauda.cli import main; status = main(['swim', '--duration', '1']);"
+        f"print(*[name for name in {heavy} if name in sys.modules], file=sys.stderr); sys.exit(status)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert [line for line in done.stderr.splitlines() if "compiling" not in line] == [""]
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "message"),
+    [
+        (KeyboardInterrupt(), 130, "laticauda: stopped.\n"),
+        (MemoryError(), 2, "laticauda: there is not enough memory; try a shorter run, or fewer samples.\n"),
+        (OverflowError("too much"), 2, "laticauda: a number is out of every range: too much.\n"),
+        (PermissionError(13, "Permission denied", "a.nc"), 2, "laticauda: a.nc: permission denied.\n"),
+        (FileNotFoundError(2, "No such file or directory", "b"), 2, "laticauda: b: no such file or directory.\n"),
+        (OSError("no space"), 2, "laticauda: no space.\n"),
+        (laticauda.errors.TrialFileError("Cannot read `x`."), 2, "laticauda: Cannot read `x`.\n"),
+        (ValueError("`json` must be nice."), 2, "laticauda: --json must be nice.\n"),
+    ],
+    ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
+)
+def test_every_failure_has_its_status_and_a_message(run, monkeypatch, error, status, message):
+    from laticauda.cli import robots
+
+    def fail(self: object) -> int:
+        raise error
+
+    monkeypatch.setattr(robots.Robots, "__call__", fail)
+    done = run("robots --json")
+    assert (done.status, done.out, done.err) == (status, "", message)
+
+
+def test_a_bug_is_not_hidden_as_bad_input(run, monkeypatch):
+    from laticauda.cli import robots
+
+    def fail(self: object) -> int:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(robots.Robots, "__call__", fail)
+    with pytest.raises(ZeroDivisionError):
+        run("robots")
+
+
+def test_the_output_can_be_written_where_there_is_no_unicode():
+    done = shell("robots", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0, done.stderr

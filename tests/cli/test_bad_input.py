@@ -1,0 +1,130 @@
+"""Bad input through the command line: exit status 2, one clear message that names the option, nothing done."""
+
+from pathlib import Path
+
+import pytest
+
+BAD = {
+    # numbers of the gait, in degrees
+    "swim --amplitude-deg -3": "--amplitude-deg must be >= 0 deg, got -3.",
+    "swim --amplitude-deg nan": "--amplitude-deg must be a finite number in deg, got nan.",
+    "swim --frequency-deg-s -1": "--frequency-deg-s must be >= 0 deg/s, got -1.",
+    "swim --frequency-deg-s inf": "--frequency-deg-s must be a finite number in deg/s, got inf.",
+    "swim --phase-shift-deg inf": "--phase-shift-deg must be a finite number in deg, got inf.",
+    "swim --offset-deg nan": "--offset-deg must be a finite number in deg, got nan.",
+    "swim --heading-deg nan": "--heading-deg must be a finite number in deg, got nan.",
+    "swim --amplitude-deg x": "must be a number, got 'x'.",
+    "swim --amplitude-deg": "Missing value for argument '--amplitude-deg'",
+    "swim --gait eel": "('lateral-undulation', 'eel-like', 'custom')",
+    "swim --gait custom": "--envelope must be given",
+    "swim --envelope 1 1 1 1 1 1 1 1": "--envelope must be given",
+    "swim --gait custom --envelope 1 2": "--envelope must have one value per joint",
+    "swim --gait custom --envelope 1 2 nan 4 5 6 7 8": "--envelope must be a finite number, got nan.",
+    "swim --gait custom --envelope 1 2 c": "must be a number, got 'c'.",
+    # the run
+    "swim --duration 0": "--duration must be > 0 s, got 0",
+    "swim --duration -5": "--duration must be > 0 s, got -5",
+    "swim --duration nan": "--duration must be a finite number in s, got nan.",
+    "swim --sample-interval 0": "--sample-interval must be > 0 s, got 0",
+    "swim --dt 0": "--dt must be > 0 s, got 0",
+    "swim --dt -0.1": "--dt must be > 0 s, got -0.1",
+    "swim --ramp -1": "--ramp must be >= 0 s, got -1",
+    "swim --offset-bandwidth 0": "--offset-bandwidth must be > 0 rad/s, got 0",
+    "swim --joints servos": "('prescribed', 'pd', 'servo')",
+    "swim --model mujoco": "--model",
+    # the robot
+    "swim --n-links 0": "--n-links must be a whole number >= 1, got 0.",
+    "swim --n-links 2.5": "must be a whole number, got '2.5'.",
+    "swim --robot mamba-modules --n-links 5": "--n-links must stay 19 for robot `mamba-modules`",
+    "swim --robot mambo": "no robot preset named `mambo`; did you mean `mamba`?",
+    "swim --robot nofile.toml": "nofile.toml: no such file",
+    "swim --robot wrong.toml": "wrong.toml: key `lenght`: is not known",
+    "swim --robot range.toml": "range.toml: key `electronics_power`: must be >= 0 W, got -3",
+    "swim --robot text.toml": "text.toml: is not valid TOML",
+    "swim --robot paper-eel": "no robot preset named `paper-eel`",
+    # water and ground
+    "swim --water mamba": "no water preset named `mamba`",
+    "swim --ground paper-eel": "no ground preset named `paper-eel`",
+    "swim --ground viscous --water paper-eel": "--water must not be given with --ground",
+    "swim --ground viscous --density 3": "--density must not be given with --ground",
+    "swim --ground viscous --no-linear-drag": "--no-linear-drag must not be given with --ground",
+    "swim --density 0": "--density must be > 0 kg/m^3, got 0",
+    "swim --tangential-friction -1": "--tangential-friction must be >= 0, got -1",
+    "swim --normal-drag nan": "--normal-drag must be a finite number, got nan.",
+    "swim --added-mass -0.5": "--added-mass must be >= 0, got -0.5.",
+    "swim --added-inertia -2": "--added-inertia must be >= 0, got -2",
+    "swim --tangential-added-mass -2": "--tangential-added-mass must be >= 0, got -2",
+    "swim --reference-speed -1": "--reference-speed must be >= 0 m/s, got -1",
+    "swim --depth 0": "--depth must be > 0 m, got 0",
+    "swim --depth 0.01": "--depth must be > 0.055 m",
+    "swim --current 1": "Missing value for argument '--current'. Expected 2 values.",
+    "swim --current nan 0": "--current must be a finite number in m/s, got nan.",
+    "swim --linear-drag --no-linear-drag": "--linear-drag and --no-linear-drag must not be given together.",
+    "swim --trailing-edge elongated": "--trailing-edge must be `none` unless --added-mass-form is `kirchhoff`",
+    "swim --rotational none": "('paper', 'strip')",
+    "swim --added-mass-form Relative": "('relative', 'kirchhoff', 'classic')",
+    # files
+    "swim --save nofolder/run.nc": "--save must be a file in a folder that exists, got nofolder/run.nc.",
+    "swim --save run.txt": "--save must be a file that ends in .nc, got run.txt.",
+    "swim --save folder.nc": "--save must be a file, got the folder folder.nc.",
+    "swim --plot picture.jpg": "--plot must be a file that ends in .png or .pdf, got picture.jpg.",
+    "swim --plot nofolder/p.png": "--plot must be a file in a folder that exists, got nofolder/p.png.",
+    "swim --resume nofile.nc": "Cannot read nofile.nc: no such file or directory.",
+    "swim --resume text.toml": "Cannot load text.toml: it is no netCDF file",
+    "swim --resume a.nc --robot mamba": "--robot must not be given with --resume",
+    "swim --resume a.nc --offset-deg 0": "--offset-deg must not be given with --resume",
+    "swim --resume a.nc --link-forces": "--link-forces must not be given with --resume",
+    # words
+    "swim --amplitud-deg 3": "--amplitude-deg NUMBER",
+    "swim --trailing-egde none": "--trailing-edge {none,elongated}",
+    "swim extra": "Unrecognized options: extra",
+    "swimm": "Available subcommands: swim, robots, trial",
+    "": "Expected one of {swim, robots, trial}.",
+    "--versio": "Unrecognized options: --versio",
+    "robots nope": "no robot preset named `nope`",
+    "robots nope.toml": "nope.toml: no such file",
+    "robots --toml": "--toml must be given with the NAME of a robot, water or ground.",
+    "robots mamba --toml --json": "--toml and --json must not be given together.",
+    "trial": "Expected one of {show, compare, convert}.",
+    "trial shwo a.nc": "Available subcommands: show, compare, convert",
+    "trial show": "Missing from laticauda trial show",
+    "trial show nofile.nc": "Cannot read nofile.nc: no such file or directory.",
+    "trial show text.toml": "Cannot load text.toml: it is no netCDF file",
+    "trial compare": "FILES must hold at least 2 trials to compare, got 0.",
+    "trial compare nofile.nc a.nc": "Cannot read nofile.nc",
+    "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .csv, got out.xlsx.",
+    "trial convert a.nc nofolder/out.csv": "OUTPUT must be a file in a folder that exists, got nofolder/out.csv.",
+    "trial convert text.toml out.csv": "Cannot load text.toml",
+}
+
+
+@pytest.fixture
+def with_files(folder: Path) -> Path:
+    start = 'kind = "robot"\nextends = "mamba"\nname = "x"\n'
+    (folder / "wrong.toml").write_text(start + "lenght = 3\n")
+    (folder / "range.toml").write_text(start + "electronics_power = -3\n")
+    (folder / "text.toml").write_text("hello\n")
+    (folder / "folder.nc").mkdir()
+    return folder
+
+
+@pytest.mark.parametrize("line", BAD)
+def test_bad_input_is_refused_with_a_message(run, with_files, line):
+    before = sorted(with_files.iterdir())
+    done = run(line)
+    assert done.status == 2
+    assert done.out == ""
+    # tyro breaks its lines inside a frame
+    message = " ".join(part.strip("│ ") for part in done.err.splitlines())
+    assert BAD[line] in message
+    assert "Traceback" not in done.err
+    assert sorted(with_files.iterdir()) == before
+
+
+@pytest.mark.parametrize("option", ["--save run.nc", "--plot run.png"])
+def test_a_folder_without_permission_is_refused_before_the_run(run, monkeypatch, option):
+    monkeypatch.setattr("laticauda.cli.outputs.os.access", lambda path, mode: False)
+    monkeypatch.setattr("laticauda.simulate.swim", lambda *args, **settings: pytest.fail("it swam"))
+    done = run(f"swim {option}")
+    assert done.status == 2
+    assert "must be a file that may be written, got run" in done.err

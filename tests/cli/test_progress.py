@@ -1,0 +1,48 @@
+import io
+import sys
+
+import pytest
+
+from laticauda.cli import progress
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def screen(monkeypatch: pytest.MonkeyPatch, kind: type[io.StringIO]) -> io.StringIO:
+    # In the test itself: between fixtures and test, pytest puts its own capture in place.
+    found = kind()
+    monkeypatch.setattr(sys, "stderr", found)
+    return found
+
+
+def clock(monkeypatch: pytest.MonkeyPatch, step: float) -> None:
+    times = iter(i * step for i in range(1000))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(times))
+
+
+def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):
+    terminal = screen(monkeypatch, Terminal)
+    clock(monkeypatch, 3.0)
+    show = progress.progress(30.0)
+    for reached in (10.0, 20.0, 30.0):
+        show(reached)
+    assert "swam 20 of 30 s" in terminal.getvalue()
+
+
+def test_a_short_run_shows_nothing(monkeypatch):
+    terminal = screen(monkeypatch, Terminal)
+    clock(monkeypatch, 0.1)
+    show = progress.progress(30.0)
+    for reached in (10.0, 20.0, 30.0):
+        show(reached)
+    assert terminal.getvalue() == ""
+
+
+def test_nothing_is_shown_where_nobody_looks(monkeypatch):
+    terminal = screen(monkeypatch, io.StringIO)
+    clock(monkeypatch, 3.0)
+    progress.progress(30.0)(10.0)
+    assert terminal.getvalue() == ""

@@ -1,0 +1,59 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from laticauda.robot import (
+    Robot,
+    from_toml,
+    ground_names,
+    load_ground,
+    load_robot,
+    load_water,
+    robot_names,
+    to_toml,
+    water_names,
+)
+
+ALL = {
+    **{name: load_robot(name) for name in robot_names()},
+    **{name: load_water(name) for name in water_names()},
+    **{name: load_ground(name) for name in ground_names()},
+}
+
+
+def test_all_presets_are_listed(run):
+    done = run("robots")
+    assert done.status == 0
+    assert all(name in done.out for name in ALL)
+    assert "length [m]" in done.out
+
+
+def test_the_list_can_be_read_by_a_program(run):
+    found = json.loads(run("robots --json").out)
+    assert [robot["name"] for robot in found["robots"]] == list(robot_names())
+    assert found["waters"] == list(water_names())
+    assert found["grounds"] == list(ground_names())
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_preset_can_be_shown(run, name):
+    assert name in run(f"robots {name}").out
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_the_printed_toml_is_the_preset(run, name):
+    assert from_toml(run(f"robots {name} --toml").out) == ALL[name]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_preset_can_be_read_by_a_program(run, name):
+    found = json.loads(run(f"robots {name} --json").out)
+    assert found["name"] == name
+    if isinstance(ALL[name], Robot):
+        assert found["mass"] == ALL[name].mass
+
+
+def test_a_file_can_be_shown(run, folder: Path):
+    (folder / "my.toml").write_text(to_toml(load_robot("mamba", n_links=5)))
+    assert json.loads(run("robots my.toml --json").out)["n_links"] == 5

@@ -1,0 +1,215 @@
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.trial import FIGURES
+
+PAPER = (
+    "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 "
+    "--duration 30"
+)
+
+
+def lateral(**changes: float) -> lc.Gait:
+    values = {"amplitude": math.radians(30), "frequency": math.radians(130), "phase_shift": math.radians(40)}
+    return lc.lateral_undulation(**values | changes)
+
+
+def test_the_command_of_the_design_prints_one_json_object(run):
+    done = run(f"{PAPER} --json")
+    found = json.loads(done.out)
+    trial = lc.swim(lc.load_robot("mamba"), lateral())
+    assert (done.status, done.err) == (0, "")
+    assert found["forward_velocity"] == trial.forward_velocity
+    assert found["mean_power"] == trial.mean_power
+    assert found["status"] == "The run reached its end."
+    assert found["measured"]["forward_velocity"] == 0.1514
+
+
+def test_the_json_has_every_figure_or_the_reason_why_not(run):
+    found = json.loads(run("swim --duration 5 --json").out)
+    for figure in FIGURES:
+        assert (found[figure.name] is None) == (figure.name in found["not_available"])
+    assert "must span at least 12.77 s" in found["not_available"]["steady_velocity"]
+
+
+def test_the_json_says_how_the_run_was_made(run):
+    found = json.loads(run("swim --gait eel-like --normal-drag 1.5 --joints pd --duration 1 --json").out)
+    assert found["coefficients"]["normal_drag"] == 1.5
+    assert found["coefficients"]["tangential_friction"] == 0.17
+    assert found["settings"]["joints"] == "pd"
+    assert found["gait_parameters"]["amplitude"] == math.radians(30)
+    assert found["environment"] == "paper-eel with normal_drag 1.5"
+
+
+def test_without_options_it_is_the_papers_first_trial(run):
+    assert run("swim").out == run(PAPER).out
+
+
+def test_the_table_has_the_measured_speed_beside_the_simulated(run):
+    text = run(PAPER).out
+    assert re.search(r"^forward velocity.* 0\.1476  m/s +0\.1514 +-2\.5 %$", text, re.MULTILINE)
+    assert "paper-lateral (the paper's for lateral undulation): tangential_friction 0.3, normal_drag 1.75" in text
+    assert "mean power (mechanical)" in text
+    assert "do not compare it with a mechanical one" in text
+    assert re.search(r"^share of the linear term in the axial drag +0\.8713$", text, re.MULTILINE)
+
+
+def test_an_electrical_power_is_compared_with_the_measured(run):
+    text = run(f"{PAPER} --joints servo").out
+    assert re.search(r"^mean power \(electrical\) .* W +106\.6 +[-+][\d.]+ %$", text, re.MULTILINE)
+    assert "do not compare" not in text
+
+
+def test_a_setting_that_was_not_measured_has_no_measured_column(run):
+    text = run("swim --amplitude-deg 20 --duration 20").out
+    assert "measured" not in text.lower()
+
+
+def test_a_run_of_another_length_than_the_measured_says_so(run):
+    assert "This run: 20 s." in " ".join(run("swim --duration 20").out.split())
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("", "paper-lateral (the paper's for lateral undulation)"),
+        ("--gait eel-like", "paper-eel (the paper's for eel-like motion)"),
+        ("--gait custom --envelope 1 1 1 1 1 1 1 0.5", "paper-lateral (the paper's for lateral undulation, in want of"),
+        ("--water paper-vortex", "paper-vortex (as asked for)"),
+        ("--normal-drag 2", "paper-lateral with normal_drag 2 (the paper's for lateral undulation)"),
+        ("--ground viscous", "viscous (as asked for): viscous friction, tangential 0.5 N s/m, normal 3 N s/m"),
+    ],
+)
+def test_the_table_says_which_coefficients_and_where_from(run, options, said):
+    assert said in " ".join(run(f"swim --duration 1 {options}").out.split())
+
+
+def test_every_option_reaches_the_simulation(run):
+    line = (
+        "swim --robot mamba-fin --n-links 7 --gait custom --envelope 1 0.9 0.8 0.7 0.6 0.5 --amplitude-deg 25 "
+        "--frequency-deg-s 100 --phase-shift-deg 35 --offset-deg 5 --duration 3 --dt 0.01 --sample-interval 0.1 "
+        "--heading-deg 20 --joints pd --model planar --ramp 0.5 --offset-bandwidth 5 --water published-2015 "
+        "--tangential-friction 0.2 --normal-drag 1.5 --added-mass 1.2 --added-inertia 0.5 --tangential-added-mass 0.1 "
+        "--density 1025 --reference-speed 0.5 --linear-drag --no-quadratic-drag --current 0.1 -0.05 --depth 0.5 "
+        "--added-mass-form kirchhoff --rotational strip --trailing-edge elongated --link-forces --save run.nc"
+    )
+    assert run(line).status == 0
+    water = replace(
+        lc.load_water("published-2015"),
+        tangential_friction=0.2,
+        normal_drag=1.5,
+        added_mass=1.2,
+        added_inertia=0.5,
+        tangential_added_mass=0.1,
+        density=1025.0,
+        reference_speed=0.5,
+        linear_drag=True,
+        quadratic_drag=False,
+        current=(0.1, -0.05),
+        depth=0.5,
+        added_mass_form="kirchhoff",
+        rotational="strip",
+        trailing_edge="elongated",
+    )
+    gait = lc.custom_gait(
+        envelope=[1, 0.9, 0.8, 0.7, 0.6, 0.5],
+        amplitude=math.radians(25),
+        frequency=math.radians(100),
+        phase_shift=math.radians(35),
+        offset=math.radians(5),
+    )
+    trial = lc.swim(
+        lc.load_robot("mamba-fin", n_links=7),
+        gait,
+        3.0,
+        environment=water,
+        joints="pd",
+        dt=0.01,
+        sample_interval=0.1,
+        ramp=0.5,
+        offset_bandwidth=5.0,
+        start=lc.Start(heading=math.radians(20)),
+        link_forces=True,
+    )
+    stored = lc.load_trial("run.nc")
+    named = replace(water, name=stored.environment.name)
+    assert stored.equals(replace(trial, environment=named, created=stored.created))
+
+
+def test_the_saved_file_is_the_run(run):
+    found = json.loads(run(f"{PAPER} --save run.nc --json").out)
+    stored = lc.load_trial("run.nc")
+    trial = lc.swim(lc.load_robot("mamba"), lateral())
+    assert stored.equals(replace(trial, created=stored.created))
+    assert stored.forward_velocity == found["forward_velocity"]
+
+
+@pytest.mark.parametrize("options", ["", "--joints servo --link-forces", "--robot mamba-fin --offset-deg 8"])
+def test_a_run_that_goes_on_from_a_file_is_the_same_as_one_that_was_never_cut(run, options):
+    assert run(f"swim {options} --duration 10 --save whole.nc").status == 0
+    assert run(f"swim {options} --duration 4 --save first.nc").status == 0
+    assert run("swim --resume first.nc --duration 6 --save both.nc").status == 0
+    whole, both = lc.load_trial("whole.nc"), lc.load_trial("both.nc")
+    assert both.time.size == whole.time.size
+    np.testing.assert_allclose(both.center_of_mass, whole.center_of_mass, atol=1e-12)
+    np.testing.assert_allclose(both.work, whole.work, atol=1e-9)
+    assert both.forward_velocity == pytest.approx(whole.forward_velocity, abs=1e-13)
+
+
+def test_a_resumed_run_says_where_its_coefficients_are_from(run):
+    run("swim --water paper-vortex --duration 2 --save first.nc")
+    assert (
+        "paper-vortex (as stored in first.nc): tangential_friction 0.1"
+        in run("swim --resume first.nc --duration 1").out
+    )
+
+
+def test_a_trial_with_a_law_of_its_own_cannot_be_resumed(run):
+    trial = lc.swim(lc.load_robot("mamba"), lateral(), 1.0)
+    replace(trial, settings={**trial.settings, "fluid_law": "my_law"}).save("mine.nc")
+    done = run("swim --resume mine.nc")
+    assert done.status == 2
+    assert "--resume must be a trial with a built-in fluid law, got one with my_law." in done.err
+
+
+WILD = "swim --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
+
+
+def test_a_failed_run_ends_with_status_1_its_sentence_and_its_file(run):
+    done = run(f"{WILD} --save wild.nc --plot wild.png")
+    assert done.status == 1
+    assert done.err.startswith("The run diverged at t = ")
+    assert "--dt" in done.err
+    assert "FAILED" in done.out
+    assert not lc.load_trial("wild.nc").succeeded
+    assert Path("wild.png").stat().st_size > 10_000
+
+
+def test_a_failed_run_is_still_one_json_object_without_nan(run):
+    done = run(f"{WILD} --json")
+    found = json.loads(done.out, parse_constant=pytest.fail)
+    assert done.status == 1
+    assert found["succeeded"] is False
+    assert found["status"].startswith("The run diverged")
+
+
+@pytest.mark.parametrize(("name", "start"), [("run.png", b"\x89PNG"), ("run.pdf", b"%PDF")])
+def test_a_picture_is_drawn(run, name, start):
+    assert run(f"swim --duration 5 --plot {name}").status == 0
+    content = Path(name).read_bytes()
+    assert content.startswith(start)
+    assert len(content) > 10_000
+
+
+def test_the_first_run_on_a_machine_says_that_it_compiles(run, monkeypatch):
+    monkeypatch.setattr("laticauda.simulate.needs_compiling", lambda environment: True)
+    done = run("swim --duration 1 --json")
+    assert done.err == "compiling the kernels for this machine (once, about 10 s) ...\n"
+    assert json.loads(done.out)["succeeded"]

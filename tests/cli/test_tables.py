@@ -1,0 +1,45 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.cli.tables import aligned, number, percent, read_in
+
+
+def test_columns_are_aligned():
+    assert aligned([("a", "1"), ("bcd", "22")], right=(1,)) == "a     1\nbcd  22"
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (0.14764, "0.1476"),
+        (9.377, "9.377"),
+        (106.63, "106.6"),
+        (123456.7, "123457"),
+        (0.0, "0"),
+        (4e-9, "0"),
+        (-1.853, "-1.853"),
+    ],
+)
+def test_numbers_have_four_digits(value, shown):
+    assert number(value) == shown
+
+
+@given(st.floats(min_value=1e-5, max_value=1e9))
+def test_a_shown_number_is_near_its_value(value):
+    assert float(number(value)) == pytest.approx(value, rel=6e-4)
+    assert float(number(-value)) == pytest.approx(-value, rel=6e-4)
+
+
+def test_angles_are_read_in_degrees():
+    assert read_in(math.pi, "rad") == ("180.0", "deg")
+    assert read_in(1.0, "rad/s") == ("57.30", "deg/s")
+    assert read_in(None, "m/s") == ("-", "m/s")
+
+
+def test_differences_have_a_sign():
+    assert percent(2.48) == "+2.5 %"
+    assert percent(-2.48) == "-2.5 %"
+    assert percent(None) == "-"

@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.trial import following
+
+PERIOD = 4.0
+TIME = np.arange(0.0, 90.0 + 1e-9, 0.05)
+ALONG = 0.1 * TIME
+RIPPLE = 0.03 * np.sin(2.0 * np.pi * TIME / PERIOD)
+
+
+def approach(start, *, end=0.0, rate=0.2):
+    return end + (start - end) * np.exp(-rate * TIME)
+
+
+def test_convergence_is_when_the_mean_stays_within_the_tolerance():
+    reached = following.convergence(TIME, approach(1.0) + RIPPLE, ALONG, PERIOD)
+    # The mean over a cycle of exp(-0.2 t) is larger by sinh(0.4)/0.4.
+    expected = np.log(10.0 * np.sinh(0.4) / 0.4) / 0.2
+    assert reached.time == pytest.approx(expected, abs=0.06)
+    assert reached.distance == pytest.approx(0.1 * reached.time)
+
+
+def test_a_run_that_starts_on_the_path_has_converged_at_once():
+    reached = following.convergence(TIME, RIPPLE, ALONG, PERIOD)
+    assert reached.time == pytest.approx(PERIOD / 2)  # the first moment with a whole cycle around it
+
+
+def test_a_visit_shorter_than_a_cycle_is_no_convergence():
+    passing = 0.5 - 0.1 * TIME
+    assert following.convergence(TIME, passing, ALONG, PERIOD) is None
+    assert following.convergence(TIME, approach(1.0, end=0.2), ALONG, PERIOD) is None
+    then_there = np.where(TIME < 40.0, np.abs(passing), 0.0)
+    assert following.convergence(TIME, then_there, ALONG, PERIOD).time > 40.0
+
+
+@given(start=st.floats(0.2, 3.0), side=st.sampled_from([-1.0, 1.0]), past=st.floats(0.0, 0.5))
+def test_overshoot_is_what_lies_on_the_other_side(start, side, past):
+    error = side * (approach(start, end=-past))
+    assert following.overshoot(TIME, error + 0.1 * RIPPLE, PERIOD) == pytest.approx(past, abs=2e-3)
+
+
+def test_without_a_change_of_side_there_is_no_overshoot():
+    assert following.overshoot(TIME, approach(1.0, end=0.1), PERIOD) == 0.0
+
+
+def test_error_and_ripple_add_up():
+    error = 0.02 + RIPPLE
+    assert following.steady_error(TIME, error, PERIOD, 30.0) == pytest.approx(0.02, rel=1e-6)
+    assert following.ripple(TIME, error, PERIOD, 30.0) == pytest.approx(0.03 / np.sqrt(2.0), rel=1e-3)
+    assert following.last_third_error(TIME, -error, PERIOD) == pytest.approx(-0.02, rel=1e-6)
+
+
+def test_the_last_third_is_of_the_run_and_not_of_the_clock():
+    assert following.last_third_error(TIME + 1000.0, approach(1.0, end=0.3), PERIOD) == pytest.approx(0.3, abs=1e-4)
+
+
+def test_the_share_of_saturation_is_one_of_time():
+    time = np.array([0.0, 1.0, 4.0, 5.0])
+    assert following.saturated_share(time, np.array([0.0, 1.0, 0.0, 1.0])) == pytest.approx(0.6)
+
+
+def test_what_has_no_meaning_is_refused():
+    with pytest.raises(ValueError, match="`start` must be <= 88 s, the middle of the last gait cycle, got 89 s"):
+        following.ripple(TIME, RIPPLE, PERIOD, 89.0)
+    with pytest.raises(ValueError, match="`time` must span at least one gait cycle"):
+        following.overshoot(TIME[:20], RIPPLE[:20], PERIOD)
+    with pytest.raises(ValueError, match="`time` must have at least 3 samples for a mean over a cycle, got 2"):
+        following.overshoot(TIME[:2], RIPPLE[:2], PERIOD)
+    with pytest.raises(ValueError, match="`tolerance` must be > 0 m, got 0"):
+        following.convergence(TIME, RIPPLE, ALONG, PERIOD, 0.0)
+    with pytest.raises(ValueError, match="`time` must have at least 2 samples for a share of time, got 1"):
+        following.saturated_share(TIME[:1], RIPPLE[:1])
