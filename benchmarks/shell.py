@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 
-SWIM = "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40".split()
+SWIM = ["swim", "--gait", "lateral-undulation", "--amplitude-deg", "30", "--frequency-deg-s", "130"]
 
 
 def wall(command: list[str], runs: int, **environment: str) -> float:

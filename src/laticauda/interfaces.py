@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite
+from laticauda.errors import within
 from laticauda.gaits import Gait
 from laticauda.robot import Environment, Robot
 
@@ -62,9 +62,10 @@ class Start:
     def __post_init__(self) -> None:
         """Check every field once."""
         x, y = self.center_of_mass
-        at = (finite("center_of_mass[0]", x, "m"), finite("center_of_mass[1]", y, "m"))
+        far = 1e5  # beyond it, digits of the motion are lost
+        at = (within("center_of_mass[0]", x, -far, far, "m"), within("center_of_mass[1]", y, -far, far, "m"))
         object.__setattr__(self, "center_of_mass", at)
-        object.__setattr__(self, "heading", finite("heading", self.heading, "rad"))
+        object.__setattr__(self, "heading", within("heading", self.heading, -far, far, "rad"))
 
 
 class Controller(Protocol[State]):

@@ -7,6 +7,7 @@ import laticauda as lc
 from laticauda.errors import SimulationFailed
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Actuator, CaudalFin, Ground, Joint, PectoralFin, Tether, load_robot, load_water
+from laticauda.simulate import plant_of
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 WATER = load_water("paper-lateral")
@@ -141,7 +142,7 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
     trial = lc.swim(robot, gait, joints="pd")
     assert not trial.succeeded
     assert "The run diverged at t = " in trial.status
-    assert "try a smaller `dt`, or lower `proportional_gain` and `derivative_gain`." in trial.status
+    assert "; try a smaller `dt`, or lower `proportional_gain` and `derivative_gain`." in trial.status
     assert np.all(np.isfinite(trial.center_of_mass))
     with pytest.raises(SimulationFailed, match="The run diverged at t = "):
         lc.swim(robot, gait, joints="pd", throw=True)
@@ -157,7 +158,9 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         ({"duration": float("inf")}, "`duration` must be a finite number in s, got inf."),
         ({"duration": "long"}, "`duration` must be a number in s, got 'long'."),
         ({"sample_interval": -0.1}, "`sample_interval` must be > 0 s, got -0.1."),
-        ({"dt": 0.0}, "`dt` must be > 0 s, got 0.0."),
+        ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
+        ({"duration": 1e9}, "`duration` must be <= 100000 s at a `sample_interval` of 0.05 s, got 1e+09"),
+        ({"environment": replace(WATER, normal_drag=1e12)}, "`environment` must let a link glide for at least 1e-07 s"),
         ({"ramp": -1.0}, "`ramp` must be >= 0 s, got -1.0."),
         ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
         ({"joints": "servos"}, "`joints` must be one of"),
@@ -198,3 +201,23 @@ def test_a_name_is_no_robot_and_no_gait():
         lc.swim("mamba", GAIT)
     with pytest.raises(ValueError, match="`gait` must be of class Gait, got str"):
         lc.swim(load_robot("mamba"), "eel_like")
+
+
+def test_a_run_that_cannot_even_start_is_a_failed_trial_too():
+    trial = lc.swim(load_robot("mamba"), GAIT, environment=replace(WATER, current=(1e300, 0.0)))
+    assert not trial.succeeded
+    assert trial.status.startswith("The run diverged at t = 0 s")
+    assert trial.time.size == 1
+
+
+def test_a_start_beyond_the_digits_of_a_number_is_refused():
+    with pytest.raises(ValueError, match=r"`heading` must be between -100000 and 100000 rad, got 1e\+300"):
+        lc.Start(heading=1e300)
+
+
+def test_the_plant_of_a_trial_is_made_again():
+    trial = lc.swim(load_robot("mamba-modules"), GAIT, duration=1.0, joints="pd", dt=0.001, offset_bandwidth=4.0)
+    assert plant_of(trial).settings == trial.settings
+    own = replace(trial, settings={**trial.settings, "fluid_law": "mine"})
+    with pytest.raises(ValueError, match="`trial` must be a trial with a built-in fluid law, got one with mine"):
+        plant_of(own)

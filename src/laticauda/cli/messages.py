@@ -1,6 +1,7 @@
 """Error messages in the words of the command line: an argument's name becomes the option that was typed."""
 
 import dataclasses
+import math
 import re
 from typing import Any
 
@@ -45,9 +46,15 @@ def in_flags(message: str, command: object) -> str:
     first = re.match(r"`(\w+)`", message)
     spelled = _option(first[1], known) if first else None
     if spelled is not None and spelled.endswith(DEGREES):
+        message = re.sub(r"between (\S+) and (\S+) rad", _range_in_degrees, message)
         message = re.sub(r"\brad\b", "deg", message)
         message = re.sub(r", got .*$", f", got {known[spelled]:g}.", message)
     return re.sub(r"`(\w+)(?:\[\d+\])?`", lambda found: _typed(found, known), message)
+
+
+def _range_in_degrees(found: re.Match[str]) -> str:
+    low, high = (math.degrees(float(bound)) for bound in found.groups())
+    return f"between {low:g} and {high:g} deg"
 
 
 def _option(name: str, known: dict[str, Any]) -> str | None:

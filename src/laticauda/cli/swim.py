@@ -20,7 +20,6 @@ from laticauda.cli.outputs import check_output
 from laticauda.robot import Environment
 
 if TYPE_CHECKING:
-    from laticauda.interfaces import Plant
     from laticauda.trial import Trial
 
 DURATION = 30.0  # [s]
@@ -112,7 +111,7 @@ class Swim:
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""
-        from laticauda.simulate import resume
+        from laticauda.simulate import plant_of, resume
         from laticauda.trial import joined, load_trial
 
         for name in given(self):
@@ -120,7 +119,7 @@ class Swim:
                 raise ValueError(f"`{name}` must not be given with `resume`: the stored trial has its own.")
         first = load_trial(path)
         second = resume(
-            _plant_of(first),
+            plant_of(first),
             first,
             link_forces=first.link_force is not None,
             progress=_progress(first.environment, **self._clock()),
@@ -148,14 +147,3 @@ def _progress(environment: Environment, duration: float, **_: object) -> Callabl
     if needs_compiling(environment):
         print(COMPILING, file=sys.stderr, flush=True)
     return progress(duration)
-
-
-def _plant_of(trial: "Trial") -> "Plant[Any]":
-    """The plant that a stored trial was made with."""
-    from laticauda.simulate import plant
-
-    settings: Any = trial.settings
-    if settings.get("fluid_law", "built-in") != "built-in":
-        raise ValueError(f"`resume` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
-    names = ("model", "joints", "dt", "offset_bandwidth", "ramp")
-    return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, one_of, positive
+from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.fluid import laws, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
@@ -21,6 +21,7 @@ FORCES = ("drag", "added_mass", "effector")
 
 # Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK4), driven joints to
 # 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
+LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 DEFAULT_DT = {"prescribed": 0.025, "pd": 0.002, "servo": 0.002}
 
 
@@ -63,7 +64,7 @@ class PlanarPlant:
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
             object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
-        object.__setattr__(self, "dt", positive("dt", self.dt, "s"))
+        object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
@@ -133,6 +134,8 @@ class PlanarPlant:
         samples = raw[:written, :, 0]
         if written <= n_intervals:
             when = state.values[0] + written * duration / n_intervals
+            if written == 0:  # what the state calls for at once is out of range; the state itself is kept
+                samples = np.nan_to_num(raw[:1, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
             return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
         log = self._log(samples)
         if link_forces:
@@ -236,6 +239,11 @@ def _stable_step(robot: Robot, environment: Environment) -> float:
         speed = 1.0  # m/s: links of a swimming robot are slower
         steepest = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
     rate = steepest * max(float(np.max(c.c_n / (c.mass + c.mu_n))), float(np.max(c.c_t / (c.mass + c.mu_t))))
+    if not rate < 1.0 / LEAST_DT:
+        raise ValueError(
+            f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
+            f"within {1.0 / rate:.3g} s; lower its coefficients."
+        )
     return 1.0 / rate if rate > 0.0 else math.inf
 
 
@@ -247,6 +255,6 @@ def _what_went_wrong(time: float, joints: str, dt: float) -> str:
         "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
     }[joints]
     return (
-        f"The run diverged at t = {time:.3g} s (a position, angle or rate left the range of +-1e6) with dt = {dt:g} s; "
-        f"try {remedy}."
+        f"The run diverged at t = {time:.3g} s with dt = {dt:g} s (a position, angle, rate or torque went beyond all "
+        f"bounds); try {remedy}."
     )

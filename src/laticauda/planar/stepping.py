@@ -212,12 +212,13 @@ def read_sample(S, n, sample):
 @kernel
 @no_type_check
 def all_finite(S, n):
-    """Whether positions, rates and joint rates are still numbers a swimming robot can have."""
+    """Whether positions, rates, joint rates and torques are still numbers that a swimming robot can have."""
     for k in range(W):
         for r in range(BASE_ROWS):
             if not np.abs(S[(HEADING + r) * W + k]) < 1e6:
                 return False
         for i in range(1, n):
-            if not np.abs(S[(HEADER_ROWS + i * BODY_ROWS + RATE) * W + k]) < 1e6:
+            b = HEADER_ROWS + i * BODY_ROWS
+            if not np.abs(S[(b + RATE) * W + k]) < 1e6 or not np.abs(S[(b + TORQUE) * W + k]) < 1e12:
                 return False
     return True

@@ -6,6 +6,7 @@ from typing import Any, TypeAlias
 from laticauda.errors import instance, one_of
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.trial import Trial
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
 MODELS = ("planar",)
@@ -59,6 +60,22 @@ def plant(
         ramp=ramp,
         fluid_law=fluid_law,
     )
+
+
+def plant_of(trial: Trial) -> Plant[Any]:
+    """The plant that a trial was made with, to go on with it.
+
+    Args:
+        trial: A simulated trial.
+
+    Raises:
+        ValueError: If it was made with a fluid law of one's own, which a trial does not hold.
+    """
+    settings: Any = trial.settings
+    if settings.get("fluid_law", "built-in") != "built-in":
+        raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
+    names = ("model", "joints", "dt", "offset_bandwidth", "ramp")
+    return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
 
 
 def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None) -> bool:

@@ -16,6 +16,8 @@ Progress = Callable[[float], None]
 
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
+# A log beyond this many samples would take gigabytes.
+MOST_SAMPLES = 2_000_000
 
 
 def run(
@@ -68,7 +70,7 @@ def resume(
     """Go on from where a trial ended; the rest of an open-loop run is the same as if it had never been cut.
 
     Args:
-        plant: The same plant as that of the trial.
+        plant: The same plant as that of the trial (`laticauda.simulate.plant_of`).
         trial: A trial that ran to its end.
         duration: How much longer [s].
         controller: None goes on with the trial's gait. A controller starts from its own initial state.
@@ -106,6 +108,11 @@ def _go(
 ) -> Trial:
     positive("duration", duration, "s")
     positive("sample_interval", sample_interval, "s")
+    if duration > MOST_SAMPLES * sample_interval:
+        raise ValueError(
+            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer."
+        )
     reporting = None
     if isinstance(controller, ReportingController):
         reporting = cast("ReportingController[Any]", controller)

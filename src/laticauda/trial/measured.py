@@ -97,7 +97,7 @@ def measured_trial(gait: Gait, has_fin: bool) -> MeasuredTrial | None:
 
 
 def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
-    """The paper's trial of the same setting, or None: only Mamba in water was measured, bare or with the fin.
+    """The paper's trial of the same setting, or None: only Mamba in still water was measured, bare or with the fin.
 
     Args:
         trial: A run; its robot counts as Mamba if its name begins so and it carries nothing else.
@@ -105,7 +105,9 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
     robot = trial.robot
     carries_more = bool(robot.thrusters or robot.pectoral_fins)
     is_mamba = robot.name == "mamba" or robot.name.startswith("mamba-")
-    if trial.gait is None or not is_mamba or carries_more or isinstance(trial.environment, Ground):
+    if trial.gait is None or not is_mamba or carries_more:
+        return None
+    if isinstance(trial.environment, Ground) or trial.environment.current != (0.0, 0.0):
         return None
     return measured_trial(trial.gait, robot.caudal_fin is not None)
 

@@ -129,6 +129,11 @@ def sideslip(
     inside = _in_steady_part(time, period)
     traveled = course_cycle_mean(time, center_of_mass, velocity, period).value
     pointed = cycle_mean(time, heading, heading_rate, period).value
+    if not np.any(inside):
+        raise ValueError(
+            "`time` must hold the middle of a whole gait cycle after the transient for a sideslip: "
+            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least."
+        )
     angle = (traveled - pointed)[inside]
     # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))

@@ -32,7 +32,7 @@ FIGURES = (
     Figure(name="positive_power", unit="W", title="mechanical power, positive work only"),
     Figure(name="electrical_power", unit="W", title="electrical power above idle"),
     Figure(name="total_power", unit="W", title="electrical power with idle"),
-    Figure(name="cost_of_transport", unit="", title="cost of transport, from mean power and the displaced weight"),
+    Figure(name="cost_of_transport", unit="", title="cost of transport: mean power / (weight * speed)"),
     Figure(name="joules_per_meter", unit="J/m", title="energy per meter, from mean power"),
     Figure(name="quasi_propulsive_efficiency", unit="", title="towing power of the straight robot / mechanical power"),
     Figure(name="linear_drag_share", unit="", title="share of the linear term in the axial drag"),
