@@ -73,3 +73,8 @@ def test_what_has_no_meaning_is_refused():
         following.convergence(TIME, RIPPLE, ALONG, PERIOD, 0.0)
     with pytest.raises(ValueError, match="`time` must have at least 2 samples for a share of time, got 1"):
         following.saturated_share(TIME[:1], RIPPLE[:1])
+
+
+def test_a_run_that_followed_no_path_has_no_such_figures(make_trial):
+    with pytest.raises(ValueError, match="`trial` must be a run that followed a path: it has no signal"):
+        following.summary(make_trial())

@@ -10,7 +10,7 @@ from typing import Any
 from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, measured_counterpart
+from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
 MEASURED_DURATION = 30.0  # of the paper's trials [s]
@@ -32,6 +32,8 @@ def as_json(trial: Trial) -> str:
         "settings": dict(trial.settings),
         "version": trial.version,
     }
+    if "cross_track_error" in trial.signals:
+        found["path_following"] = following.summary(trial)
     return json.dumps(found, indent=2, allow_nan=False)
 
 
@@ -71,6 +73,13 @@ def comparison_as_text(names: Sequence[str], rows: Sequence[ComparedFigure]) -> 
             line += [shown, percent(difference)]
         lines.append(line)
     return aligned(lines, right=(1, *range(3, len(lines[0]))))
+
+
+def following_table(trial: Trial) -> str:
+    """How soon and how well a run came to its path, a figure a line."""
+    found = following.summary(trial)
+    rows = [(title, *read_in(found[name], unit)) for name, (unit, title) in following.FIGURES.items()]
+    return aligned([("path following", "", ""), *rows], right=(1,))
 
 
 def figure_table(trial: Trial) -> str:

@@ -103,7 +103,7 @@ class Swim:
             environment=environment,
             start=Start(heading=radians(self.run.heading_deg, 0.0)),
             link_forces=self.run.link_forces,
-            progress=_progress(environment, **self._clock()),
+            progress=announced(environment, **self._clock()),
             **given(self.model),
             **self._clock(),
         )
@@ -122,7 +122,7 @@ class Swim:
             plant_of(first),
             first,
             link_forces=first.link_force is not None,
-            progress=_progress(first.environment, **self._clock()),
+            progress=announced(first.environment, **self._clock()),
             **self._clock(),
         )
         return joined(first, second), f"as stored in {path}"
@@ -139,8 +139,13 @@ class Swim:
             print(in_flags(trial.status, self), file=sys.stderr)
 
 
-def _progress(environment: Environment, duration: float, **_: object) -> Callable[[float], None]:
-    """Say that kernels will be compiled, if so, and return what shows the progress of the run."""
+def announced(environment: Environment, duration: float, **_: object) -> Callable[[float], None]:
+    """Say that kernels will be compiled, if so, and return what shows the progress of the run.
+
+    Args:
+        environment: Where it will swim.
+        duration: How long [s].
+    """
     from laticauda.cli.progress import progress
     from laticauda.simulate import needs_compiling
 

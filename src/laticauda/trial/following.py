@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.errors import positive
 from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
+from laticauda.trial.trial import Trial
 
 TOLERANCE = 0.1  # of the cycle mean, within which a run counts as converged [m]
 _ROUNDING = 1e-9  # of a cycle
@@ -121,6 +122,46 @@ def saturated_share(time: Time, is_saturated: Time) -> float:
     if time.size < 2:
         raise ValueError(f"`time` must have at least 2 samples for a share of time, got {time.size}.")
     return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
+
+
+FIGURES = {
+    "convergence_time": ("s", "time until the mean error stays within 0.1 m for a cycle"),
+    "convergence_distance": ("m", "progress along the path until then"),
+    "overshoot": ("m", "largest mean error on the other side"),
+    "steady_error": ("m", "root mean square of the mean error after that"),
+    "ripple": ("m", "root mean square of the swing about the mean after that"),
+    "last_third_error": ("m", "mean error over the last third of the run"),
+    "saturated_share": ("", "share of the run with the offset at its limit"),
+}
+"""Unit and meaning of the figures of `summary`; errors are cycle means of the distance from the path."""
+
+
+def summary(trial: Trial) -> dict[str, float | None]:
+    """The figures of a path-following run by the names of `FIGURES`; None where a run has no such figure.
+
+    Args:
+        trial: A run with the signals of `laticauda.control.PathFollowing`.
+
+    Raises:
+        ValueError: If the trial has no such signals.
+    """
+    if "cross_track_error" not in trial.signals:
+        raise ValueError("`trial` must be a run that followed a path: it has no signal `cross_track_error`.")
+    found: dict[str, float | None] = dict.fromkeys(FIGURES)
+    time, error = trial.time, trial.signals["cross_track_error"]
+    period = trial.period
+    if time.size > 1:
+        found["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
+    if period is None or time[-1] - time[0] < 1.5 * period:
+        return found
+    found["overshoot"] = overshoot(time, error, period)
+    found["last_third_error"] = last_third_error(time, error, period)
+    reached = convergence(time, error, trial.signals["along_track_distance"], period)
+    if reached is not None:
+        found["convergence_time"], found["convergence_distance"] = reached
+        found["steady_error"] = steady_error(time, error, period, reached.time)
+        found["ripple"] = ripple(time, error, period, reached.time)
+    return found
 
 
 def _rate(time: Time, signal: Time) -> Time:

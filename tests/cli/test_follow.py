@@ -1,0 +1,57 @@
+import json
+
+import pytest
+
+from laticauda.trial import load_trial
+
+
+def test_follow_prints_how_soon_the_robot_came_to_the_path(run):
+    done = run("follow --robot mamba-fin --frequency-deg-s 90 --position 0 1.848 --heading-deg 7.7 --duration 60")
+    assert done.status == 0
+    assert "time until the mean error stays within 0.1 m for a cycle" in done.out
+    assert "offset at its limit" in done.out
+
+
+def test_follow_as_json_has_the_figures_of_path_following(run):
+    done = run("follow --frequency-deg-s 90 --duration 60 --json --save run.nc --plot run.png")
+    found = json.loads(done.out)
+    assert found["status"] == "The run reached its end."
+    assert found["path_following"]["convergence_time"] < 60.0
+    assert abs(found["path_following"]["last_third_error"]) < 0.05
+    assert found["settings"]["heading_estimate"] == "raw"
+    assert set(load_trial("run.nc").signals) >= {"cross_track_error", "heading_ref", "offset"}
+
+
+def test_follow_takes_waypoints_and_the_integral_law(run):
+    path = "--waypoints 0 0 3 0 5 2 --smooth --position 0 0.3"
+    done = run(f"follow --robot mamba-fin {path} --guidance integral-line-of-sight --duration 30 --json")
+    assert done.status == 0
+    settings = json.loads(done.out)["settings"]
+    assert settings["path"].startswith("Spline(")
+    assert settings["guidance"].startswith("IntegralLineOfSight(")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("--look-ahead-distance 0", "--look-ahead-distance must be > 0 m, got 0"),
+        ("--waypoints 0 0", "must"),
+        ("--waypoints 0 0 0 0", "must"),
+        ("--waypoints 0 0 1", "--waypoints must be pairs of numbers, x1 y1 x2 y2 ..., got 3 numbers."),
+        ("--waypoints 0 0 nan 1", "must be a finite number in m, got nan"),
+        ("--max-offset-deg 80", "or joint 0 goes beyond its limit"),
+        ("--max-offset-deg -1", "--max-offset-deg must be"),
+        ("--gain -0.4", "--gain must be"),
+        ("--position 1", "--position must be two numbers, x y [m], got 1."),
+        ("--position nan 0", "must be a finite number in m, got nan"),
+        ("--control-interval 0", "must be > 0 s, got 0"),
+        ("--duration 0", "--duration must be > 0 s, got 0"),
+        ("--guidance pure-pursuit", "pure-pursuit"),
+        ("--look-ahead 1", "look-ahead"),
+    ],
+)
+def test_bad_input_is_refused_with_a_message(run, line, message):
+    done = run(f"follow {line}")
+    assert done.status == 2
+    assert message in done.err
+    assert "Traceback" not in done.err + done.out

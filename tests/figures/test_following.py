@@ -1,0 +1,36 @@
+import numpy as np
+
+import laticauda as lc
+from laticauda.figures import follow_sheet, save_figure
+
+
+def followed():
+    controller = lc.PathFollowing(
+        gait=lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40)),
+        path=lc.StraightLine(),
+        guidance=lc.LineOfSight(look_ahead_distance=0.18),
+        heading=lc.HeadingController(gain=0.4, max_offset=np.deg2rad(20)),
+    )
+    plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+    return lc.run(plant, controller, 40.0, start=lc.Start(center_of_mass=(0.0, 1.0)))
+
+
+def test_the_sheet_shows_way_error_and_heading_with_their_units(tmp_path):
+    figure = follow_sheet(followed())
+    labels = [(ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
+    assert labels == [
+        ("x [m]", "y [m]"),
+        ("time [s]", "cross-track error [m]"),
+        ("time [s]", "heading [deg]"),
+    ]
+    for name in ("follow.png", "follow.pdf"):
+        save_figure(figure, tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 10_000
+
+
+def test_the_path_is_drawn_where_it_is():
+    drawn = follow_sheet(followed()).axes[0].get_lines()
+    dashed = [line for line in drawn if line.get_linestyle() != "-" and len(line.get_ydata()) > 100]
+    assert len(dashed) == 1
+    # Signals are held between control instants, and the robot moves on: 5 mm in 0.05 s at 0.1 m/s.
+    assert np.abs(dashed[0].get_ydata()).max() < 0.02
