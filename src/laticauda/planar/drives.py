@@ -30,9 +30,6 @@ pd = compiled(laws.pd)
 servo = compiled(laws.servo)
 servo_power = compiled(laws.servo_power)
 
-LOCKED, PRESCRIBED, PD, SERVO, PASSIVE = 0, 1, 2, 3, 4
-FIRST_FREE = PD
-
 
 @routine
 @no_type_check

@@ -10,8 +10,7 @@ from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
 from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Thruster, Water
 
-JOINT_LAWS = {"locked": 0, "prescribed": 1, "pd": 2, "servo": 3, "passive": 4}
-JOINT_DRIVES = ("prescribed", "pd", "servo")
+JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,7 +26,7 @@ class Layout:
     first_plate: Int[np.ndarray, " n_bodies_plus_1"]
     """The same for pectoral fins."""
     law: Int[np.ndarray, " n_bodies"]
-    """Joint law at the tail end of each body (`JOINT_LAWS`); that of body 0 means nothing."""
+    """Joint law at the tail end of each body (`rows.LOCKED` ... `rows.PASSIVE`); that of body 0 means nothing."""
     tail_link: int
     """Index of the body that is the robot's tail link; fin bodies come before it."""
     has_extras: bool
@@ -116,7 +115,7 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
             plate.parasitic_drag,
         )
     law = np.full(n, JOINT_LAWS[joints])
-    law[: len(fin) + 1] = JOINT_LAWS["locked"]
+    law[: len(fin) + 1] = rows.LOCKED
     wake = S[rows.WAKE_MASS] > 0.0
     pulled = S[rows.TETHER_DRAG] > 0.0 or bool(np.any(S[[rows.TETHER_FORCE_X, rows.TETHER_FORCE_Y]] != 0.0))
     return Layout(

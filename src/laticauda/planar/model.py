@@ -13,7 +13,7 @@ from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.fluid import laws, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
-from laticauda.planar.layout import JOINT_DRIVES, Layout, layout
+from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
 from laticauda.robot import Environment, Ground, Robot, check_fits
 
@@ -59,7 +59,7 @@ class PlanarPlant:
 
     def __post_init__(self) -> None:
         """Check every setting once and fill in what was left open."""
-        one_of("joints", self.joints, JOINT_DRIVES)
+        one_of("joints", self.joints, tuple(JOINT_LAWS))
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:

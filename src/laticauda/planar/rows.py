@@ -181,3 +181,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     PLATE_DRAG,
     PLATE_ROWS,
 ) = range(9)
+
+# --- Joint laws; from FIRST_FREE on the torque is known, and before it the acceleration ---
+LOCKED, PRESCRIBED, PD, SERVO, PASSIVE = range(5)
+FIRST_FREE = PD

@@ -28,7 +28,6 @@ set_reference = _drives.set_reference
 joint_torques = _drives.joint_torques
 second_torques = _drives.second_torques
 count_work = _drives.count_work
-FIRST_FREE = _drives.FIRST_FREE
 
 GAMMA = 1.0 - 0.5**0.5
 BASE_ROWS = 6  # HEADING ... VY are contiguous
