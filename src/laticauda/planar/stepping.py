@@ -38,7 +38,7 @@ BASE_ROWS = 6  # HEADING ... VY are contiguous
 def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in S by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 
-    `log` has shape (1 + steps // every, LOG_HEADER + 4 joints, W). Returns the number of samples written: fewer than
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, W). Returns the number of samples written: fewer than
     asked for if a lane's numbers left the finite range.
     """
     is_free = law >= FIRST_FREE
