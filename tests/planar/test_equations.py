@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.integrate import solve_ivp
@@ -185,9 +185,17 @@ def maximal(p: Problem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 # --- The matrices against it ---
 
 
+def sheds_or_not_clearly(p: Problem) -> bool:
+    """Whether rounding cannot tip the scales: the force of the trailing edge jumps where it stops moving headward."""
+    v = eq.link_velocities(p.theta, p.rate, p.velocity, p.chain)[0] - p.options.current
+    u = v @ (np.cos(p.theta[0]), np.sin(p.theta[0]))
+    return p.options.wake_mass == 0 or abs(u) > 1e-9
+
+
 @given(problems())
 @settings(max_examples=150)
 def test_accelerations_agree_with_a_solver_in_maximal_coordinates(p: Problem):
+    assume(sheds_or_not_clearly(p))
     theta, center, _ = maximal(p._replace(prescribed=np.zeros_like(p.prescribed)))
     for ours, other in zip(p.accelerations(), (theta, center), strict=True):
         assert_close(ours, other)
@@ -196,6 +204,7 @@ def test_accelerations_agree_with_a_solver_in_maximal_coordinates(p: Problem):
 @given(problems())
 @settings(max_examples=100)
 def test_any_mixture_of_prescribed_and_free_joints_agrees_with_it_too(p: Problem):
+    assume(sheds_or_not_clearly(p))
     for ours, other in zip(p.constrained(), maximal(p), strict=True):
         assert_close(ours, other)
 

@@ -5,6 +5,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -16,17 +17,23 @@ from matplotlib.ticker import MaxNLocator
 from laticauda.figures import style
 
 LABELS = {
-    "amplitude": "amplitude α [deg]",
-    "frequency": "frequency ω [deg/s]",
-    "phase_shift": "phase shift δ [deg]",
+    "amplitude": "amplitude $\\alpha$ [deg]",
+    "frequency": "frequency $\\omega$ [deg/s]",
+    "phase_shift": "phase shift $\\delta$ [deg]",
 }
-SYMBOLS = {"amplitude": "α = {:g}°", "frequency": "ω = {:g}°/s", "phase_shift": "δ = {:g}°"}
+SYMBOLS = {"amplitude": "$\\alpha$ = {:g}°", "frequency": "$\\omega$ = {:g}°/s", "phase_shift": "$\\delta$ = {:g}°"}
 # By model, told apart by dashes too.
-LINES = ((style.BLUE, "-"), (style.ORANGE, (0, (5, 2))), (style.INK, (0, (1, 1.5))), (style.AMBER, (0, (5, 1, 1, 1))))
+LINES: tuple[tuple[str, Any], ...] = (
+    (style.BLUE, "-"),
+    (style.ORANGE, (0, (5, 2))),
+    (style.INK, (0, (1, 1.5))),
+    (style.AMBER, (0, (5, 1, 1, 1))),
+)
 MARKER = 6.5  # [pt]
 PANEL_HEIGHT = 2.1  # [in]
 HEAD = 0.75  # height that title and legend take [in]
 ROOM = 1.12  # of the highest value
+MARGIN = 0.035  # beside the first and the last value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -160,10 +167,12 @@ def _draw_marks(panel: Panel, quantity: Float[np.ndarray, " n_marks"], ax: Axes)
     known = ~np.isnan(quantity)
     for maximum in (False, True):
         shown = known & (panel.measured.is_maximum == maximum)
+        if not np.any(shown):  # the layout takes an empty line that is not clipped for one without end
+            continue
         ax.plot(np.degrees(panel.measured.at[shown]), quantity[shown], clip_on=False, zorder=3, **_mark(maximum))
 
 
-def _mark(maximum: bool) -> dict[str, object]:
+def _mark(maximum: bool) -> dict[str, Any]:
     face = style.INK if maximum else "white"
     return {
         "color": style.INK,
@@ -178,8 +187,9 @@ def _mark(maximum: bool) -> dict[str, object]:
 def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     low, high = np.degrees(panel.values[[0, -1]])
     if high > low:
-        ax.set_xlim(float(low), float(high))
-    ax.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
+        margin = MARGIN * float(high - low)  # a mark at the end keeps off the next panel
+        ax.set_xlim(float(low) - margin, float(high) + margin)
+    ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
     return style.dress(ax, xlabel=LABELS[panel.parameter], ylabel=ylabel)
 
@@ -208,7 +218,7 @@ def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Pan
         color, dashes = LINES[i % len(LINES)]
         handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=curve.label))
     for maximum, label in ((True, "measured, fastest of its sweep"), (False, "measured, another setting")):
-        handles.append(Line2D([], [], label=label, **_mark(maximum)))  # pyright: ignore[reportArgumentType]
+        handles.append(Line2D([], [], label=label, **_mark(maximum)))
     figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     figure.legend(
         handles=handles,

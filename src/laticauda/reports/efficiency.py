@@ -9,7 +9,7 @@ import numpy as np
 from laticauda.reports.efficiency_tables import fin_table, maxima_table, score_table, table1
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section
 from laticauda.robot import load_water
-from laticauda.studies import EfficiencyStudy, FinGain, SweepResult, fin_gains, maxima, scores
+from laticauda.studies import GAIT_WORDS, EfficiencyStudy, FinGain, SweepResult, fin_gains, maxima, scores
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +24,11 @@ JOINTS = {
 
 
 def efficiency_figures(study: EfficiencyStudy) -> Iterator[tuple[str, str, "Figure"]]:
-    """The study's Figs. 4 to 11, one after the other: the name of its file, what it shows, and the figure."""
+    """The study's Figs. 4 to 11, one after the other: the name of its file, what it shows, and the figure.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     from laticauda.figures.efficiency import power_sheet, velocity_sheet
 
     for place, group in enumerate(study.settings.groups):
@@ -74,9 +78,7 @@ def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int) -> "Panel":
 
     settings = sweep.settings
     cases = [
-        case
-        for case in study.cases
-        if case.group == study.settings.groups[place] and settings.contains(case.gait)
+        case for case in study.cases if case.group == study.settings.groups[place] and settings.contains(case.gait)
     ]
     return Panel(
         parameter=settings.parameter,
@@ -101,9 +103,9 @@ def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int) -> "Panel":
 def _what(study: EfficiencyStudy) -> str:
     return (
         f"{study.settings.n_runs} trials of {study.settings.duration:g} s, straight and from rest: both gaits, without "
-        "and with the caudal fin, every row of Table 1 and sweeps of amplitude, frequency and phase shift. The frequency "
-        "is an angular frequency, as in the paper. The paper shows its ranges only in its figures; those here are our "
-        "choice."
+        "and with the caudal fin, every row of Table 1 and sweeps of amplitude, frequency and phase shift. The "
+        "frequency is an angular frequency, as in the paper. The paper shows its ranges only in its figures; those "
+        "here are our choice."
     )
 
 
@@ -117,13 +119,13 @@ def _settings(study: EfficiencyStudy) -> Iterator[str]:
     )
     yield "Robots: {}.".format(", ".join(dict.fromkeys(group.robot for group in study.settings.groups)))
     for model in study.settings.models:
-        waters = [f"{_water(name)} for {gait.replace('_', ' ')}" for gait, name in model.waters.items()]
+        waters = [f"{_water(name)} for {GAIT_WORDS[gait]}" for gait, name in model.waters.items()]
         yield f"{model.name} ({model.title}): {'; '.join(waters)}."
     for sweep in study.settings.sweeps:
         low, high, step = (f"{math.degrees(value):g}" for value in (sweep.values[0], sweep.values[-1], sweep.step))
         held = ", ".join(f"{name.replace('_', ' ')} {math.degrees(value):g}" for name, value in sweep.fixed.items())
-        yield f"Sweep of the {sweep.parameter.replace('_', ' ')}: {low} to {high} in steps of {step}, at {held} [deg, deg/s]."
-    yield f"laticauda {study.version}."
+        name = sweep.parameter.replace("_", " ")
+        yield f"Sweep of the {name}: {low} to {high} in steps of {step}, at {held} [deg, deg/s]."
 
 
 def _water(name: str) -> str:
@@ -131,18 +133,20 @@ def _water(name: str) -> str:
     drag = "linear and quadratic drag" if water.linear_drag else "quadratic drag only"
     return (
         f"{name} (C_f {water.tangential_friction:g}, C_D {water.normal_drag:g}, C_A {water.added_mass:g}, "
-        f"added mass {water.added_mass_form}, rotation {water.rotational}, {drag})"
+        f"form of the added mass: {water.added_mass_form}, rotational loads: {water.rotational}, {drag})"
     )
 
 
 def _findings(study: EfficiencyStudy) -> Iterator[str]:
     found = scores(study)
     physical = [score for score in found if score.n_fitted is None]
-    best = min((score for score in found if score.n_fitted is not None), key=lambda score: score.overall)
+    null = [score for score in found if score.leave_one_out is not None]
+    best = min(null, key=lambda score: score.leave_one_out or 0.0)
     errors = ", ".join(f"{score.name} {score.overall:.1f} %" for score in physical)
     yield (
         f"Mean error over the {len(study.measured)} measured rows of Table 1: {errors}; the best model without physics "
-        f"({best.name}, {best.n_fitted} numbers) {best.overall:.1f} %."
+        f"({best.name}, {best.n_fitted} numbers fitted to these rows) {best.overall:.1f} %, and "
+        f"{best.leave_one_out:.1f} % for rows left out of its fit."
     )
     starred = maxima(study)
     for i, name in enumerate(study.models):
@@ -160,14 +164,13 @@ def _fin_findings(gains: tuple[FinGain, ...], models: tuple[str, ...]) -> Iterat
         here = [gain for gain in gains if gain.with_fin.group.gait == kind and gain.measured_velocity is not None]
         measured = _range([gain.measured_velocity for gain in here if gain.measured_velocity is not None])
         simulated = [f"{name} {_range([g.simulated_velocity[i] for g in here])}" for i, name in enumerate(models)]
-        word = kind.replace("_", " ").replace("eel like", "eel-like motion")
-        yield f"The fin makes {word} faster by {measured} as measured; simulated: {', '.join(simulated)}."
+        yield f"The fin makes {GAIT_WORDS[kind]} faster by {measured} as measured; simulated: {', '.join(simulated)}."
     for gain in gains:
         for what in gain.misprints:
             printed, value = getattr(gain, f"printed_{what}"), getattr(gain, f"measured_{what}")
             yield (
-                f"Misprint in the paper's Table 1: {gain.with_fin.group.name}, case {gain.with_fin.index + 1}, change of "
-                f"{what} printed {printed:+.2f} %, recomputed from the table {value:+.2f} %."
+                f"Misprint in the paper's Table 1: {gain.with_fin.group.name}, case {gain.with_fin.index + 1}, change "
+                f"of {what} printed {printed:+.2f} %, recomputed from the table {value:+.2f} %."
             )
 
 

@@ -1,4 +1,4 @@
-"""The efficiency study as tables: Table 1 row by row, its maxima, what the fin changes, and how far all of it is off."""
+"""The efficiency study as tables: Table 1 row by row, its maxima, what the fin changes, and how far off all is."""
 
 import math
 
@@ -14,17 +14,32 @@ SETTING = (
 
 
 def degrees(angle: float) -> float:
-    """An angle or a rate to read; a billionth of a degree is rounding noise."""
+    """An angle or a rate to read; a billionth of a degree is rounding noise.
+
+    Args:
+        angle: [rad, or rad/s].
+
+    Returns:
+        [deg, or deg/s].
+    """
     return round(math.degrees(angle), 9)
 
 
 def efficiency_tables(study: EfficiencyStudy) -> tuple[Table, ...]:
-    """All tables of the study."""
+    """All tables of the study.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     return table1(study), maxima_table(study), fin_table(study), score_table(study), sweep_table(study)
 
 
 def table1(study: EfficiencyStudy) -> Table:
-    """Table 1, measured and simulated, all 22 rows."""
+    """Table 1, measured and simulated, all 22 rows.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     simulated = [
         column
         for name in study.models
@@ -45,8 +60,9 @@ def table1(study: EfficiencyStudy) -> Table:
         rows.append(tuple(row))
     return Table(
         name="table1",
-        caption="Table 1 at every setting: measured and simulated forward velocity v, equation (5). Where the paper has "
-        "no measurement (NA), the simulation is a prediction. The powers are not comparable: the measured one is "
+        grouped=True,
+        caption="Table 1 at every setting: measured and simulated forward velocity v, equation (5). Where the paper "
+        "has no measurement (NA), the simulation is a prediction. The powers are not comparable: the measured one is "
         "electrical, above idle; the simulated one is mechanical.",
         columns=(
             Column(name="group"),
@@ -62,7 +78,11 @@ def table1(study: EfficiencyStudy) -> Table:
 
 
 def maxima_table(study: EfficiencyStudy) -> Table:
-    """The starred entries of Table 1: where the robot is fastest, and where the simulation is."""
+    """The starred entries of Table 1: where the robot is fastest, and where the simulation is.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     simulated = [
         column
         for name in study.models
@@ -81,9 +101,10 @@ def maxima_table(study: EfficiencyStudy) -> Table:
         rows.append(tuple(row))
     return Table(
         name="table1-maxima",
-        caption="Table 1 as maxima of sweeps: the starred parameter at which the robot was fastest and its speed there, "
-        "beside the maximum of the simulated sweep. At the end of the range, the maximum may lie beyond. A measured "
-        "maximum is the best of noisy values, so its speed is biased upward.",
+        grouped=True,
+        caption="Table 1 as maxima of sweeps: the starred parameter at which the robot was fastest and its speed "
+        "there, beside the maximum of the simulated sweep. At the end of the range, the maximum may lie beyond. "
+        "A measured maximum is the best of noisy values, so its speed is biased upward.",
         columns=(
             Column(name="group"),
             Column(name="over"),
@@ -96,7 +117,11 @@ def maxima_table(study: EfficiencyStudy) -> Table:
 
 
 def fin_table(study: EfficiencyStudy) -> Table:
-    """What the fin changes: measured, as printed, and simulated."""
+    """What the fin changes: measured, as printed, and simulated.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     rows: list[tuple[Cell, ...]] = []
     for gain in fin_gains(study):
         gait = gain.with_fin.gait
@@ -108,6 +133,7 @@ def fin_table(study: EfficiencyStudy) -> Table:
     simulated = [Column(name=f"{name}: v [%]", form="+.1f") for name in study.models]
     return Table(
         name="fin-gain",
+        grouped=True,
         caption="What the fin changes, in percent of the robot without it: recomputed from the speeds and powers of "
         "Table 1, simulated, and as the paper prints it.",
         columns=(
@@ -126,11 +152,16 @@ def fin_table(study: EfficiencyStudy) -> Table:
 
 
 def score_table(study: EfficiencyStudy) -> Table:
-    """Mean errors by group and overall, the null models beside the physical ones."""
+    """Mean errors by group and overall, the null models beside the physical ones.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
+    titles = {model.name: f"{model.name}: {model.title}" for model in study.settings.models}
     rows: list[tuple[Cell, ...]] = [
         (
-            score.name if score.n_fitted is None else f"null model: {score.name}",
-            score.n_fitted,
+            titles.get(score.name, f"null model: {score.name}"),
+            score.n_fitted or 0,
             *score.by_group,
             score.overall,
             score.leave_one_out,
@@ -158,7 +189,11 @@ def score_table(study: EfficiencyStudy) -> Table:
 
 
 def sweep_table(study: EfficiencyStudy) -> Table:
-    """Every simulated point of every sweep, a row each."""
+    """Every simulated point of every sweep, a row each.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
     rows: list[tuple[Cell, ...]] = []
     for sweep in study.sweeps:
         for g, group in enumerate(study.settings.groups):

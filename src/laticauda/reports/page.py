@@ -10,7 +10,7 @@ from laticauda.reports.tables import Table, numeric
 STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222; background: #fff;
-  max-width: 68rem; margin: 0 auto; padding: 1.5rem 1.25rem 4rem; }
+  max-width: 76rem; margin: 0 auto; padding: 1.5rem 1.25rem 4rem; }
 h1 { font-size: 1.7rem; line-height: 1.2; margin: .5rem 0 1rem; }
 h2 { font-size: 1.35rem; margin: 2.6rem 0 .6rem; padding-top: .6rem; border-top: 2px solid #222; }
 h3 { font-size: 1.08rem; margin: 2rem 0 .4rem; }
@@ -22,13 +22,15 @@ table { border-collapse: collapse; font-size: .875rem; line-height: 1.35; font-v
 caption { text-align: left; color: #444; padding: .4rem 0 .6rem; max-width: 46rem; }
 th, td { padding: .28rem .7rem .28rem 0; text-align: left; vertical-align: top; }
 thead th { vertical-align: bottom; border-bottom: 1.5px solid #222; font-weight: 600; max-width: 9rem; }
+tbody th { padding: .9rem 0 .3rem; font-weight: 600; }
 tbody tr { border-bottom: 1px solid #e4e4e4; }
 th.n, td.n { text-align: right; }
-td.n { white-space: nowrap; }
+td { white-space: nowrap; }
 figure { margin: 1.6rem 0; }
 figure img { max-width: 100%; height: auto; }
 figcaption { color: #444; font-size: .875rem; max-width: 46rem; }
-@media print { body { max-width: none; padding: 0; font-size: 10pt; } h2 { break-before: page; } figure, tr { break-inside: avoid; } }
+@media print { body { max-width: none; padding: 0; font-size: 10pt; }
+  h2 { break-before: page; } figure, tr { break-inside: avoid; } }
 """
 
 
@@ -131,16 +133,20 @@ def _html(part: Part) -> str:
 
 
 def _table(table: Table) -> str:
-    marks = [' class="n"' if right else "" for right in numeric(table)]
+    first = 1 if table.grouped else 0  # of the columns that are columns here
+    marks = [' class="n"' if right else "" for right in numeric(table)][first:]
     heads = "".join(
-        f'<th scope="col"{mark}>{escape(column.name)}</th>' for mark, column in zip(marks, table.columns, strict=True)
+        f'<th scope="col"{mark}>{escape(column.name)}</th>'
+        for mark, column in zip(marks, table.columns[first:], strict=True)
     )
-    rows = "".join(
-        "<tr>{}</tr>\n".format(
-            "".join(f"<td{mark}>{escape(cell)}</td>" for mark, cell in zip(marks, row, strict=True))
-        )
-        for row in table.shown
-    )
+    rows = ""
+    above = ""
+    for row in table.shown:
+        if table.grouped and row[0] != above:
+            above = row[0]
+            rows += f'<tr><th scope="rowgroup" colspan="{len(marks)}">{escape(above)}</th></tr>\n'
+        cells = (f"<td{mark}>{escape(cell)}</td>" for mark, cell in zip(marks, row[first:], strict=True))
+        rows += f"<tr>{''.join(cells)}</tr>\n"
     return (
         f'<div class="wide"><table><caption>{escape(table.caption)}</caption>\n'
         f"<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>"

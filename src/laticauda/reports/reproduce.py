@@ -1,6 +1,6 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
-import os
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +15,10 @@ from laticauda.studies import EfficiencyStudy, run_efficiency, write_netcdf
 STUDIES = ("efficiency",)
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 INTRODUCTION = (
-    "The experiments of “Locomotion Efficiency and Path-Following of Underwater Snake Robots with and without a Caudal "
-    "Fin”, repeated in simulation and put beside what was measured on the robot. Nothing here was tuned to make the "
-    "two agree: the coefficients are the paper's. All numbers are also in CSV and netCDF files beside this page."
+    "The trials of “Experimental Investigation of Locomotion Efficiency and Path-Following for Underwater Snake Robots "
+    "with and without a Caudal Fin”, repeated in simulation and put beside what was measured on the robot. Nothing was "
+    "tuned here to make the two agree: the coefficients are the paper's. All numbers are also in CSV and netCDF files "
+    "beside this page."
 )
 
 Progress = Callable[[str, int, int], None]
@@ -35,23 +36,25 @@ class Reproduction:
     """The efficiency study."""
 
 
-def check_folder(folder: str | Path) -> Path:
-    """The folder, if it can be written to; it need not exist yet.
+def writable_folder(folder: str | Path) -> Path:
+    """The folder, made if it does not exist.
 
     Args:
         folder: Where a report is to be written.
 
     Raises:
-        ValueError: If it is a file, or may not be written or made.
+        ValueError: If it cannot be made, or no file can be written there.
     """
     path = Path(folder)
     if path.exists() and not path.is_dir():
-        raise ValueError(f"`output` must be a folder, got the file {folder}.")
-    nearest = next(place for place in (path, *path.absolute().parents) if place.exists())
-    if not nearest.is_dir():
-        raise ValueError(f"`output` must be a folder, got {folder}: {nearest} is a file.")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        raise ValueError(f"`output` must be a folder that may be written, got {folder}: permission denied.")
+        raise ValueError(f"`folder` must be a folder, got the file {folder}.")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):  # rights alone do not tell
+            pass
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise ValueError(f"`folder` must be a folder that can be written, got {folder}: {why}.") from error
     return path
 
 
@@ -79,14 +82,13 @@ def reproduce(
     """
     if only is not None:
         one_of("only", only, STUDIES)
-    folder = check_folder(folder)
+    folder = writable_folder(folder)
 
     def tell(what: str, done: int, total: int) -> None:
         if progress is not None:
             progress(what, done, total)
 
     study = run_efficiency(joints=joints, progress=lambda done, total: tell("trials", done, total))
-    folder.mkdir(parents=True, exist_ok=True)
     files, section = _write_efficiency(study, folder, tell)
     introduction = [Paragraph(text=INTRODUCTION), Paragraph(text=f"Made with laticauda {__version__}.")]
     (folder / "report.html").write_text(page(TITLE, introduction, [section]), encoding="utf-8")

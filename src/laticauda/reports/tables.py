@@ -30,6 +30,8 @@ class Table:
     """From left to right."""
     rows: tuple[tuple[Cell, ...], ...]
     """A cell per column; None is shown as missing."""
+    grouped: bool = False
+    """Whether a page shows the first column as a line above the rows that have it in common."""
 
     def __post_init__(self) -> None:
         """Check that every row has all its cells."""

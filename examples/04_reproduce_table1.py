@@ -1,0 +1,33 @@
+"""Table 1 of the paper, simulated with the paper's own coefficients, beside what was measured on the robot.
+
+`run_efficiency` repeats the whole study; here it is cut down to the table. `laticauda reproduce` runs all of it, draws
+the figures and writes a report.
+
+    python examples/04_reproduce_table1.py
+"""
+
+from dataclasses import replace
+from math import degrees
+
+from laticauda.studies import efficiency_settings, fin_gains, run_efficiency, scores
+
+settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1])
+study = run_efficiency(settings)
+
+for case in study.cases:
+    if case.index == 0:
+        print(f"\n{case.group.name}\n case  amplitude  frequency  phase shift  measured  simulated")
+    setting = [degrees(angle) for angle in (case.gait.amplitude, case.gait.frequency, case.gait.phase_shift)]
+    measured = "NA" if case.measured_velocity is None else f"{case.measured_velocity:.4f}"
+    print("{:5d} {:10.0f} {:10.0f} {:12.0f}".format(case.index + 1, *setting), end="")
+    print(f"{measured:>10} {case.forward_velocity[0]:10.4f} m/s")
+
+print("\nMean error:")
+for score in scores(study):
+    print(f"  {score.name:28} {score.overall:5.1f} %")
+
+print("\nThe fin makes it faster by (measured, simulated):")
+for gain in fin_gains(study):
+    if gain.measured_velocity is not None:
+        group, number = gain.with_fin.group.name, gain.with_fin.index + 1
+        print(f"  {group}, case {number}: {gain.measured_velocity:5.1f} %, {gain.simulated_velocity[0]:5.1f} %")
