@@ -4,11 +4,11 @@ Question: does a prescribed trial take under 2 ms of one core at an error of 1e-
 trial under 60 ms at 1e-4? Times are the least of many runs; the ratio is to the same accelerations by the printed
 matrices (`planar.equations`, NumPy), as many evaluations as the run makes.
 
-Last answer (2 shared cores, AMD EPYC, 2026-11-21):
+Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes 1.6 of the 1.9 ms:
     joints      dt [s]   time [ms]   matrices / kernel   error / distance
-    prescribed   0.025         1.9              x  850            1.9e-07
-    pd           0.002        17.6              x  570            1.0e-05
-    servo        0.002        22.9              x  440            2.7e-05
+    prescribed   0.025         1.9               x 650            1.9e-07
+    pd           0.002        13.4               x 600            1.0e-05
+    servo        0.002        17.4               x 460            2.7e-05
 """
 
 import time

@@ -15,7 +15,7 @@ from laticauda.actuation import laws
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, compiled, kernel, routine
+from laticauda.planar.specialize import bindings, compiled, kernel
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
@@ -31,7 +31,7 @@ servo = compiled(laws.servo)
 servo_power = compiled(laws.servo_power)
 
 
-@routine
+@kernel
 @no_type_check
 def advance_reference(S, n, law, dt):
     """Move the generator on by dt and set the reference there."""
@@ -54,7 +54,7 @@ def advance_reference(S, n, law, dt):
     set_reference(S, n, law)
 
 
-@routine
+@kernel
 @no_type_check
 def set_reference(S, n, law):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
@@ -115,7 +115,7 @@ def one_reference(S, b, joint, law):
         S[COS_PHASE * W + k] = c * S[COS_SHIFT * W + k] - s * S[SIN_SHIFT * W + k]
 
 
-@routine
+@kernel
 @no_type_check
 def joint_torques(S, n, law, gamma_dt):
     """Torque of every free joint for the first stage of an implicit step, and what that step adds to its inertia."""
@@ -134,7 +134,7 @@ def joint_torques(S, n, law, gamma_dt):
                 S[(b + TOTAL_TORQUE) * W + k] = total
 
 
-@routine
+@kernel
 @no_type_check
 def second_torques(S, n, law, gamma_dt):
     """Right-hand side of the second stage for a = k2 + 2 k1, so that the mass matrix is not needed."""

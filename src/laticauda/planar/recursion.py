@@ -17,7 +17,7 @@ the lanes. No function allocates.
 from typing import no_type_check
 
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, kernel, routine
+from laticauda.planar.specialize import bindings, kernel
 
 _names = bindings(__name__)
 W = _names["WIDTH"]
@@ -28,7 +28,7 @@ own_drag = _loads.own_drag
 sincos = _loads.sincos
 
 
-@routine
+@kernel
 @no_type_check
 def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
