@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -230,6 +230,7 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
     return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
+@lru_cache(maxsize=64)
 def _stable_step(robot: Robot, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
     c = link_coefficients(robot, environment)
