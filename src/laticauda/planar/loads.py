@@ -73,18 +73,22 @@ def sincos(x):
 
 @kernel
 @no_type_check
-def own_drag(S, b, k):
-    """Drag of the body itself, link axes, and its moment about the tail end."""
+def element_drag(S, b, e, k):
+    """Drag of one element rigid on body b, link axes, and its moment about the tail end of b.
+
+    `e` is the first of the element's five rows: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. A body's
+    own (from CENTER on) and a strip's (from STRIP_POSITION on) stand in the same order.
+    """
     rate = S[(b + LINK_RATE) * W + k]
-    x = S[(b + CENTER) * W + k]
+    x = S[e * W + k]
     f_t, f_n, tau = law(
         S[(b + V_T) * W + k],
         S[(b + V_N) * W + k] + x * rate,
         rate,
-        S[(b + C_T) * W + k],
-        S[(b + C_N) * W + k],
-        S[(b + LAMBDA_2) * W + k],
-        S[(b + LAMBDA_3) * W + k],
+        S[(e + 1) * W + k],
+        S[(e + 2) * W + k],
+        S[(e + 3) * W + k],
+        S[(e + 4) * W + k],
         S[REFERENCE_SPEED * W + k],
         S[LINEAR * W + k],
         S[QUADRATIC * W + k],
@@ -138,23 +142,10 @@ def extra_loads(S, n, first_strip, first_plate, tether_body):
 def strip_drag(S, b, e):
     """Drag of one strip, rigid on body b at its own distance from the tail end."""
     for k in range(W):
-        rate = S[(b + LINK_RATE) * W + k]
-        x = S[(e + STRIP_POSITION) * W + k]
-        f_t, f_n, tau = law(
-            S[(b + V_T) * W + k],
-            S[(b + V_N) * W + k] + x * rate,
-            rate,
-            S[(e + STRIP_C_T) * W + k],
-            S[(e + STRIP_C_N) * W + k],
-            S[(e + STRIP_LAMBDA_2) * W + k],
-            S[(e + STRIP_LAMBDA_3) * W + k],
-            S[REFERENCE_SPEED * W + k],
-            S[LINEAR * W + k],
-            S[QUADRATIC * W + k],
-        )
+        f_t, f_n, moment = element_drag(S, b, e + STRIP_POSITION, k)
         S[(b + EXTRA_T) * W + k] += f_t
         S[(b + EXTRA_N) * W + k] += f_n
-        S[(b + EXTRA_MOMENT) * W + k] += tau + x * f_n
+        S[(b + EXTRA_MOMENT) * W + k] += moment
 
 
 @kernel
@@ -222,7 +213,7 @@ def body_forces(S, n, first_strip, force):
             put_force(S, b, k, force[2, i], S[(b + EXTRA_T) * W + k], S[(b + EXTRA_N) * W + k])
             f_t, f_n = added_mass_force(S, b, k)
             put_force(S, b, k, force[1, i], f_t, f_n)
-            f_t, f_n, _ = own_drag(S, b, k)
+            f_t, f_n, _ = element_drag(S, b, b + CENTER, k)
             put_force(S, b, k, force[0, i], f_t, f_n)
         # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag.
         for k in range(W):

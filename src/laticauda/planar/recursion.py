@@ -23,8 +23,8 @@ _names = bindings(__name__)
 W = _names["WIDTH"]
 _loads = _names["loads"]
 added_mass_velocity_terms = _loads.added_mass_velocity_terms
+element_drag = _loads.element_drag
 extra_loads = _loads.extra_loads
-own_drag = _loads.own_drag
 sincos = _loads.sincos
 
 
@@ -130,7 +130,7 @@ def own_bias(S, b, k):
     """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
     rate = S[(b + LINK_RATE) * W + k]
     f_t, f_n, moment = added_mass_velocity_terms(S, b, k)
-    drag_t, drag_n, drag_moment = own_drag(S, b, k)
+    drag_t, drag_n, drag_moment = element_drag(S, b, b + CENTER, k)
     f_t += drag_t + S[(b + EXTRA_T) * W + k] + S[(b + CENTRIPETAL) * W + k] * rate * rate
     f_n += drag_n + S[(b + EXTRA_N) * W + k]
     moment += drag_moment + S[(b + EXTRA_MOMENT) * W + k]

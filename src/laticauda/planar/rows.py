@@ -103,7 +103,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     MOMENT_N,  # sum mu_n x [kg m]
     MASS_SHARE,  # m / m_t
     FIRST_MOMENT_SHARE,  # m c / m_t [m]
-    CENTER,  # where the body's own drag acts, from its tail end [m]
+    CENTER,  # where its own drag acts, from its tail end [m]; these five as in a strip (loads.element_drag)
     C_T,
     C_N,
     LAMBDA_2,
