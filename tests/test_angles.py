@@ -55,3 +55,12 @@ def test_an_array_is_wrapped_element_by_element():
 
 def test_a_number_in_gives_a_python_number_out():
     assert type(wrap_to_pi(np.float64(4.0))) is float
+
+
+@given(angles)
+def test_one_angle_is_wrapped_as_an_array_of_them(angle: float):
+    assert wrap_to_pi(angle) == wrap_to_pi(np.array([angle]))[0]
+
+
+def test_what_is_no_angle_stays_nan():
+    assert np.isnan(wrap_to_pi(float("nan")))

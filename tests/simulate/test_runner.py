@@ -114,3 +114,16 @@ def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
     trial = replace(lc.swim(load_robot("mamba"), GAIT, duration=1.0), gait=None)
     with pytest.raises(ValueError, match="`controller` must be given to go on with a trial that has no gait"):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
+
+
+def test_a_run_is_over_where_until_says_so():
+    whole = run(TurnAfter(GAIT, 0.1, 1000))
+    cut = run(TurnAfter(GAIT, 0.1, 1000), until=lambda seen: seen.center_of_mass[0] >= 0.5)
+    assert cut.succeeded
+    assert cut.center_of_mass[-1, 0] >= 0.5 > cut.center_of_mass[-3, 0]
+    np.testing.assert_array_equal(cut.center_of_mass, whole.center_of_mass[: cut.time.size])
+
+
+def test_until_is_not_asked_before_the_robot_has_swum():
+    cut = run(TurnAfter(GAIT, 0.1, 1000), until=lambda seen: True)
+    assert cut.duration == pytest.approx(0.1)

@@ -189,10 +189,12 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
         rate = samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints]
-        n = self.robot.n_links
-        # A plain sum: a matrix product may round differently with the number of samples.
-        tail = heading - sum((n - 1 - j) / n * angle[:, j] for j in range(n - 1))
-        links = np.concatenate((tail[:, np.newaxis], tail[:, np.newaxis] + np.cumsum(angle, axis=1)), axis=1)
+        relative = np.cumsum(angle, axis=1)  # of every link but the tail's to the tail link
+        # The last of running sums: `sum` and matrix products may round differently with the number of samples.
+        tail = heading - np.cumsum(relative, axis=1)[:, -1] / self.robot.n_links
+        links = np.empty((len(samples), self.robot.n_links))
+        links[:, 0] = tail
+        np.add(tail[:, np.newaxis], relative, out=links[:, 1:])
         return {
             "time": samples[:, _at(rows.TIME)],
             "center_of_mass": samples[:, _at(rows.X) : _at(rows.Y) + 1],

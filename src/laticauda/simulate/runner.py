@@ -9,10 +9,11 @@ import numpy as np
 from laticauda import __version__
 from laticauda.errors import SimulationFailed, positive
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Log, OpenLoop, Plant, ReportingController, Start
+from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, ReportingController, Start
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
+Until = Callable[[Observation], bool]
 
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
@@ -28,6 +29,7 @@ def run(
     start: Start | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,
+    until: Until | None = None,
     throw: bool = False,
     progress: Progress | None = None,
 ) -> Trial:
@@ -42,6 +44,7 @@ def run(
         sample_interval: Between two samples of the log [s]; adjusted so that it divides the time between two control
             instants, and the duration.
         link_forces: Log the force on every link too.
+        until: Asked at every control instant after the first; once it says yes the run is over, before its duration.
         throw: Raise when the run blows up, instead of returning a trial that says so.
         progress: Called now and then with the time reached [s].
 
@@ -53,7 +56,7 @@ def run(
         SimulationFailed: If the run blows up and `throw` is set.
     """
     state = plant.init(start or Start(), Command(gait=controller.gait))
-    return _go(plant, controller, state, duration, sample_interval, link_forces, throw, progress)
+    return _go(plant, controller, state, duration, sample_interval, link_forces, until, throw, progress)
 
 
 def resume(
@@ -64,6 +67,7 @@ def resume(
     controller: Controller[Any] | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,
+    until: Until | None = None,
     throw: bool = False,
     progress: Progress | None = None,
 ) -> Trial:
@@ -76,6 +80,7 @@ def resume(
         controller: None goes on with the trial's gait. A controller starts from its own initial state.
         sample_interval: As for `run` [s].
         link_forces: As for `run`.
+        until: As for `run`.
         throw: As for `run`.
         progress: As for `run`.
 
@@ -93,7 +98,7 @@ def resume(
             raise ValueError("`controller` must be given to go on with a trial that has no gait.")
         controller = OpenLoop(command=Command(gait=trial.gait))
     state = plant.unpack(trial.state)
-    return _go(plant, controller, state, duration, sample_interval, link_forces, throw, progress)
+    return _go(plant, controller, state, duration, sample_interval, link_forces, until, throw, progress)
 
 
 def _go(
@@ -103,6 +108,7 @@ def _go(
     duration: float,
     sample_interval: float,
     link_forces: bool,
+    until: Until | None,
     throw: bool,
     progress: Progress | None,
 ) -> Trial:
@@ -123,7 +129,10 @@ def _go(
     told: list[Mapping[str, float]] = []
     failure: str | None = None
     for share, count, done in _stretches(duration, sample_interval, controller.interval):
-        thought, command = controller.step(thought, plant.observe(state))
+        observation = plant.observe(state)
+        if until is not None and logs and until(observation):
+            break
+        thought, command = controller.step(thought, observation)
         if reporting is not None:
             told.append(reporting.signals(thought))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)

@@ -1,0 +1,61 @@
+"""A chapter: what one study puts into the folder of a reproduction, and into its report."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from laticauda.reports.page import Section
+from laticauda.reports.tables import Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Pictures = Mapping[str, tuple[str, bytes]]
+"""By name of the figure: its caption and the content of its PNG file."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chapter:
+    """What a study has to say, before anything is written."""
+
+    section: Callable[[Pictures], Section]
+    """Its part of the report, once its figures are drawn."""
+    tables: tuple[Table, ...] = ()
+    """Written as CSV files under their names."""
+    n_figures: int = 0
+    """How many figures there are [-]."""
+    figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
+    """One figure after the other: the name of its files, its caption, and the figure."""
+    data: Mapping[str, Callable[[Path], None]] = field(default_factory=dict[str, Callable[[Path], None]])
+    """By name of the file: what writes it."""
+
+
+def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) -> tuple[list[str], Section]:
+    """Write a chapter's data, tables and figures.
+
+    Args:
+        chapter: What to write.
+        folder: Where; it exists.
+        drawn: Called after every figure with how many there are so far.
+
+    Returns:
+        The names of the files, and the chapter's part of the report.
+    """
+    from laticauda.figures import save_figure
+
+    files: list[str] = []
+    for name, write in chapter.data.items():
+        write(folder / name)
+        files.append(name)
+    for table in chapter.tables:
+        (folder / f"{table.name}.csv").write_text(table.csv, encoding="utf-8")
+        files.append(f"{table.name}.csv")
+    pictures: dict[str, tuple[str, bytes]] = {}
+    for name, caption, figure in chapter.figures():
+        for suffix in (".png", ".pdf"):
+            save_figure(figure, folder / f"{name}{suffix}")
+            files.append(f"{name}{suffix}")
+        pictures[name] = (caption, (folder / f"{name}.png").read_bytes())
+        drawn(len(pictures))
+    return files, chapter.section(pictures)
