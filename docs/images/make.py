@@ -1,12 +1,81 @@
 """Draw the pictures of the docs: `python docs/images/make.py`. The same code always gives the same files."""
 
+from itertools import pairwise
 from math import radians
 from pathlib import Path
 
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyBboxPatch
+
 import laticauda as lc
-from laticauda.figures import save_figure, swim_sheet
+from laticauda.figures import save_figure, style, swim_sheet
 
 FOLDER = Path(__file__).parent
 
-gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
-save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
+# The blocks of path following: center, what it says, its equation or class; sizes in inches.
+BLOCKS = {
+    "path": (0.55, 1.55, "path", "nearest point"),
+    "guidance": (1.95, 1.55, "guidance", "LOS (7), ILOS"),
+    "heading": (3.35, 1.55, "heading law", "(8), clipped"),
+    "generator": (4.75, 1.55, "reference generator", "gait (3), filter"),
+    "robot": (6.45, 1.55, "robot in the water", "joints, body"),
+    "estimate": (4.75, 0.55, "heading estimate", "(6) or its cycle mean"),
+}
+HALF_WIDTH = {"generator": 0.62, "robot": 0.6, "estimate": 0.68}
+HALF_HEIGHT, LEAST_HALF_WIDTH = 0.26, 0.45
+PAPER = ("path", "guidance", "heading", "generator", "robot")
+
+
+def half_width(name: str) -> float:
+    """Of a block [in]."""
+    return HALF_WIDTH.get(name, LEAST_HALF_WIDTH)
+
+
+def arrow(ax: Axes, points: list[tuple[float, float]], label: str, at: tuple[float, float], **place: str) -> None:
+    """A line along the points with a head at its end, and a label."""
+    ax.plot(*zip(*points, strict=True), color=style.INK, linewidth=0.8, solid_joinstyle="miter")
+    ax.annotate(
+        "", points[-1], points[-2], arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 0.8, "shrinkB": 0}
+    )
+    ax.text(*at, label, fontsize=style.TICK, color=style.BLUE, **{"ha": "center", "va": "bottom", **place})
+
+
+def control_structure() -> Figure:
+    """Path following as blocks, after the paper's Fig. 3."""
+    figure = style.new_figure(7.16, 2.0)
+    ax = figure.add_subplot()
+    ax.set(xlim=(0.0, 7.16), ylim=(0.0, 2.0))
+    ax.axis("off")
+    for name, (x, y, words, below) in BLOCKS.items():
+        half, color = half_width(name), style.ORANGE if name == "robot" else style.INK
+        corner = (x - half, y - HALF_HEIGHT)
+        ax.add_patch(
+            FancyBboxPatch(
+                corner,
+                2.0 * half,
+                2.0 * HALF_HEIGHT,
+                boxstyle="round,pad=0,rounding_size=0.06",
+                facecolor="white",
+                edgecolor=color,
+                linewidth=1.0,
+            )
+        )
+        ax.text(x, y + 0.07, words, fontsize=style.TICK, color=style.INK, ha="center", va="center")
+        ax.text(x, y - 0.11, below, fontsize=6.5, color=style.GRAY, ha="center", va="center")
+    labels = ("$s, e, \\chi$", "$\\theta_{ref}$", "$\\phi_0$", "$\\phi_{ref}$")
+    for (one, other), label in zip(pairwise(PAPER), labels, strict=True):
+        begin, end = BLOCKS[one][0] + half_width(one), BLOCKS[other][0] - half_width(other)
+        arrow(ax, [(begin, 1.55), (end, 1.55)], label, ((begin + end) / 2.0 - 0.03, 1.59))
+    robot, estimate, heading, path = (BLOCKS[name][0] for name in ("robot", "estimate", "heading", "path"))
+    low = 1.55 - HALF_HEIGHT
+    arrow(ax, [(robot, low), (robot, 0.55), (estimate + half_width("estimate"), 0.55)], "$\\theta_i$", (5.93, 0.59))
+    arrow(ax, [(estimate - half_width("estimate"), 0.55), (heading, 0.55), (heading, low)], "$\\theta$", (3.7, 0.59))
+    arrow(ax, [(robot + 0.2, low), (robot + 0.2, 0.12), (path, 0.12), (path, low)], "$p$", (2.0, 0.16))
+    return figure
+
+
+if __name__ == "__main__":
+    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+    save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
+    save_figure(control_structure(), FOLDER / "path-following.png")
