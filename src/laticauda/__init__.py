@@ -21,7 +21,16 @@ if TYPE_CHECKING:
     )
     from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
     from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
-    from laticauda.robot import Ground, Robot, Water, load_ground, load_robot, load_water
+    from laticauda.robot import (
+        Ground,
+        Parameters,
+        Robot,
+        Water,
+        load_ground,
+        load_parameters,
+        load_robot,
+        load_water,
+    )
     from laticauda.simulate import plant, resume, run, swim
     from laticauda.trial import Trial, compare, joined, load_trial
 
@@ -37,7 +46,16 @@ _HOMES = {
     ),
     "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
     "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
-    "robot": ("Ground", "Robot", "Water", "load_ground", "load_robot", "load_water"),
+    "robot": (
+        "Ground",
+        "Parameters",
+        "Robot",
+        "Water",
+        "load_ground",
+        "load_parameters",
+        "load_robot",
+        "load_water",
+    ),
     "simulate": ("plant", "resume", "run", "swim"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
 }
@@ -53,6 +71,7 @@ __all__ = [
     "LineOfSight",
     "Observation",
     "OpenLoop",
+    "Parameters",
     "PathFollowing",
     "Plant",
     "Polyline",
@@ -68,6 +87,7 @@ __all__ = [
     "joined",
     "lateral_undulation",
     "load_ground",
+    "load_parameters",
     "load_robot",
     "load_trial",
     "load_water",

@@ -23,7 +23,7 @@ class TrialFileError(LaticaudaError, ValueError):
 
 
 class RobotFileError(LaticaudaError, ValueError):
-    """A robot, water or ground file is wrong: it says which file, key, rule and value."""
+    """A robot, water, ground or parameter file is wrong: it says which file, key, rule and value."""
 
 
 class MissingExtra(LaticaudaError, ImportError):

@@ -213,3 +213,37 @@ def test_the_first_run_on_a_machine_says_that_it_compiles(run, monkeypatch):
     done = run("swim --duration 1 --json")
     assert done.err == "compiling the kernels for this machine (once, about 10 s) ...\n"
     assert json.loads(done.out)["succeeded"]
+
+
+MINE = """kind = "parameters"
+name = "mine"
+title = "mine"
+
+[water]
+tangential_friction = 0.2
+normal_drag = 1.6
+added_mass = 1.4
+
+[eel_like.water]
+tangential_friction = 0.1
+"""
+
+
+@pytest.mark.parametrize(("gait", "friction"), [("lateral-undulation", 0.2), ("eel-like", 0.1), ("custom", 0.2)])
+def test_a_parameter_file_gives_the_water_of_the_gait_and_the_trial_keeps_it(run, folder, gait, friction):
+    (folder / "mine.toml").write_text(MINE)
+    envelope = "--envelope 1 1 1 1 1 1 1 1" if gait == "custom" else ""
+    done = run(f"swim --duration 1 --gait {gait} {envelope} --parameters mine.toml --save run.nc")
+    assert done.status == 0
+    said = "mine, eel_like" if gait == "eel-like" else "mine"
+    assert f"water {said} (as mine.toml says): tangential_friction {friction}" in " ".join(done.out.split())
+    stored = lc.load_trial("run.nc").environment
+    assert stored == lc.load_parameters("mine.toml").water(gait.replace("-", "_"))
+    assert stored.tangential_friction == friction
+
+
+def test_single_coefficients_replace_those_of_a_parameter_file(run, folder):
+    (folder / "mine.toml").write_text(MINE)
+    found = json.loads(run("swim --duration 1 --parameters mine.toml --normal-drag 2 --json").out)
+    assert found["environment"] == "mine with normal_drag 2"
+    assert (found["coefficients"]["tangential_friction"], found["coefficients"]["normal_drag"]) == (0.2, 2.0)

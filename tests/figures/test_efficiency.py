@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -8,6 +9,7 @@ from laticauda.figures.efficiency import (
     Curve,
     Marks,
     Panel,
+    Scatter,
     electrical_power_marks,
     mechanical_power_curves,
     power_sheet,
@@ -83,3 +85,43 @@ def test_a_sheet_shows_everything_on_scales_from_zero(sheet, measured):
     assert labels == ["one", "other", "measured, fastest of its sweep", "measured, another setting"]
     titles = [ax.get_title(loc="left") for ax in figure.axes[:3]]
     assert titles[0] == "(a)  $\\omega$ = 110°/s, $\\delta$ = 40°"
+
+
+def scattered() -> Panel:
+    one = panel()
+    repeats = (
+        Scatter(at=radians(30), velocity=np.array([0.1, 0.12, 0.14]), power=np.array([80.0, np.nan, np.nan])),
+        Scatter(at=radians(50), velocity=np.array([0.3]), power=np.array([np.nan])),
+    )
+    return replace(one, measured=replace(one.measured, scatter=repeats))
+
+
+def test_repeated_trials_are_dots_beside_their_setting_with_mean_and_deviation(ax):
+    velocity_curves(scattered(), ax)
+    (bar,) = ax.containers
+    mean, _, (stem,) = bar.lines
+    assert mean.get_ydata() == pytest.approx([0.12])
+    low, high = stem.get_segments()[0][:, 1]
+    assert (low, high) == pytest.approx((0.1, 0.14))  # the sample's deviation is 0.02
+    dots = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
+    assert [list(line.get_ydata()) for line in dots] == [[0.1, 0.12, 0.14], [0.3]]
+    for line, at in zip(dots, (30.0, 50.0), strict=True):
+        assert np.all(np.asarray(line.get_xdata()) > at)
+        assert np.max(line.get_xdata()) < at + 0.05 * 40.0
+    assert ax.get_xlim()[1] > np.max(dots[1].get_xdata())
+
+
+def test_repeated_trials_stay_on_the_scale_and_get_a_legend():
+    figure = velocity_sheet([scattered(), panel()], "title")
+    figure.canvas.draw()
+    assert figure.axes[0].get_ylim()[1] > 0.3
+    assert len(figure.legends[0].get_texts()) == 6
+    assert len(velocity_sheet([panel()], "title").legends[0].get_texts()) == 4
+
+
+def test_a_power_that_only_repeated_trials_have_is_shown(ax):
+    one = scattered()
+    measured = replace(one.measured, power=np.array([np.nan, np.nan]))
+    electrical_power_marks(replace(one, measured=measured), ax)
+    assert not ax.texts
+    assert [list(line.get_ydata()) for line in ax.lines] == [[80.0]]

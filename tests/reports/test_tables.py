@@ -22,6 +22,10 @@ def test_negative_numbers_are_shown_with_a_minus_sign_and_not_a_hyphen():
     assert shown(-1.5, ".1f") == "\N{MINUS SIGN}1.5"
 
 
+def test_what_is_rounded_to_zero_has_no_sign():
+    assert [shown(-0.0004, ".2f"), shown(0.0, "+.1f"), shown(0.06, "+.1f")] == ["0.00", "0.0", "+0.1"]
+
+
 def test_a_row_with_too_few_cells_is_refused():
     with pytest.raises(ValueError, match=r"`rows\[0\]` must have 1 cells, one per column, got 2"):
         Table(name="t", caption="", columns=(Column(name="a"),), rows=((1, 2),))
@@ -30,7 +34,7 @@ def test_a_row_with_too_few_cells_is_refused():
 def test_the_tables_of_the_study_have_all_their_rows(study):
     rows = {table.name: len(table.rows) for table in efficiency_tables(study)}
     points = sum(sweep.forward_velocity.size for sweep in study.sweeps)
-    assert rows == {"table1": 22, "table1-maxima": 12, "fin-gain": 11, "errors": 5, "sweeps": points}
+    assert rows == {"table1": 22, "table1-maxima": 12, "fin-gain": 11, "errors": 6, "sweeps": points}
 
 
 def test_table_1_as_a_file_is_table_1(study):

@@ -61,3 +61,19 @@ def test_a_trial_that_blows_up_is_named(monkeypatch):
 def test_a_joint_law_that_does_not_exist_is_refused():
     with pytest.raises(ValueError, match="`joints` must be one of"):
         run_efficiency(joints="magic")
+
+
+def test_a_model_that_does_not_exist_is_refused():
+    with pytest.raises(ValueError, match="`model` must be one of"):
+        run_efficiency(model="magic")
+
+
+def test_a_set_of_coefficients_may_bring_its_own_waters(study):
+    settings = efficiency_settings()
+    own = replace(
+        settings.models[0], waters={kind: settings.models[0].water(kind) for kind in settings.models[0].waters}
+    )
+    short = replace(settings, sweeps=(replace(settings.sweeps[0], step=1.0),), models=(own,))
+    assert [case.forward_velocity for case in run_efficiency(short).cases] == [
+        case.forward_velocity[:1] for case in study.cases
+    ]

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import Number, Numbers, Preset, Whole, changed, changes, choice, default
+from laticauda.cli.flags import File, Number, Numbers, Preset, Whole, changed, changes, choice, default
 from laticauda.cli.messages import given
-from laticauda.robot import Environment, Robot, Water, load_ground, load_robot, load_water
+from laticauda.robot import Environment, Robot, Water, load_ground, load_parameters, load_robot, load_water
 
 if TYPE_CHECKING:
     from laticauda.gaits import Gait
@@ -80,6 +80,8 @@ class EnvironmentFlags:
     """A preset or a TOML file."""
     ground: Annotated[Preset, default("none")] = None
     """A preset or a TOML file: crawl on land instead."""
+    parameters: File = None
+    """A parameter file: its coefficients for the gait instead of the paper's (not with a water)."""
 
     def chosen(self, gait: "Gait", coefficients: object) -> tuple[Environment, str]:
         """What is asked for, and where it is from, in words.
@@ -89,15 +91,24 @@ class EnvironmentFlags:
             coefficients: `WaterChanges`.
         """
         if self.ground is not None:
-            for name in ("water", *given(coefficients)):
-                if name != "water" or self.water is not None:
-                    raise ValueError(f"`{name}` must not be given with `ground`: it belongs to water.")
+            of_water = [name for name in (*given(self), *given(coefficients)) if name != "ground"]
+            if of_water:
+                raise ValueError(f"`{of_water[0]}` must not be given with `ground`: it belongs to water.")
             return load_ground(self.ground), "as asked for"
+        water, origin = self._water(gait)
+        return changed(water, coefficients), origin
+
+    def _water(self, gait: "Gait") -> tuple[Water, str]:
+        """The water before single coefficients are replaced, and where it is from."""
         from laticauda.simulate import default_water
 
-        water = load_water(default_water(gait) if self.water is None else self.water)
-        origin = "as asked for" if self.water is not None else ORIGINS[gait.kind]
-        return changed(water, coefficients), origin
+        if self.parameters is not None:
+            if self.water is not None:
+                raise ValueError("`parameters` must not be given with `water`: both say what the water is.")
+            return load_parameters(self.parameters).water(gait.kind), f"as {self.parameters} says"
+        if self.water is not None:
+            return load_water(self.water), "as asked for"
+        return load_water(default_water(gait)), ORIGINS[gait.kind]
 
 
 @dataclass(frozen=True, kw_only=True)

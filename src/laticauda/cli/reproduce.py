@@ -1,6 +1,6 @@
 """`laticauda reproduce`: the paper's experiments in simulation, as one folder with a report."""
 
-import json
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import Switch, Text, choice, default
+from laticauda.cli.flags import File, Switch, Text, Whole, choice, default
+from laticauda.cli.reproduced import as_json, as_text
 from laticauda.cli.swim import COMPILING
-from laticauda.cli.tables import aligned, number
 
 if TYPE_CHECKING:
-    from laticauda.reports import Reproduction
+    from laticauda.robot import Parameters
 
 FOLDER = "reproduction"
 FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
@@ -23,37 +23,62 @@ FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 class Reproduce:
     """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
 
-    So far: the efficiency study, Figs. 4 to 11 and Table 1. Figures (PNG and PDF), tables (CSV), data (netCDF) and
-    report.html, which needs no network, go into one folder. For example: laticauda reproduce --joints prescribed
-    --output reproduction
+    Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), what the paper did not
+    try, and a verdict on each of its claims. Figures (PNG and PDF), tables (CSV), data (netCDF) and report.html, which
+    needs no network, go into one folder. For example: laticauda reproduce --joints prescribed --output reproduction
     """
 
-    only: Annotated[str | None, choice("efficiency"), default("all")] = None
-    """Run this study only."""
+    only: Annotated[str | None, choice("efficiency", "path-following"), default("all")] = None
+    """Run this half of the paper only."""
+    model: Annotated[str | None, choice("planar"), default("planar")] = None
+    """The model of the body."""
     joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
     """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
+    parameters: File = None
+    """A parameter file (TOML): its coefficients instead of the paper's, which stay beside them for efficiency."""
+    repeats: File = None
+    """Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the
+    figures of the efficiency study with their scatter."""
+    workers: Annotated[Whole, default("one per core")] = None
+    """Processes to spread the work over."""
     output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
     """The folder; made if need be, files of the same names are replaced."""
     json: Switch = False
-    """Print one JSON object instead of the table."""
+    """Print one JSON object instead of the tables."""
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
-        from laticauda.reports import reproduce
+        from laticauda.reports import paper_experiments, reproduce
+        from laticauda.studies import load_repeats
 
         folder = FOLDER if self.output is None else self.output
+        settings = paper_experiments(self._parameters())
+        repeats = () if self.repeats is None else load_repeats(self.repeats)
         _warn_of_compiling()
-        show = _progress()
         try:
-            done = reproduce(folder, only=self.only, joints=self.joints or "prescribed", progress=show)
+            done = reproduce(
+                folder,
+                settings,
+                only=self.only,
+                model=self.model or "planar",
+                joints=self.joints or "prescribed",
+                repeats=repeats,
+                workers=os.cpu_count() or 1 if self.workers is None else self.workers,
+                progress=_progress(),
+            )
         except SimulationFailed as error:
             print(error, file=sys.stderr)
             return 1
         except ValueError as error:
             raise ValueError(str(error).replace("`folder`", "--output")) from error
-        print(_as_json(done) if self.json else _as_text(done))
+        print(as_json(done) if self.json else as_text(done))
         return 0
+
+    def _parameters(self) -> "Parameters | None":
+        from laticauda.robot import load_parameters
+
+        return None if self.parameters is None else load_parameters(self.parameters)
 
 
 def _warn_of_compiling() -> None:
@@ -80,48 +105,3 @@ def _progress() -> Callable[[str, int, int], None]:
             bars[what].close()
 
     return show
-
-
-def _as_json(done: "Reproduction") -> str:
-    """What was run, the errors [%] by predictor, and the files."""
-    from laticauda.studies import scores
-
-    study = done.efficiency
-    groups = [group.name for group in study.settings.groups]
-    errors = {
-        score.name: {
-            "numbers_fitted": score.n_fitted,
-            "mape_percent": score.overall,
-            "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
-            "leave_one_out_percent": score.leave_one_out,
-            "leave_one_group_out_percent": score.leave_one_group_out,
-        }
-        for score in scores(study)
-    }
-    found = {
-        "status": "All runs reached their end.",
-        "settings": study.how,
-        "efficiency": {"n_runs": study.settings.n_runs, "errors": errors},
-        "output": str(done.folder),
-        "files": done.files,
-        "version": study.version,
-    }
-    return json.dumps(found, indent=2, allow_nan=False)
-
-
-def _as_text(done: "Reproduction") -> str:
-    """The errors by predictor, and where the report is."""
-    from laticauda.studies import scores
-
-    study = done.efficiency
-    rows = [["", "all rows", *(group.name for group in study.settings.groups), "rows left out"]]
-    for score in scores(study):
-        left_out = "-" if score.leave_one_out is None else number(score.leave_one_out)
-        name = score.name if score.n_fitted is None else f"null model: {score.name}"
-        rows.append([name, number(score.overall), *map(number, score.by_group), left_out])
-    return (
-        f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
-        "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:\n\n"
-        f"{aligned(rows, right=range(1, len(rows[0])))}\n\n"
-        f"{len(done.files)} files in {done.folder}; open {done.folder / 'report.html'}"
-    )

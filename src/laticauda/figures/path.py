@@ -54,7 +54,7 @@ def extent(trial: Trial) -> tuple[float, float]:
 
 
 def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, half_width: float) -> None:
-    """The time beside a posture: to its left, or on the outer side where the path is curved."""
+    """The time beside a posture: to its left, or on the outer side where the path is curved; else on the free side."""
     path = trial.center_of_mass[:, :2]
     center, heading = path[sample], float(trial.heading[sample])
     ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
@@ -66,7 +66,10 @@ def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, hal
         outward = center - 0.5 * (path.min(axis=0) + path.max(axis=0))
         side = left if is_straight or left @ outward > 0.0 else -left
         near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
-        place = center + (np.max((near - center) @ side, initial=0.0) + half_width) * side
+        text = MARGIN * max(extent(trial))  # about as wide as the text
+        places = [(each, _beside(center, near, each, half_width)) for each in (side, -side)]
+        clear = [(each, at) for each, at in places if _gap(path, at + 0.5 * text * each) > 0.7 * text]
+        side, place = clear[0] if clear else places[0]
     ax.annotate(
         f"{trial.time[sample]:.3g} s",
         tuple(place),
@@ -82,6 +85,16 @@ def _tell_time(ax: Axes, trial: Trial, points: postures.Points, sample: int, hal
     # The limits of axes do not mind texts; this point keeps room for it.
     room = MARGIN * max(extent(trial)) * (1.0 + 1.5 * abs(side[0]))
     ax.update_datalim([tuple(place + room * side)])
+
+
+def _beside(center: postures.Point, points: postures.Points, side: postures.Point, half_width: float) -> postures.Point:
+    """The place just off the body on one side of it."""
+    return center + (np.max((points - center) @ side, initial=0.0) + half_width) * side
+
+
+def _gap(path: postures.Points, place: postures.Point) -> float:
+    """How far a place is from the path."""
+    return float(np.min(np.linalg.norm(path - place, axis=1)))
 
 
 def _tell_current(ax: Axes, current: tuple[float, float]) -> None:

@@ -190,8 +190,8 @@ class PlanarPlant:
         angle = samples[:, rows.LOG_STATE + fin : rows.LOG_STATE + joints]
         rate = samples[:, rows.LOG_STATE + joints + fin : rows.LOG_STATE + 2 * joints]
         relative = np.cumsum(angle, axis=1)  # of every link but the tail's to the tail link
-        # The last of running sums: `sum` and matrix products may round differently with the number of samples.
-        tail = heading - np.cumsum(relative, axis=1)[:, -1] / self.robot.n_links
+        # The last of running sums: sums and matrix products may round differently with the number of samples.
+        tail = heading - np.cumsum(relative, axis=1)[:, -1:].sum(axis=1) / self.robot.n_links
         links = np.empty((len(samples), self.robot.n_links))
         links[:, 0] = tail
         np.add(tail[:, np.newaxis], relative, out=links[:, 1:])

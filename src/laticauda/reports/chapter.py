@@ -53,9 +53,9 @@ def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) 
         files.append(f"{table.name}.csv")
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():
-        for suffix in (".png", ".pdf"):
-            save_figure(figure, folder / f"{name}{suffix}")
-            files.append(f"{name}{suffix}")
+        paths = [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")]
+        save_figure(figure, *paths)
+        files += [path.name for path in paths]
         pictures[name] = (caption, (folder / f"{name}.png").read_bytes())
         drawn(len(pictures))
     return files, chapter.section(pictures)

@@ -1,15 +1,35 @@
 """The efficiency study for readers: its figures, and its section of the report."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from laticauda.reports.efficiency_tables import fin_table, maxima_table, score_table, table1
+from laticauda.reports.chapter import Chapter, Pictures
+from laticauda.reports.efficiency_tables import (
+    efficiency_tables,
+    fin_table,
+    maxima_table,
+    repeat_table,
+    score_table,
+    table1,
+)
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section
-from laticauda.robot import load_water
-from laticauda.studies import GAIT_WORDS, EfficiencyStudy, FinGain, SweepResult, fin_gains, maxima, scores
+from laticauda.robot import Water
+from laticauda.studies import (
+    GAIT_WORDS,
+    EfficiencyStudy,
+    FinGain,
+    Group,
+    Repeat,
+    SweepResult,
+    SweepSettings,
+    fin_gains,
+    maxima,
+    scores,
+    write_netcdf,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,28 +43,46 @@ JOINTS = {
 }
 
 
-def efficiency_figures(study: EfficiencyStudy) -> Iterator[tuple[str, str, "Figure"]]:
+def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
+    """What the study puts into the folder and the report.
+
+    Args:
+        study: What `run_efficiency` returned.
+        repeats: Repeated trials to draw beside the paper's (`load_repeats`).
+    """
+    return Chapter(
+        section=lambda pictures: efficiency_section(study, pictures, repeats),
+        tables=efficiency_tables(study) + ((repeat_table(repeats),) if repeats else ()),
+        n_figures=sum(len(group.figures) for group in study.settings.groups),
+        figures=lambda: efficiency_figures(study, repeats),
+        data={"efficiency.nc": lambda path: write_netcdf(study, path)},
+    )
+
+
+def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Iterator[tuple[str, str, "Figure"]]:
     """The study's Figs. 4 to 11, one after the other: the name of its file, what it shows, and the figure.
 
     Args:
         study: What `run_efficiency` returned.
+        repeats: Repeated trials to draw beside the paper's.
     """
     from laticauda.figures.efficiency import power_sheet, velocity_sheet
 
     for place, group in enumerate(study.settings.groups):
-        panels = [_panel(study, sweep, place) for sweep in study.sweeps]
+        panels = [_panel(study, sweep, place, repeats) for sweep in study.sweeps]
         sheets = ((velocity_sheet, "Forward velocity"), (power_sheet, "Power"))
         for number, (sheet, what) in zip(group.figures, sheets, strict=True):
             title = f"{what}: {group.name}"
             yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet(panels, title)
 
 
-def efficiency_section(study: EfficiencyStudy, pictures: Mapping[str, tuple[str, bytes]]) -> Section:
+def efficiency_section(study: EfficiencyStudy, pictures: Pictures, repeats: Sequence[Repeat] = ()) -> Section:
     """The study's part of the report.
 
     Args:
         study: What was run.
         pictures: By name of the figure, its caption and the content of its PNG file.
+        repeats: Repeated trials that are drawn beside the paper's.
     """
     parts: list[Part] = [
         Heading(text="What was run"),
@@ -60,6 +98,7 @@ def efficiency_section(study: EfficiencyStudy, pictures: Mapping[str, tuple[str,
         maxima_table(study),
         Heading(text="What the fin changes"),
         fin_table(study),
+        *_repeated(study, repeats),
         Heading(text="Figures"),
         *(
             Picture(png=png, caption=caption, description=f"{caption} The numbers are in sweeps.csv.")
@@ -72,14 +111,12 @@ def efficiency_section(study: EfficiencyStudy, pictures: Mapping[str, tuple[str,
 # ---- figures -------------------------------------------------------------------------------------------------------
 
 
-def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int) -> "Panel":
-    """One panel: the curves of one group, and the rows of Table 1 that lie on this sweep."""
-    from laticauda.figures.efficiency import Curve, Marks, Panel
+def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":
+    """One panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
+    from laticauda.figures.efficiency import Curve, Marks, Panel, Scatter
 
-    settings = sweep.settings
-    cases = [
-        case for case in study.cases if case.group == study.settings.groups[place] and settings.contains(case.gait)
-    ]
+    settings, group = sweep.settings, study.settings.groups[place]
+    cases = [case for case in study.cases if case.group == group and settings.contains(case.gait)]
     return Panel(
         parameter=settings.parameter,
         fixed=dict(settings.fixed),
@@ -93,8 +130,25 @@ def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int) -> "Panel":
             velocity=np.array([case.measured_velocity for case in cases], dtype=float),
             power=np.array([case.measured_power for case in cases], dtype=float),
             is_maximum=np.array([case.starred == settings.parameter for case in cases], dtype=bool),
+            scatter=tuple(
+                Scatter(
+                    at=getattr(repeat.gait, settings.parameter),
+                    velocity=np.array(repeat.forward_velocity, dtype=float),
+                    power=np.array(repeat.mean_power, dtype=float),
+                )
+                for repeat in repeats
+                if _is_shown(repeat, group, settings)
+            ),
         ),
     )
+
+
+def _is_shown(repeat: Repeat, group: Group, sweep: SweepSettings) -> bool:
+    """Whether a panel of this group and sweep has a place for repeated trials."""
+    value = getattr(repeat.gait, sweep.parameter)
+    within = sweep.low - 1e-9 <= value <= sweep.high + 1e-9
+    same = repeat.gait.kind == group.gait and repeat.has_fin == group.has_fin
+    return same and within and sweep.contains(repeat.gait)
 
 
 # ---- words ---------------------------------------------------------------------------------------------------------
@@ -119,7 +173,7 @@ def _settings(study: EfficiencyStudy) -> Iterator[str]:
     )
     yield "Robots: {}.".format(", ".join(dict.fromkeys(group.robot for group in study.settings.groups)))
     for model in study.settings.models:
-        waters = [f"{_water(name)} for {GAIT_WORDS[gait]}" for gait, name in model.waters.items()]
+        waters = [f"{water_in_words(model.water(gait))} for {GAIT_WORDS[gait]}" for gait in model.waters]
         yield f"{model.name} ({model.title}): {'; '.join(waters)}."
     for sweep in study.settings.sweeps:
         low, high, step = (f"{math.degrees(value):g}" for value in (sweep.values[0], sweep.values[-1], sweep.step))
@@ -128,13 +182,35 @@ def _settings(study: EfficiencyStudy) -> Iterator[str]:
         yield f"Sweep of the {name}: {low} to {high} in steps of {step}, at {held} [deg, deg/s]."
 
 
-def _water(name: str) -> str:
-    water = load_water(name)
+def water_in_words(water: Water) -> str:
+    """A water's name, with its coefficients and forms in brackets.
+
+    Args:
+        water: Any water.
+    """
     drag = "linear and quadratic drag" if water.linear_drag else "quadratic drag only"
     return (
-        f"{name} (C_f {water.tangential_friction:g}, C_D {water.normal_drag:g}, C_A {water.added_mass:g}, "
+        f"{water.name} (C_f {water.tangential_friction:g}, C_D {water.normal_drag:g}, C_A {water.added_mass:g}, "
         f"form of the added mass: {water.added_mass_form}, rotational loads: {water.rotational}, {drag})"
     )
+
+
+def _repeated(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> list[Part]:
+    """What is said about repeated trials, if there are any."""
+    if not repeats:
+        return []
+    settings = study.settings
+    shown = [
+        repeat
+        for repeat in repeats
+        if any(_is_shown(repeat, group, sweep) for group in settings.groups for sweep in settings.sweeps)
+    ]
+    n_trials = sum(len(repeat.forward_velocity) for repeat in repeats)
+    text = (
+        f"{n_trials} trials of {len(repeats)} settings were given. {len(shown)} of the settings lie on a sweep of the "
+        "figures and are drawn there, a little to the right of their value."
+    )
+    return [Heading(text="Repeated trials"), Paragraph(text=text), repeat_table(repeats)]
 
 
 def _findings(study: EfficiencyStudy) -> Iterator[str]:

@@ -1,9 +1,10 @@
 """The efficiency study as tables: Table 1 row by row, its maxima, what the fin changes, and how far off all is."""
 
 import math
+from collections.abc import Sequence
 
 from laticauda.reports.tables import Cell, Column, Table
-from laticauda.studies import EfficiencyStudy, fin_gains, maxima, scores
+from laticauda.studies import EfficiencyStudy, Repeat, fin_gains, group_name, maxima, scores
 
 SYMBOLS = {"amplitude": "amplitude", "frequency": "frequency", "phase_shift": "phase shift"}
 SETTING = (
@@ -174,8 +175,8 @@ def score_table(study: EfficiencyStudy) -> Table:
         name="errors",
         caption="Mean absolute percentage error of the forward velocity over the measured rows of Table 1. The null "
         "models know no physics and are fitted to these rows; so their errors with rows or groups left out of the fit "
-        "count more. The coefficients of the physical models are the paper's, fitted there by hand to curves of the "
-        "robot without fin, and are not changed here.",
+        "count more. The paper's coefficients were fitted there by hand to curves of the robot without fin; they are "
+        "not changed here.",
         columns=(
             Column(name="predictor of v"),
             Column(name="numbers fitted here"),
@@ -183,6 +184,37 @@ def score_table(study: EfficiencyStudy) -> Table:
             Column(name="all rows [%]", form=".1f"),
             Column(name="leaving one row out [%]", form=".1f"),
             Column(name="leaving one group out [%]", form=".1f"),
+        ),
+        rows=tuple(rows),
+    )
+
+
+def repeat_table(repeats: Sequence[Repeat]) -> Table:
+    """Repeated trials: mean and standard deviation of every setting.
+
+    Args:
+        repeats: What `load_repeats` returned.
+    """
+    rows: list[tuple[Cell, ...]] = []
+    for repeat in repeats:
+        gait = repeat.gait
+        row: list[Cell] = [group_name(gait.kind, repeat.has_fin)]
+        row += [degrees(gait.amplitude), degrees(gait.frequency), degrees(gait.phase_shift)]
+        row += [len(repeat.forward_velocity), *repeat.velocity, *(repeat.power or (None, None))]
+        rows.append(tuple(row))
+    return Table(
+        name="repeats",
+        grouped=True,
+        caption="The repeated trials that were given: mean and standard deviation (of a sample) of every setting. One "
+        "trial has no deviation.",
+        columns=(
+            Column(name="group"),
+            *SETTING,
+            Column(name="trials"),
+            Column(name="v: mean [m/s]", form=".4f"),
+            Column(name="v: deviation [m/s]", form=".4f"),
+            Column(name="electrical power: mean [W]", form=".2f"),
+            Column(name="electrical power: deviation [W]", form=".2f"),
         ),
         rows=tuple(rows),
     )

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from laticauda.reports.tables import Table, numeric
+from laticauda.reports.tables import Column, Table, numeric
 
 STYLE = """
 :root { color-scheme: light; }
@@ -26,6 +26,7 @@ tbody th { padding: .9rem 0 .3rem; font-weight: 600; }
 tbody tr { border-bottom: 1px solid #e4e4e4; }
 th.n, td.n { text-align: right; }
 td { white-space: nowrap; }
+td.w { white-space: normal; min-width: 11rem; }
 figure { margin: 1.6rem 0; }
 figure img { max-width: 100%; height: auto; }
 figcaption { color: #444; font-size: .875rem; max-width: 46rem; }
@@ -132,9 +133,14 @@ def _html(part: Part) -> str:
             return _table(part)
 
 
+def _mark(column: Column, is_numeric: bool) -> str:
+    """What sets a column's cells apart."""
+    return ' class="n"' if is_numeric else ' class="w"' if column.wraps else ""
+
+
 def _table(table: Table) -> str:
     first = 1 if table.grouped else 0  # of the columns that are columns here
-    marks = [' class="n"' if right else "" for right in numeric(table)][first:]
+    marks = [_mark(column, right) for column, right in zip(table.columns, numeric(table), strict=True)][first:]
     heads = "".join(
         f'<th scope="col"{mark}>{escape(column.name)}</th>'
         for mark, column in zip(marks, table.columns[first:], strict=True)

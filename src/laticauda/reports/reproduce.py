@@ -1,25 +1,43 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
 import tempfile
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
+from threading import Thread
+from typing import Any
 
 from laticauda import __version__
-from laticauda.errors import one_of
-from laticauda.reports.efficiency import efficiency_figures, efficiency_section
-from laticauda.reports.efficiency_tables import efficiency_tables
+from laticauda.errors import one_of, whole
+from laticauda.reports.beyond import beyond_chapter
+from laticauda.reports.chapter import Chapter, write_chapter
+from laticauda.reports.claims import claims_chapter
+from laticauda.reports.efficiency import efficiency_chapter
+from laticauda.reports.experiments import HALVES, RUNS, Experiments, Results
 from laticauda.reports.page import Paragraph, Section, page
-from laticauda.studies import EfficiencyStudy, run_efficiency, write_netcdf
+from laticauda.reports.path_following import path_following_chapter
+from laticauda.reports.stability import stability_chapter
+from laticauda.studies import Repeat
 
-STUDIES = ("efficiency",)
+STUDIES = tuple(HALVES)
+"""The halves of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 INTRODUCTION = (
     "The trials of “Experimental Investigation of Locomotion Efficiency and Path-Following for Underwater Snake Robots "
     "with and without a Caudal Fin”, repeated in simulation and put beside what was measured on the robot. Nothing was "
-    "tuned here to make the two agree: the coefficients are the paper's. All numbers are also in CSV and netCDF files "
+    "tuned here to make the two agree. Coefficients: {coefficients}. All numbers are also in CSV and netCDF files "
     "beside this page."
 )
+CHAPTERS: Mapping[str, Callable[..., Chapter]] = {
+    "efficiency": efficiency_chapter,
+    "path_following": path_following_chapter,
+    "stability": stability_chapter,
+    "beyond": beyond_chapter,
+}
+"""The studies that have a part of the report of their own, in its order."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -32,8 +50,29 @@ class Reproduction:
     """Where everything is."""
     files: tuple[str, ...]
     """Names of the files in it."""
-    efficiency: EfficiencyStudy
-    """The efficiency study."""
+    results: Results
+    """What the studies found."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Job:
+    """One study to run and write down; it can be sent to another process."""
+
+    name: str
+    settings: object
+    model: str
+    joints: str
+    folder: Path
+    repeats: Sequence[Repeat]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Done:
+    """What came of a job."""
+
+    study: Any
+    files: list[str] = field(default_factory=list[str])
+    section: Section | None = None
 
 
 def writable_folder(folder: str | Path) -> Path:
@@ -60,17 +99,26 @@ def writable_folder(folder: str | Path) -> Path:
 
 def reproduce(
     folder: str | Path,
+    settings: Experiments | None = None,
     *,
     only: str | None = None,
+    model: str = "planar",
     joints: str = "prescribed",
+    repeats: Sequence[Repeat] = (),
+    workers: int = 1,
     progress: Progress | None = None,
 ) -> Reproduction:
     """Run the paper's studies and write everything into a folder.
 
     Args:
         folder: Made if it does not exist; files of the same names are replaced, others are left alone.
+        settings: Of all studies; None takes the paper's. `paper_experiments` makes those for other coefficients.
         only: One of `STUDIES`; None runs all there are.
+        model: See `laticauda.simulate.plant`.
         joints: See `laticauda.simulate.plant`.
+        repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
+        workers: Processes to spread the studies over. More than 1 needs a script whose main part stands under
+            ``if __name__ == "__main__":``, as all of Python's process pools do.
         progress: Called now and then with what is going on, how much of it is done, and how much there is.
 
     Returns:
@@ -82,34 +130,77 @@ def reproduce(
     """
     if only is not None:
         one_of("only", only, STUDIES)
+    whole("workers", workers, 1)
     folder = writable_folder(folder)
+    settings = settings or Experiments()
+    jobs = [
+        _Job(name=name, settings=getattr(settings, name), model=model, joints=joints, folder=folder, repeats=repeats)
+        for name in RUNS
+        if only is None or name in HALVES[only]
+    ]
+    done = _run(jobs, min(workers, len(jobs)), progress or (lambda what, done, total: None))
+    results = Results(**{name: part.study for name, part in done.items()})
+    files, judged = write_chapter(claims_chapter(results.claims), folder, lambda n: None)
+    sections = [judged, *(done[name].section for name in CHAPTERS if name in done)]
+    introduction = [
+        Paragraph(text=INTRODUCTION.format(coefficients=settings.efficiency.models[0].title)),
+        Paragraph(text=f"Made with laticauda {__version__}; model: {model}; joints: {joints}."),
+    ]
+    text = page(TITLE, introduction, [section for section in sections if section is not None])
+    (folder / "report.html").write_text(text, encoding="utf-8")
+    written = [file for part in done.values() for file in part.files]
+    return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
 
-    def tell(what: str, done: int, total: int) -> None:
-        if progress is not None:
-            progress(what, done, total)
 
-    study = run_efficiency(joints=joints, progress=lambda done, total: tell("trials", done, total))
-    files, section = _write_efficiency(study, folder, tell)
-    introduction = [Paragraph(text=INTRODUCTION), Paragraph(text=f"Made with laticauda {__version__}.")]
-    (folder / "report.html").write_text(page(TITLE, introduction, [section]), encoding="utf-8")
-    return Reproduction(folder=folder, files=(*files, "report.html"), efficiency=study)
+# ---- the studies, one after the other or side by side --------------------------------------------------------------
 
 
-def _write_efficiency(study: EfficiencyStudy, folder: Path, tell: Progress) -> tuple[list[str], Section]:
-    """Write the study's data, tables and figures; return the files' names, and its section of the report."""
-    from laticauda.figures import save_figure
+def _run(jobs: Sequence[_Job], workers: int, progress: Progress) -> dict[str, _Done]:
+    """Do all jobs; the first error ends them."""
+    if workers == 1:
+        return {job.name: _do(job, progress) for job in jobs}
+    context = get_context("spawn")  # the only way to start a process that is safe everywhere
+    told = context.SimpleQueue()
+    listener = Thread(target=_listen, args=(told, progress), daemon=True)
+    listener.start()
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_remember, initargs=(told,)) as pool:
+        names = {pool.submit(_do_there, job): job.name for job in jobs}
+        try:
+            return {names[future]: future.result() for future in as_completed(names)}
+        finally:
+            pool.shutdown(cancel_futures=True)
+            told.put(None)
+            listener.join()
 
-    write_netcdf(study, folder / "efficiency.nc")
-    files = ["efficiency.nc"]
-    for table in efficiency_tables(study):
-        (folder / f"{table.name}.csv").write_text(table.csv, encoding="utf-8")
-        files.append(f"{table.name}.csv")
-    pictures: dict[str, tuple[str, bytes]] = {}
-    n_figures = sum(len(group.figures) for group in study.settings.groups)
-    for name, caption, figure in efficiency_figures(study):
-        for suffix in (".png", ".pdf"):
-            save_figure(figure, folder / f"{name}{suffix}")
-            files.append(f"{name}{suffix}")
-        pictures[name] = (caption, (folder / f"{name}.png").read_bytes())
-        tell("figures", len(pictures), n_figures)
-    return files, efficiency_section(study, pictures)
+
+def _do(job: _Job, progress: Progress) -> _Done:
+    """Run one study and write its part of the folder."""
+    what = job.name.replace("_", " ")
+    study = RUNS[job.name](job.settings, model=job.model, joints=job.joints, progress=partial(progress, what))
+    if job.name not in CHAPTERS:
+        return _Done(study=study)
+    more = {"repeats": job.repeats} if job.name == "efficiency" else {}
+    chapter = CHAPTERS[job.name](study, **more)
+    files, section = write_chapter(chapter, job.folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
+    return _Done(study=study, files=files, section=section)
+
+
+# ---- in a worker ---------------------------------------------------------------------------------------------------
+
+_told: Any = None
+"""Where a worker tells how far it is."""
+
+
+def _remember(told: Any) -> None:
+    global _told
+    _told = told
+
+
+def _do_there(job: _Job) -> _Done:
+    return _do(job, lambda what, done, total: _told.put((what, done, total)))
+
+
+def _listen(told: Any, progress: Progress) -> None:
+    """Pass on what workers tell, until there is no more to come."""
+    while (message := told.get()) is not None:
+        progress(*message)

@@ -16,6 +16,8 @@ class Column:
     """What its head says, with the unit in brackets."""
     form: str = ""
     """How a number is shown on a page, as in `format`; a CSV file has all digits."""
+    wraps: bool = False
+    """Whether its cells are long texts, which a page breaks into lines."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +62,20 @@ def shown(cell: Cell, form: str = "") -> str:
         return "NA"
     if isinstance(cell, bool):
         return "yes" if cell else "no"
-    return cell if isinstance(cell, str) else format(cell, form or "g").replace("-", "\N{MINUS SIGN}")
+    return cell if isinstance(cell, str) else in_digits(cell, form)
+
+
+def in_digits(value: float, form: str = "") -> str:
+    """A number as a page shows it: with a real minus, and what is rounded to zero without a sign.
+
+    Args:
+        value: Any number.
+        form: As in `format`; "" shows six digits.
+    """
+    text = format(value, form or "g")
+    if not any(digit in text for digit in "123456789"):
+        text = text.lstrip("+-")
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def _plain(cell: Cell) -> Cell:

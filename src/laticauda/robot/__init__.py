@@ -7,6 +7,7 @@ from laticauda.robot.environment import Environment, Ground, Water, check_fits
 from laticauda.robot.files import RobotNotFound, from_toml, to_toml
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.modules import Module, Section
+from laticauda.robot.parameters import Parameters, load_parameters
 from laticauda.robot.robot import Robot
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Ground",
     "Joint",
     "Module",
+    "Parameters",
     "PectoralFin",
     "Robot",
     "RobotNotFound",
@@ -28,6 +30,7 @@ __all__ = [
     "from_toml",
     "ground_names",
     "load_ground",
+    "load_parameters",
     "load_robot",
     "load_water",
     "robot_names",

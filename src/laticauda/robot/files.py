@@ -75,7 +75,7 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
 
 def read_file(path: Path, kind: type[Any] | None = None) -> Any:
     """`from_toml` for a file."""
-    return _build(*_complete(_read(path), str(path), path, kind, ()))
+    return _build(*_complete(read_text(path), str(path), path, kind, ()))
 
 
 def preset_names(kind: str) -> tuple[str, ...]:
@@ -116,7 +116,12 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     return path
 
 
-def _read(path: Path) -> str:
+def read_text(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        RobotFileError: If it cannot be read; the message says which and why.
+    """
     try:
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
@@ -130,16 +135,29 @@ def _read(path: Path) -> str:
         raise RobotFileError(f"{path!s}: cannot be read: {reason}") from None
 
 
-def _complete(
-    text: str, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
-) -> tuple[type[Described], Table, str]:
-    """Parse a text, check its kind and add what it takes from the file it extends."""
+def parsed(text: str, shown: str) -> Table:
+    """The table that a TOML text holds.
+
+    Args:
+        text: What to parse.
+        shown: What messages call it.
+
+    Raises:
+        RobotFileError: If it is no TOML.
+    """
     try:
-        table = tomllib.loads(text)
+        return tomllib.loads(text)
     except RecursionError:
         raise RobotFileError(f"{shown}: is not valid TOML: nested too deeply") from None
     except ValueError as error:  # also a number of more digits than Python reads
         raise RobotFileError(f"{shown}: is not valid TOML: {error}") from None
+
+
+def _complete(
+    text: str, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
+) -> tuple[type[Described], Table, str]:
+    """Parse a text, check its kind and add what it takes from the file it extends."""
+    table = parsed(text, shown)
     found = _kind(table, shown, kind)
     base = table.pop("extends", None)
     if base is not None:
@@ -174,7 +192,7 @@ def _inherited(base: object, shown: str, path: Path | None, kind: type[Described
     chain = parents if path is None else (*parents, path.resolve())
     if other.resolve() in chain:
         raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
-    _, table, name = _complete(_read(other), str(other), other, kind, chain)
+    _, table, name = _complete(read_text(other), str(other), other, kind, chain)
     _build(kind, table, name)
     return {key: value for key, value in table.items() if key not in ("name", "description")}
 

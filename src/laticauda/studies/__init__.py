@@ -1,7 +1,21 @@
 """Whole experiments: many trials, and what they say together."""
 
+from laticauda.studies.beyond import BeyondSettings, BeyondStudy, run_beyond
+from laticauda.studies.beyond_dataset import beyond_dataset, write_beyond_netcdf
+from laticauda.studies.claims import Claim, Misprint, claims, misprints
+from laticauda.studies.curved import CurvedRun, CurvedSettings
 from laticauda.studies.dataset import to_dataset, write_netcdf
+from laticauda.studies.drift import DriftRun, DriftSettings
 from laticauda.studies.efficiency import Case, EfficiencyStudy, SweepResult, run_efficiency
+from laticauda.studies.following_dataset import following_dataset, write_following_netcdf
+from laticauda.studies.following_run import FollowingRun
+from laticauda.studies.following_settings import (
+    FollowingGroup,
+    HeldOut,
+    PathFollowingSettings,
+    path_following_settings,
+)
+from laticauda.studies.links import Doubling, LinksRun, LinksSettings, LinksStudy, run_links
 from laticauda.studies.paper import (
     GAIT_WORDS,
     PARAMETERS,
@@ -10,29 +24,108 @@ from laticauda.studies.paper import (
     Group,
     SweepSettings,
     efficiency_settings,
+    group_name,
 )
+from laticauda.studies.path_following import (
+    FollowingCase,
+    HeldOutRun,
+    PathFollowingStudy,
+    run_path_following,
+)
+from laticauda.studies.repeats import Repeat, load_repeats
 from laticauda.studies.scores import Score, mape, scores
+from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
+from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
+from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
+from laticauda.studies.swimmers import Steering, Swimmer, swimmers
 from laticauda.studies.table1 import FinGain, Maximum, fin_gains, maxima
+from laticauda.studies.table2 import (
+    FinChange,
+    MeterCost,
+    Prediction,
+    fin_changes,
+    following_scores,
+    meter_costs,
+    null_predictions,
+    simulated,
+)
+from laticauda.studies.turning import TurningCurve, TurningSettings
 
 __all__ = [
+    "BEHAVIORS",
     "GAIT_WORDS",
     "PARAMETERS",
+    "BeyondSettings",
+    "BeyondStudy",
     "Case",
+    "Claim",
     "Coefficients",
+    "CurvedRun",
+    "CurvedSettings",
+    "Doubling",
+    "DriftRun",
+    "DriftSettings",
     "EfficiencySettings",
     "EfficiencyStudy",
+    "FinChange",
     "FinGain",
+    "FollowingCase",
+    "FollowingGroup",
+    "FollowingRun",
     "Group",
+    "HeldOut",
+    "HeldOutRun",
+    "LinksRun",
+    "LinksSettings",
+    "LinksStudy",
+    "Loops",
     "Maximum",
+    "MeterCost",
+    "Misprint",
+    "PathFollowingSettings",
+    "PathFollowingStudy",
+    "Prediction",
+    "Repeat",
     "Score",
+    "SideSettings",
+    "SideTrials",
+    "StabilityMap",
+    "StabilitySettings",
+    "StabilityStudy",
+    "Steering",
     "SweepResult",
     "SweepSettings",
+    "Swimmer",
+    "TurningCurve",
+    "TurningSettings",
+    "beyond_dataset",
+    "claims",
     "efficiency_settings",
+    "fin_changes",
     "fin_gains",
+    "following_dataset",
+    "following_scores",
+    "group_name",
+    "load_repeats",
     "mape",
     "maxima",
+    "meter_costs",
+    "misprints",
+    "null_predictions",
+    "path_following_settings",
+    "run_beyond",
     "run_efficiency",
+    "run_links",
+    "run_path_following",
+    "run_side_trials",
+    "run_stability",
     "scores",
+    "simulated",
+    "stability_dataset",
+    "swimmers",
     "to_dataset",
+    "write_beyond_netcdf",
+    "write_following_netcdf",
     "write_netcdf",
+    "write_stability_netcdf",
 ]

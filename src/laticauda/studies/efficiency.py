@@ -4,8 +4,9 @@ It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in the planar
 computed in `table1` and `scores`.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +14,7 @@ from jaxtyping import Float
 from laticauda import __version__
 from laticauda.errors import SimulationFailed
 from laticauda.gaits import Gait
-from laticauda.robot import Robot, Water, load_robot, load_water
+from laticauda.robot import Robot, Water, load_robot
 from laticauda.simulate import swim
 from laticauda.studies.paper import EfficiencySettings, Group, SweepSettings, efficiency_settings
 from laticauda.trial import Trial
@@ -22,6 +23,8 @@ from laticauda.trial.measured import MeasuredTrial, measured_trial
 
 Progress = Callable[[int, int], None]
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
+# Forward velocity [m/s], steady velocity [m/s] and mechanical power [W].
+Figures = Float[np.ndarray, "n_trials n_models 3"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,6 +94,7 @@ class EfficiencyStudy:
 def run_efficiency(
     settings: EfficiencySettings | None = None,
     *,
+    model: str = "planar",
     joints: str = "prescribed",
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
@@ -101,6 +105,7 @@ def run_efficiency(
 
     Args:
         settings: None takes those of the paper.
+        model: See `laticauda.simulate.plant`.
         joints: See `laticauda.simulate.plant`.
         dt: See `laticauda.simulate.plant` [s].
         offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
@@ -115,60 +120,73 @@ def run_efficiency(
         SimulationFailed: If a trial blows up; the message says which.
     """
     settings = settings or efficiency_settings()
+    options = {"model": model, "joints": joints, "dt": dt, "offset_bandwidth": offset_bandwidth, "ramp": ramp}
+    rows = [(group, gait) for group in settings.groups for gait in group.cases]
+    points = [
+        (group, sweep.gait(group.gait, value))
+        for sweep in settings.sweeps
+        for group in settings.groups
+        for value in sweep.values
+    ]
+    found, how = _measured([*rows, *points], settings, options, progress)
+    of_rows, of_points = iter(found[: len(rows)]), found[len(rows) :]
+    return EfficiencyStudy(
+        settings=settings,
+        how=how,
+        version=__version__,
+        sweeps=tuple(_curves(settings, of_points)),
+        cases=tuple(
+            _case(group, index, next(of_rows)) for group in settings.groups for index in range(len(group.cases))
+        ),
+    )
+
+
+def _measured(
+    trials: Sequence[tuple[Group, Gait]],
+    settings: EfficiencySettings,
+    options: Mapping[str, Any],
+    progress: Progress | None,
+) -> tuple[Figures, dict[str, Setting]]:
+    """The figures of every trial with every set of coefficients, and how they were computed."""
     robots = {group.robot: load_robot(group.robot) for group in settings.groups}
-    waters = {name: load_water(name) for model in settings.models for name in model.waters.values()}
+    waters = [{kind: model.water(kind) for kind in model.waters} for model in settings.models]
+    found = np.empty((len(trials), len(waters), 3))
     how: dict[str, Setting] = {}
-    n_done = 0
-
-    def measure(group: Group, gait: Gait) -> Float[np.ndarray, "n_models 3"]:
-        nonlocal n_done
-        found: list[tuple[float, float, float]] = []
-        for model in settings.models:
-            trial = _swim(robots[group.robot], gait, waters[model.waters[gait.kind]])
-            how.update(trial.settings)
-            found.append((trial.forward_velocity, trial.steady_velocity, trial.mechanical_power))
-        n_done += len(settings.models)
+    for i, (group, gait) in enumerate(trials):
+        for m, by_gait in enumerate(waters):
+            trial = _swim(robots[group.robot], gait, by_gait[gait.kind], settings.duration, options)
+            found[i, m] = trial.forward_velocity, trial.steady_velocity, trial.mechanical_power
+            how |= trial.settings
         if progress is not None:
-            progress(n_done, settings.n_runs)
-        return np.array(found)
+            progress((i + 1) * len(waters), settings.n_runs)
+    return found, how
 
-    def _swim(robot: Robot, gait: Gait, water: Water) -> Trial:
-        try:
-            return swim(
-                robot,
-                gait,
-                settings.duration,
-                environment=water,
-                joints=joints,
-                dt=dt,
-                offset_bandwidth=offset_bandwidth,
-                ramp=ramp,
-                throw=True,
-            )
-        except SimulationFailed as error:
-            setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
-                *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
-            )
-            raise SimulationFailed(f"{robot.name}, {gait.kind}, {setting}, {water.name}: {error}") from error
 
-    def curves(sweep: SweepSettings) -> SweepResult:
-        points = [
-            [measure(group, sweep.gait(group.gait, value)) for value in sweep.values] for group in settings.groups
-        ]
-        velocity, steady, power = np.moveaxis(np.array(points), (3, 2), (0, 1))
-        return SweepResult(
+def _swim(robot: Robot, gait: Gait, water: Water, duration: float, options: Mapping[str, Any]) -> Trial:
+    try:
+        return swim(robot, gait, duration, environment=water, throw=True, **options)
+    except SimulationFailed as error:
+        setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
+            *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
+        )
+        raise SimulationFailed(f"{robot.name}, {gait.kind}, {setting}, {water.name}: {error}") from error
+
+
+def _curves(settings: EfficiencySettings, found: Figures) -> Iterator[SweepResult]:
+    """The figures of all sweeps, which come one sweep after the other, group by group."""
+    begin = 0
+    for sweep in settings.sweeps:
+        shape = (len(settings.groups), sweep.values.size)
+        end = begin + shape[0] * shape[1]
+        velocity, steady, power = np.moveaxis(found[begin:end].reshape(*shape, -1, 3), (3, 2), (0, 1))
+        yield SweepResult(
             settings=sweep,
             values=sweep.values,
             forward_velocity=velocity,
             steady_velocity=steady,
             mechanical_power=power,
         )
-
-    cases = tuple(
-        _case(group, index, measure(group, gait)) for group in settings.groups for index, gait in enumerate(group.cases)
-    )
-    sweeps = tuple(curves(sweep) for sweep in settings.sweeps)
-    return EfficiencyStudy(settings=settings, how=how, version=__version__, sweeps=sweeps, cases=cases)
+        begin = end
 
 
 def _case(group: Group, index: int, found: Float[np.ndarray, "n_models 3"]) -> Case:

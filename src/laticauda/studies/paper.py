@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from laticauda.errors import one_of, positive
 from laticauda.gaits import Gait
+from laticauda.robot import Water, load_water
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """The gait's parameters that the paper sweeps."""
@@ -27,8 +28,17 @@ class Coefficients:
     """What tables and files call it."""
     title: str
     """What a legend says."""
-    waters: Mapping[str, str]
-    """A water's name (`load_water`) for every kind of gait."""
+    waters: Mapping[str, str | Water]
+    """A water for every kind of gait: itself, or its name (`load_water`)."""
+
+    def water(self, gait: str) -> Water:
+        """The water for a kind of gait.
+
+        Args:
+            gait: The gait's kind.
+        """
+        water = self.waters[gait]
+        return water if isinstance(water, Water) else load_water(water)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +119,7 @@ class Group:
     @property
     def name(self) -> str:
         """What tables and files call it."""
-        return f"{GAIT_WORDS[self.gait]}, {'with' if self.has_fin else 'without'} fin"
+        return group_name(self.gait, self.has_fin)
 
     def starred(self, case: int) -> str | None:
         """The parameter whose maximum a case is said to be, if any.
@@ -147,11 +157,26 @@ class EfficiencySettings:
         return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
 
 
+def group_name(gait: str, has_fin: bool) -> str:
+    """What tables and files call one gait with one configuration of the robot.
+
+    Args:
+        gait: The gait's kind.
+        has_fin: Whether the robot wears the caudal fin.
+    """
+    return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
+
+
+@cache
+def paper_table() -> Mapping[str, Any]:
+    """The content of `paper.toml`, as it is written there."""
+    return tomllib.loads(files("laticauda.studies").joinpath("paper.toml").read_text(encoding="utf-8"))
+
+
 @cache
 def efficiency_settings() -> EfficiencySettings:
     """The settings that come with laticauda; `dataclasses.replace` makes others."""
-    text = files("laticauda.studies").joinpath("paper.toml").read_text(encoding="utf-8")
-    table = tomllib.loads(text)["efficiency"]
+    table = paper_table()["efficiency"]
     return EfficiencySettings(
         duration=table["duration"],
         models=tuple(Coefficients(**model) for model in table["models"]),
@@ -168,11 +193,7 @@ def _sweep(table: Mapping[str, Any]) -> SweepSettings:
 
 def _group(table: Mapping[str, Any]) -> Group:
     rows = [dict(zip(PARAMETERS, map(math.radians, row), strict=True)) for row in table["cases_deg"]]
-    absent = [""] * len(rows)
-    velocity, power = (
-        tuple(None if value == "" else float(value) for value in table.get(f"printed_{name}_change", absent))
-        for name in ("velocity", "power")
-    )
+    velocity, power = printed_changes(table, len(rows))
     return Group(
         gait=table["gait"],
         robot=table["robot"],
@@ -183,3 +204,20 @@ def _group(table: Mapping[str, Any]) -> Group:
         printed_velocity_change=velocity,
         printed_power_change=power,
     )
+
+
+def printed_changes(
+    table: Mapping[str, Any], n_cases: int
+) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
+    """What the paper prints as the change by the fin, of forward velocity and of power, by case [%].
+
+    Args:
+        table: A group as it is written in `paper.toml`.
+        n_cases: How many cases the group has.
+    """
+    absent = [""] * n_cases
+    velocity, power = (
+        tuple(None if value == "" else float(value) for value in table.get(f"printed_{name}_change", absent))
+        for name in ("velocity", "power")
+    )
+    return velocity, power

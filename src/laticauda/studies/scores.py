@@ -4,16 +4,14 @@ A null model is fitted to the very rows that it is then scored on, by least squa
 also given for rows that were left out of the fit.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.studies.efficiency import Case, EfficiencyStudy
-
-Values = Float[np.ndarray, " n_rows"]
-Design = Float[np.ndarray, "n_rows n_parameters"]
+from laticauda.studies.efficiency import EfficiencyStudy
+from laticauda.studies.null_models import NULL_MODELS, Design, Row, Values, design, fit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,53 +62,24 @@ def scores(study: EfficiencyStudy) -> tuple[Score, ...]:
         _score(name, None, measured, np.array([case.forward_velocity[i] for case in rows]), group)
         for i, name in enumerate(study.models)
     ]
-    for name, build in NULL_MODELS.items():
-        design, known = build(rows)
+    settings = [Row(gait=case.gait, has_fin=case.group.has_fin) for case in rows]
+    groups = sorted({row.group for row in settings})
+    for name in NULL_MODELS:
+        columns, known = design(name, settings, groups)
         target = np.log(measured) - known
-        fitted = np.exp(design @ _fit(design, target) + known)
-        left_out = [np.exp(_left_out(design, target, by) + known) for by in (np.arange(group.size), group)]
-        found.append(_score(name, design.shape[1], measured, fitted, group, left_out))
+        fitted = np.exp(columns @ fit(columns, target) + known)
+        left_out = [np.exp(_left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
+        found.append(_score(name, columns.shape[1], measured, fitted, group, left_out))
     return tuple(found)
 
 
-# ---- null models: columns that are fitted to log v, and what is added to them ------------------------------------
-
-
-def _constant_per_group(rows: Sequence[Case]) -> tuple[Design, Values]:
-    groups = sorted({case.group.name for case in rows})
-    columns = [[float(case.group.name == name) for name in groups] for case in rows]
-    return np.array(columns), np.zeros(len(rows))
-
-
-def _constant_fin_eel(rows: Sequence[Case]) -> tuple[Design, Values]:
-    columns = [(1.0, float(case.group.has_fin), float(case.gait.kind == "eel_like")) for case in rows]
-    return np.array(columns), np.zeros(len(rows))
-
-
-def _constant_stride(rows: Sequence[Case]) -> tuple[Design, Values]:
-    design, _ = _constant_per_group(rows)
-    return design, np.log([case.gait.frequency for case in rows])
-
-
-NULL_MODELS: dict[str, Callable[[Sequence[Case]], tuple[Design, Values]]] = {
-    "constant per group": _constant_per_group,
-    "constant + fin + eel": _constant_fin_eel,
-    "constant stride per group": _constant_stride,
-}
-"""Speeds without physics: one number per group; a number and two factors; one distance per cycle and group."""
-
-
-def _fit(design: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
-    return np.linalg.lstsq(design, target)[0]
-
-
-def _left_out(design: Design, target: Values, by: np.ndarray) -> Values:
+def _left_out(columns: Design, target: Values, by: np.ndarray) -> Values:
     """Each row predicted from the rows with another number in `by`; nan where they do not suffice."""
     found = np.full(target.size, np.nan)
     for number in np.unique(by):
         out = by == number
-        if np.linalg.matrix_rank(design[~out]) == design.shape[1]:
-            found[out] = design[out] @ _fit(design[~out], target[~out])
+        if np.linalg.matrix_rank(columns[~out]) == columns.shape[1]:
+            found[out] = columns[out] @ fit(columns[~out], target[~out])
     return found
 
 

@@ -56,7 +56,7 @@ class FinGain:
             "velocity": (self.printed_velocity, self.measured_velocity),
             "power": (self.printed_power, self.measured_power),
         }
-        return tuple(name for name, (printed, found) in pairs.items() if _differ(printed, found))
+        return tuple(name for name, (printed, found) in pairs.items() if is_misprint(printed, found))
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
@@ -78,6 +78,26 @@ def fin_gains(study: EfficiencyStudy) -> tuple[FinGain, ...]:
     """
     bare = {case.gait: case for case in study.cases if not case.group.has_fin}
     return tuple(_gain(bare[case.gait], case) for case in study.cases if case.group.has_fin and case.gait in bare)
+
+
+def percent_change(before: float, after: float) -> float:
+    """By how much something grew [%].
+
+    Args:
+        before: Not zero.
+        after: In the same unit.
+    """
+    return 100.0 * (after / before - 1.0)
+
+
+def is_misprint(printed: float | None, found: float | None) -> bool:
+    """Whether a printed change is another one than the paper's own numbers give.
+
+    Args:
+        printed: As printed [%].
+        found: As recomputed [%].
+    """
+    return printed is not None and found is not None and abs(printed - found) > PRINTED_TO
 
 
 def _maximum(study: EfficiencyStudy, sweep: SweepResult, place: int) -> Maximum | None:
@@ -104,17 +124,13 @@ def _gain(without: Case, with_fin: Case) -> FinGain:
     return FinGain(
         without=without,
         with_fin=with_fin,
-        simulated_velocity=tuple(100.0 * (after / before - 1.0) for before, after in simulated),
-        measured_velocity=_percent(without.measured_velocity, with_fin.measured_velocity),
-        measured_power=_percent(without.measured_power, with_fin.measured_power),
+        simulated_velocity=tuple(percent_change(before, after) for before, after in simulated),
+        measured_velocity=_known_change(without.measured_velocity, with_fin.measured_velocity),
+        measured_power=_known_change(without.measured_power, with_fin.measured_power),
         printed_velocity=with_fin.group.printed_velocity_change[with_fin.index],
         printed_power=with_fin.group.printed_power_change[with_fin.index],
     )
 
 
-def _percent(before: float | None, after: float | None) -> float | None:
-    return None if before is None or after is None else 100.0 * (after / before - 1.0)
-
-
-def _differ(printed: float | None, found: float | None) -> bool:
-    return printed is not None and found is not None and abs(printed - found) > PRINTED_TO
+def _known_change(before: float | None, after: float | None) -> float | None:
+    return None if before is None or after is None else percent_change(before, after)

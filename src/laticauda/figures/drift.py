@@ -1,0 +1,109 @@
+"""A current across the path, and a curved path: the way of each run, and its mean distance from the path."""
+
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from laticauda.figures import style
+from laticauda.figures.following import path_beside
+from laticauda.figures.path import extent
+from laticauda.trial import Trial
+
+STRIP = (0.55, 2.4)  # smallest and largest height of a path [in]
+LABELS = 0.55  # height that labels and letters take [in]
+PANEL_HEIGHT = 1.7  # [in]
+HEAD = 0.75  # height that title and legend take [in]
+# By run, told apart by dashes too.
+LINES: tuple[tuple[str, Any], ...] = (
+    (style.BLUE, (0, (5, 2))),
+    (style.ORANGE, "-"),
+    (style.INK, (0, (1, 1.5))),
+    (style.AMBER, (0, (5, 1, 1, 1))),
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorLine:
+    """The mean distance from the path in one run."""
+
+    label: str
+    """What the legend says."""
+    at: Float[np.ndarray, " n_middles"]
+    """When, or how far along the path [s, m]."""
+    error: Float[np.ndarray, " n_middles"]
+    """Cycle mean of the cross-track error then, positive to the left [m]."""
+
+
+def mean_errors(lines: Sequence[ErrorLine], ax: Axes, *, xlabel: str, tolerance: float | None = None) -> Axes:
+    """Mean distance from the path, a line per run.
+
+    Args:
+        lines: The data.
+        ax: Where to draw.
+        xlabel: What `at` is, with its unit.
+        tolerance: A band around the path to be shaded; None for none [m].
+    """
+    if tolerance is not None:
+        label = f"\N{PLUS-MINUS SIGN}{100.0 * tolerance:g} cm"
+        ax.axhspan(-tolerance, tolerance, color="#E4E4E4", linewidth=0.0, zorder=0, label=label)
+    ax.axhline(0.0, color=style.GRAY, linewidth=style.THIN, zorder=1)
+    for i, line in enumerate(lines):
+        color, dashes = LINES[i % len(LINES)]
+        ax.plot(line.at, line.error, color=color, linestyle=dashes, linewidth=1.5, label=line.label)
+    ax.set_xlim(min(0.0, *(float(line.at[0]) for line in lines)), max(float(line.at[-1]) for line in lines))
+    return style.dress(ax, xlabel=xlabel, ylabel="mean cross-track\nerror [m]")
+
+
+def runs_sheet(
+    trials: Sequence[tuple[str, Trial]],
+    lines: Sequence[ErrorLine],
+    title: str,
+    *,
+    xlabel: str,
+    tolerance: float | None = None,
+) -> Figure:
+    """The ways of some runs one above the other, and below them the mean errors of all.
+
+    Args:
+        trials: What stands above each, and the run, which followed a path.
+        lines: The errors, of these runs and of others.
+        title: Above all panels.
+        xlabel: What the errors are drawn over, with its unit.
+        tolerance: As for `mean_errors` [m].
+    """
+    width = style.DOUBLE_COLUMN
+    extents = [extent(trial) for _, trial in trials]
+    # One scale for all ways: they are drawn as wide as the longest.
+    scale = (width - 0.9) / max(wide for wide, _ in extents)
+    strips = [float(np.clip(scale * high, *STRIP)) + LABELS for _, high in extents]
+    figure = style.new_figure(width, sum(strips) + PANEL_HEIGHT + LABELS + HEAD)
+    grid = figure.add_gridspec(len(trials) + 1, 1, height_ratios=(*strips, PANEL_HEIGHT + LABELS))
+    axes: list[Axes] = []
+    for i, (words, trial) in enumerate(trials):
+        ax = path_beside(trial, figure.add_subplot(grid[i], **({"sharex": axes[0]} if axes else {})))
+        ax.set_title(f"({'abcdefgh'[i]})  {words}", fontsize=style.TICK, color=style.INK, loc="left", pad=4)
+        axes.append(ax)
+    for ax in axes[:-1]:
+        ax.set_xlabel("")
+    last = mean_errors(lines, figure.add_subplot(grid[-1]), xlabel=xlabel, tolerance=tolerance)
+    last.set_title(f"({'abcdefgh'[len(trials)]})", fontsize=style.TICK, color=style.INK, loc="left", pad=4)
+    figure.align_ylabels([*axes, last])
+    style.head(figure, title)
+    figure.legend(
+        *last.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=2,
+        fontsize=style.TICK,
+        labelcolor=style.INK,
+        frameon=False,
+        handlelength=2.6,
+    )
+    return figure

@@ -1,0 +1,124 @@
+"""What a reproduction runs: the settings of all its studies, and their results together."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from laticauda.robot import Parameters
+from laticauda.studies import (
+    GAIT_WORDS,
+    BeyondSettings,
+    BeyondStudy,
+    Claim,
+    Coefficients,
+    CurvedSettings,
+    DriftSettings,
+    EfficiencySettings,
+    EfficiencyStudy,
+    LinksSettings,
+    LinksStudy,
+    PathFollowingSettings,
+    PathFollowingStudy,
+    SideSettings,
+    SideTrials,
+    StabilitySettings,
+    StabilityStudy,
+    TurningSettings,
+    claims,
+    efficiency_settings,
+    path_following_settings,
+    run_beyond,
+    run_efficiency,
+    run_links,
+    run_path_following,
+    run_side_trials,
+    run_stability,
+    swimmers,
+)
+
+RUNS: Mapping[str, Callable[..., Any]] = {
+    "path_following": run_path_following,
+    "efficiency": run_efficiency,
+    "stability": run_stability,
+    "beyond": run_beyond,
+    "side": run_side_trials,
+    "links": run_links,
+}
+"""What runs each study, by its name in `Experiments` and `Results`; the longest first, which fills workers best."""
+HALVES: Mapping[str, tuple[str, ...]] = {
+    "efficiency": ("efficiency", "links", "side"),
+    "path-following": ("path_following", "stability", "beyond"),
+}
+"""The studies that belong to each half of the paper."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiments:
+    """Settings of every study; by default the paper's where it has any."""
+
+    efficiency: EfficiencySettings = field(default_factory=efficiency_settings)
+    """Figs. 4 to 11 and Table 1."""
+    links: LinksSettings = field(default_factory=LinksSettings)
+    """Twice the links."""
+    side: SideSettings = field(default_factory=SideSettings)
+    """Single facts that claims of the paper rest on."""
+    path_following: PathFollowingSettings = field(default_factory=path_following_settings)
+    """Figs. 12 to 23 and Table 2."""
+    stability: StabilitySettings = field(default_factory=StabilitySettings)
+    """The loop with the mean heading, over look-ahead distance and gain."""
+    beyond: BeyondSettings = field(default_factory=BeyondSettings)
+    """What the paper did not try."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Results:
+    """What the studies found, under the names of `Experiments`; None for a study that was not run."""
+
+    efficiency: EfficiencyStudy | None = None
+    """Figs. 4 to 11 and Table 1."""
+    links: LinksStudy | None = None
+    """Twice the links."""
+    side: SideTrials | None = None
+    """Single facts that claims of the paper rest on."""
+    path_following: PathFollowingStudy | None = None
+    """Figs. 12 to 23 and Table 2."""
+    stability: StabilityStudy | None = None
+    """The loop with the mean heading, over look-ahead distance and gain."""
+    beyond: BeyondStudy | None = None
+    """What the paper did not try."""
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """The paper's claims, judged by what was run."""
+        return claims(self.efficiency, self.path_following, self.links, self.side)
+
+
+def paper_experiments(parameters: Parameters | None = None) -> Experiments:
+    """The settings of a whole reproduction.
+
+    Args:
+        parameters: Coefficients to use instead of the paper's; the efficiency study keeps those beside them. None
+            takes the paper's.
+    """
+    usual = Experiments()
+    if parameters is None:
+        return usual
+    given = Coefficients(
+        name=parameters.name,
+        title=parameters.title,
+        waters={gait: parameters.water(gait) for gait in GAIT_WORDS},
+    )
+    own, drifting = swimmers(given), usual.beyond.drift.swimmer
+    (same,) = (one for one in own if (one.gait, one.robot) == (drifting.gait, drifting.robot))
+    return Experiments(
+        efficiency=replace(usual.efficiency, models=(given, *usual.efficiency.models)),
+        links=LinksSettings(coefficients=given),
+        side=SideSettings(coefficients=given),
+        path_following=replace(usual.path_following, coefficients=given),
+        stability=StabilitySettings(swimmers=own),
+        beyond=BeyondSettings(
+            drift=DriftSettings(swimmer=same),
+            curved=CurvedSettings(swimmers=own),
+            turning=TurningSettings(swimmers=own),
+        ),
+    )

@@ -1,0 +1,120 @@
+"""Null models: speeds that are predicted without physics, from the gait's name and frequency and the fin alone.
+
+Each is fitted to measured speeds by least squares of the logarithm.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.gaits import Gait
+from laticauda.studies.paper import group_name
+
+Values = Float[np.ndarray, " n_rows"]
+Design = Float[np.ndarray, "n_rows n_parameters"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """What a null model knows of a row of the paper's tables."""
+
+    gait: Gait
+    """What the joints were asked for."""
+    has_fin: bool
+    """Whether the robot wore the caudal fin."""
+
+    @property
+    def group(self) -> str:
+        """Name of the part of the table that it is in."""
+        return group_name(self.gait.kind, self.has_fin)
+
+
+NullModel = Callable[[Sequence[Row], Sequence[str]], tuple[Design, Values]]
+"""Rows and the names of all groups to the columns that are fitted to log v, and what is added to them."""
+
+
+def _constant_per_group(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
+    columns = [[float(row.group == name) for name in groups] for row in rows]
+    return np.array(columns), np.zeros(len(rows))
+
+
+def _constant_fin_eel(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
+    columns = [(1.0, float(row.has_fin), float(row.gait.kind == "eel_like")) for row in rows]
+    return np.array(columns), np.zeros(len(rows))
+
+
+def _stride(build: NullModel) -> NullModel:
+    """The same model of the distance per cycle: v proportional to the frequency."""
+
+    def divided(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
+        return build(rows, groups)[0], np.log([row.gait.frequency for row in rows])
+
+    return divided
+
+
+NULL_MODELS: dict[str, NullModel] = {
+    "constant per group": _constant_per_group,
+    "constant + fin + eel": _constant_fin_eel,
+    "constant stride per group": _stride(_constant_per_group),
+    "constant stride + fin + eel": _stride(_constant_fin_eel),
+}
+"""Speeds without physics: a number per group, or a number and two factors; and the same for the distance per cycle."""
+MEAN_STRIDE = "mean stride per group"
+PREDICTORS = (*NULL_MODELS, MEAN_STRIDE)
+"""The same, and the constant stride with the arithmetic mean of each group's strides instead of the geometric one."""
+
+
+def design(name: str, rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
+    """The columns of a null model that are fitted to log v, and what is added to them.
+
+    Args:
+        name: One of `NULL_MODELS`.
+        rows: One per row of the columns.
+        groups: Names of all groups that the model tells apart.
+    """
+    return NULL_MODELS[name](rows, groups)
+
+
+def fit(columns: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
+    """The numbers of a null model by least squares.
+
+    Args:
+        columns: Those of `design`.
+        target: log v less what is added to them.
+    """
+    return np.linalg.lstsq(columns, target)[0]
+
+
+def predict(
+    name: str, rows: Sequence[Row], measured: Values, others: Sequence[Row]
+) -> tuple[Float[np.ndarray, " n_others"], int]:
+    """Speeds of other rows than those that a null model is fitted to.
+
+    Args:
+        name: One of `PREDICTORS`.
+        rows: What it is fitted to; must hold every group of the others.
+        measured: Their speeds [m/s].
+        others: What it predicts.
+
+    Returns:
+        Their speeds [m/s], and how many numbers are fitted.
+
+    Raises:
+        ValueError: If the others hold a group that the rows do not hold.
+    """
+    groups = sorted({row.group for row in rows})
+    unknown = sorted({row.group for row in others} - set(groups))
+    if unknown:
+        raise ValueError(f"`rows` must hold every group of `others`, got none of {', '.join(unknown)}.")
+    if name == MEAN_STRIDE:
+        stride = measured / np.array([row.gait.frequency for row in rows])
+        means = {
+            group: np.mean([s for s, row in zip(stride, rows, strict=True) if row.group == group]) for group in groups
+        }
+        return np.array([means[row.group] * row.gait.frequency for row in others]), len(groups)
+    columns, known = design(name, rows, groups)
+    numbers = fit(columns, np.log(measured) - known)
+    columns, known = design(name, others, groups)
+    return np.exp(columns @ numbers + known), numbers.size
