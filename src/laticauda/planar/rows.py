@@ -1,9 +1,8 @@
 """Where every number of a planar run sits in the one flat array that the kernels work on.
 
-The array is a list of *rows*; a row holds one number per lane, so that number `q` of lane `k` is
-``S[q * WIDTH + k]``. First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then
-one record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin. One array with fixed
-strides is what lets the compiler see that two rows never overlap and so keep all lanes in vector registers.
+The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is row `q` of all
+lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then one
+record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin.
 """
 
 # --- Header: parameters -------------------------------------------------------------------------------------------
@@ -83,8 +82,11 @@ strides is what lets the compiler see that two rows never overlap and so keep al
     SUM_3,
     SUM_4,
     SUM_5,
+    DECAY,  # of the generator's filters over one of its steps
+    WELL,  # 1 until the lane's numbers leave the finite range, then 0
+    SAMPLES,  # logged until then
     HEADER_ROWS,
-) = range(73)
+) = range(76)
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
