@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
     from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
     from laticauda.robot import Ground, Robot, Water, load_ground, load_robot, load_water
-    from laticauda.simulate import plant, resume, run, swim
+    from laticauda.simulate import Swims, plant, resume, run, swim, swim_many
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
@@ -38,7 +38,7 @@ _HOMES = {
     "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
     "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
     "robot": ("Ground", "Robot", "Water", "load_ground", "load_robot", "load_water"),
-    "simulate": ("plant", "resume", "run", "swim"),
+    "simulate": ("Swims", "plant", "resume", "run", "swim", "swim_many"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -60,6 +60,7 @@ __all__ = [
     "Spline",
     "Start",
     "StraightLine",
+    "Swims",
     "Trial",
     "Water",
     "compare",
@@ -75,6 +76,7 @@ __all__ = [
     "resume",
     "run",
     "swim",
+    "swim_many",
 ]
 
 

@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import math
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import CellType, CodeType, FunctionType, ModuleType
@@ -45,6 +46,7 @@ _SOURCES = (
     "actuation/laws.py",
     "gaits/reference.py",
 )
+_one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
 
@@ -59,7 +61,8 @@ def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> Mo
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
-    return _specialize(width, fluid_law, fingerprint(fluid_law))
+    with _one_at_a_time:
+        return _specialize(width, fluid_law, fingerprint(fluid_law))
 
 
 def check_law(fluid_law: FluidLaw) -> None:
@@ -155,7 +158,7 @@ def entry(function: Callable[..., Any]) -> Any:
     which is the end of the module's name, goes into that name.
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    return njit(cache=True, **OPTIONS)(function)
+    return njit(cache=True, nogil=True, **OPTIONS)(function)
 
 
 def fingerprint(function: Callable[..., Any]) -> str:

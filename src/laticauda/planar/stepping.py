@@ -39,8 +39,9 @@ BASE_ROWS = 6  # HEADING ... VY are contiguous
 def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes). A lane whose numbers leave the finite range stops
-    counting its SAMPLES there; the others do not notice. Returns the most samples that any lane counted.
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or only LOG_STATE rows: then without joints. A
+    lane whose numbers leave the finite range stops counting its SAMPLES there; the others do not notice. Returns the
+    most samples that any lane counted.
     """
     S = rows_of(flat)
     is_free = law >= FIRST_FREE
@@ -55,7 +56,7 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
         accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
         count_work(S, n, law, dt if step > 0 else 0.0)
         if step % every == 0:
-            write_sample(S, n, rows_of(log[step // every]))
+            write_sample(S, n, rows_of(log[step // every]), log.shape[1] > LOG_STATE)
             S[WELL] = where(finite(S, n), S[WELL], 0.0)
             if not any_lane(S[WELL].real > 0.0):
                 break
@@ -181,12 +182,12 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 @kernel
 @no_type_check
-def write_sample(S, n, sample):
-    """One sample: the header's state rows and accelerations, then angle, rate, reference and torque of every joint."""
+def write_sample(S, n, sample, joints_too):
+    """One sample: the header's state rows, then angle, rate, reference and torque of every joint."""
     joints = n - 1
     for r in range(LOG_STATE):
         sample[r] = S[TIME + r]
-    for i in range(joints):
+    for i in range(joints if joints_too else 0):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
         sample[LOG_STATE + i] = S[b + ANGLE]
         sample[LOG_STATE + joints + i] = S[b + RATE]
