@@ -36,8 +36,9 @@ def filter_step(
     error = value - target
     slope = rate + bandwidth * error
     left = (error + slope * dt) * decay
-    gone = (error + slope / bandwidth) * (1.0 - decay) - slope * dt * decay
-    return target + left, (rate - bandwidth * slope * dt) * decay, target * dt + gone / bandwidth
+    delay = 1.0 / bandwidth
+    gone = (error + slope * delay) * (1.0 - decay) - slope * dt * decay
+    return target + left, (rate - bandwidth * slope * dt) * decay, target * dt + gone * delay
 
 
 def filter_acceleration(value: float, rate: float, target: float, bandwidth: float) -> float:
@@ -66,11 +67,11 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
         Value [-], rate [1/s], acceleration [1/s^2]. All three are continuous; with T = 0 the value is 1 from the start.
     """
     over = time.real >= duration.real
-    length = where(over, 1.0 + 0.0 * duration, duration)
-    s = where(over, 1.0 + 0.0 * time, time / length)  # at its end the ramp has the value 1 and no slopes
+    pace = 1.0 / where(over, 1.0 + 0.0 * duration, duration)
+    s = where(over, 1.0 + 0.0 * time, time * pace)  # at its end the ramp has the value 1 and no slopes
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / length
-    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / length / length
+    rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) * pace
+    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * pace * pace
     return value, rate, acceleration
 
 

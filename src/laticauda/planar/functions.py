@@ -11,7 +11,10 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from laticauda.planar.lanes import INLINED, Lanes, power_of_two, where
+from laticauda.planar.lanes import INLINED, Lanes, bit, power_of_two, where
+
+# Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
+SHIFT = 6755399441055744.0
 
 
 @njit(**INLINED)
@@ -21,7 +24,8 @@ def sincos(x):
 
     Reduction by multiples of pi/2 in three parts (Cody and Waite) and the minimax polynomials of fdlibm's kernels.
     """
-    q = np.floor(x.real * 0.6366197723675814 + 0.5)
+    shifted = x.real * 0.6366197723675814 + SHIFT
+    q = shifted - SHIFT
     y = x - q * 1.5707963267341256
     y = y - q * 6.077100506303966e-11
     y = y - q * 2.0222662487959506e-21
@@ -57,10 +61,7 @@ def sincos(x):
             )
         )
     )
-    # The quadrant's two bits: q is odd, and q / 2 rounded down is odd.
-    half = np.floor(0.5 * q)
-    odd = 2.0 * half != q
-    low = 2.0 * np.floor(0.5 * half) != half
+    odd, low = bit(shifted, 0), bit(shifted, 1)  # the quadrant is q modulo 4
     sine, cosine = where(odd, c, s), where(odd, s, c)
     return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
 
@@ -74,13 +75,13 @@ def expm1(x):
     """
     x = where(x.real < 700.0, x, 700.0 + 0.0 * x)
     x = where(x.real > -700.0, x, -700.0 + 0.0 * x)
-    q = np.floor(x.real * 1.4426950408889634 + 0.5)
+    q = (x.real * 1.4426950408889634 + SHIFT) - SHIFT
     r = x - q * 0.6931471803691238
     r = r - q * 1.9082149292705877e-10
     p = 1.0 / 6227020800.0
     for k in (479001600.0, 39916800.0, 3628800.0, 362880.0, 40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0, 1.0):
         p = p * r + 1.0 / k
-    scale = power_of_two(q)
+    scale = power_of_two(q + (SHIFT + 1023.0))
     return scale * (p * r) + (scale - 1.0)
 
 

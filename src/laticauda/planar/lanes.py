@@ -167,10 +167,13 @@ def _setitem(context, builder, sig, args):
 @lower_cast(types.Boolean, Mask)
 def _broadcast(context, builder, fromty, toty, value):
     scalar = value if isinstance(toty, Mask) else context.cast(builder, value, fromty, toty.dtype)
-    vector = _vector(toty)
-    first = builder.insert_element(ir.Constant(vector, ir.Undefined), scalar, ir.Constant(ir.IntType(32), 0))
-    zeros = ir.Constant(ir.VectorType(ir.IntType(32), toty.width), None)
-    return builder.shuffle_vector(first, ir.Constant(vector, ir.Undefined), zeros)
+    return _splat(builder, _vector(toty), scalar)
+
+
+def _splat(builder, vector, scalar):
+    nothing, index = ir.Constant(vector, ir.Undefined), ir.IntType(32)
+    first = builder.insert_element(nothing, scalar, ir.Constant(index, 0))
+    return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(index, vector.count), None))
 
 
 def _lanes_among(args):
@@ -332,25 +335,39 @@ def any_lane(typingctx, condition):
 
 
 @intrinsic
-def power_of_two(typingctx, exponent):
-    """2^k for a whole number k from -1022 to 1023 that is stored as a float, by writing k where a float keeps it."""
-    kind = exponent
+def bit(typingctx, shifted, position):
+    """Whether a bit of the whole number in the last bits of a float is set (see `functions.SHIFT`)."""
 
     def codegen(context, builder, sig, args):
-        value = context.get_value_type(kind)
-        bits, shift = ir.IntType(64), 52
-        magic = 6755399441055744.0 + 1023.0  # pushes the whole number into the last bits
-        constants = [context.get_constant(types.float64, magic), ir.Constant(bits, shift)]
-        if isinstance(kind, Lanes):
-            bits = ir.VectorType(bits, kind.width)
-            constants = [
-                ir.Constant(value, [constants[0]] * kind.width),
-                ir.Constant(bits, [constants[1]] * kind.width),
-            ]
-        whole = builder.bitcast(builder.fadd(args[0], constants[0]), bits)
-        return builder.bitcast(builder.shl(whole, constants[1]), value)
+        bits = _bits(context, builder, shifted, args[0])
+        one = ir.Constant(ir.IntType(64), 1)
+        place = context.cast(builder, args[1], sig.args[1], types.int64)
+        mask = _same(builder, shifted, builder.shl(one, place))
+        return builder.icmp_unsigned("!=", builder.and_(bits, mask), ir.Constant(bits.type, None))
 
-    return kind(exponent), codegen
+    return (Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean)(shifted, position), codegen
+
+
+@intrinsic
+def power_of_two(typingctx, shifted):
+    """2^(k - 1023) for the whole number k, 1 to 2046, in the last bits of a float, by moving it to the exponent."""
+
+    def codegen(context, builder, sig, args):
+        bits = _bits(context, builder, shifted, args[0])
+        places = _same(builder, shifted, ir.Constant(ir.IntType(64), 52))
+        return builder.bitcast(builder.shl(bits, places), args[0].type)
+
+    return shifted(shifted), codegen
+
+
+def _bits(context, builder, kind, value):
+    word = ir.IntType(64)
+    return builder.bitcast(value, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
+
+
+def _same(builder, kind, scalar):
+    """A scalar for one lane, or the same in all lanes."""
+    return _splat(builder, ir.VectorType(scalar.type, kind.width), scalar) if isinstance(kind, Lanes) else scalar
 
 
 # ---- functions that cannot take lanes --------------------------------------------------------------------------------

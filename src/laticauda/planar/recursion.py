@@ -43,40 +43,35 @@ def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extr
 def velocities(S, n):
     """Angle, rate and velocity of every body from heading, center of mass and joints."""
     H = HEADER_ROWS
-    angle = S[HEADING]
-    rate = S[HEADING_RATE]
+    angle, rate = S[HEADING], S[HEADING_RATE]
     for i in range(1, n):
         b = H + i * BODY_ROWS
         angle -= S[b + HEADING_SHARE] * S[b + ANGLE]
         rate -= S[b + HEADING_SHARE] * S[b + RATE]
-    S[H + LINK_ANGLE] = angle
-    S[H + LINK_RATE] = rate
-    S[H + UX] = 0.0
-    S[H + UY] = 0.0
-    S[SUM_X] = 0.0
-    S[SUM_Y] = 0.0
+    ux, uy, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
         b = H + i * BODY_ROWS
         if i > 0:
-            a = b - BODY_ROWS
-            turn = S[a + LENGTH] * S[a + LINK_RATE]
-            S[b + UX] = S[a + UX] - turn * S[a + SIN]
-            S[b + UY] = S[a + UY] + turn * S[a + COS]
-            S[b + LINK_ANGLE] = S[a + LINK_ANGLE] + S[b + ANGLE]
-            S[b + LINK_RATE] = S[a + LINK_RATE] + S[b + RATE]
-        s, c = sincos(S[b + LINK_ANGLE])
+            angle += S[b + ANGLE]
+            rate += S[b + RATE]
+        s, c = sincos(angle)
+        S[b + LINK_RATE] = rate
         S[b + SIN] = s
         S[b + COS] = c
-        turn = S[b + FIRST_MOMENT_SHARE] * S[b + LINK_RATE]
-        S[SUM_X] += S[b + MASS_SHARE] * S[b + UX] - turn * s
-        S[SUM_Y] += S[b + MASS_SHARE] * S[b + UY] + turn * c
-    S[ROOT_VX] = S[VX] - S[SUM_X] - S[CURRENT_X]
-    S[ROOT_VY] = S[VY] - S[SUM_Y] - S[CURRENT_Y]
+        S[b + UX] = ux
+        S[b + UY] = uy
+        turn = S[b + FIRST_MOMENT_SHARE] * rate
+        mean_x += S[b + MASS_SHARE] * ux - turn * s
+        mean_y += S[b + MASS_SHARE] * uy + turn * c
+        turn = S[b + LENGTH] * rate
+        ux -= turn * s
+        uy += turn * c
+    root_x = S[VX] - mean_x - S[CURRENT_X]
+    root_y = S[VY] - mean_y - S[CURRENT_Y]
     for i in range(n):
         b = H + i * BODY_ROWS
         c, s = S[b + COS], S[b + SIN]
-        vx = S[ROOT_VX] + S[b + UX]
-        vy = S[ROOT_VY] + S[b + UY]
+        vx, vy = root_x + S[b + UX], root_y + S[b + UY]
         S[b + V_T] = c * vx + s * vy
         S[b + V_N] = c * vy - s * vx
 
@@ -180,48 +175,59 @@ def floating_base(S):
     a11, a12, a22 = S[b + A11], S[b + A12], S[b + A22]
     p0, p1, p2 = S[b + P0], S[b + P1], S[b + P2]
     determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
-    x_1 = (a22 * a01 - a12 * a02) / determinant
-    x_2 = (a11 * a02 - a12 * a01) / determinant
+    share = 1.0 / determinant  # a division takes as long as ten other operations
+    x_1 = (a22 * a01 - a12 * a02) * share
+    x_2 = (a11 * a02 - a12 * a01) * share
     rotation = -(p0 - x_1 * p1 - x_2 * p2) / (a00 - x_1 * a01 - x_2 * a02)
     S[b + LINK_ACCELERATION] = rotation
-    S[b + QX] = (a12 * p2 - a22 * p1) / determinant - x_1 * rotation
-    S[b + QY] = (a12 * p1 - a11 * p2) / determinant - x_2 * rotation
+    S[b + QX] = (a12 * p2 - a22 * p1) * share - x_1 * rotation
+    S[b + QY] = (a12 * p1 - a11 * p2) * share - x_2 * rotation
 
 
 @kernel
 @no_type_check
 def outward(S, n, is_free):
-    """Accelerations of all bodies and joints, joint torques, and those of heading and center of mass."""
+    """Accelerations of all bodies and joints, and those of heading and center of mass."""
     H = HEADER_ROWS
-    S[HEADING_ACCELERATION] = S[H + LINK_ACCELERATION]
-    S[AX] = 0.0
-    S[AY] = 0.0
+    spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
+    heading, ax, ay = spin, 0.0, 0.0
     for i in range(n):
         b = H + i * BODY_ROWS
         if i > 0:
             a = b - BODY_ROWS
             pull_x, pull_y = centripetal(S, a)
-            turn = S[a + LENGTH] * S[a + LINK_ACCELERATION]
-            carried_x = S[a + QX] - turn * S[a + SIN]
-            carried_y = S[a + QY] + turn * S[a + COS]
-            spin = S[a + LINK_ACCELERATION]
-            a00, a01, a02 = S[b + A00], S[b + A01], S[b + A02]
+            turn = S[a + LENGTH] * spin
+            qx -= turn * S[a + SIN]  # carried along by the body behind
+            qy += turn * S[a + COS]
             if is_free[i]:
-                load = a00 * spin + a01 * carried_x + a02 * carried_y
+                load = S[b + A00] * spin + S[b + A01] * qx + S[b + A02] * qy
                 swing = (S[b + TORQUE_LEFT] - load) * S[b + GIVE]
-                qx, qy = carried_x + pull_x, carried_y + pull_y
             else:
                 swing = S[b + REFERENCE_2]
-                qx, qy = carried_x + pull_x, carried_y + pull_y
-                S[b + TOTAL_TORQUE] = a00 * (spin + swing) + a01 * qx + a02 * qy + S[b + P0]
+            spin += swing
+            qx += pull_x
+            qy += pull_y
+            heading += S[b + HEADING_SHARE] * swing
             S[b + ACCELERATION] = swing
-            S[b + LINK_ACCELERATION] = spin + swing
+            S[b + LINK_ACCELERATION] = spin
             S[b + QX] = qx
             S[b + QY] = qy
-            S[HEADING_ACCELERATION] += S[b + HEADING_SHARE] * swing
-        rate = S[b + LINK_RATE]
-        arm = S[b + FIRST_MOMENT_SHARE]
-        spin_arm, pull = arm * S[b + LINK_ACCELERATION], arm * rate * rate
+        rate, arm = S[b + LINK_RATE], S[b + FIRST_MOMENT_SHARE]
+        across, along = arm * spin, arm * rate * rate
         c, s = S[b + COS], S[b + SIN]
-        S[AX] += S[b + MASS_SHARE] * S[b + QX] - spin_arm * s - pull * c
-        S[AY] += S[b + MASS_SHARE] * S[b + QY] + spin_arm * c - pull * s
+        ax += S[b + MASS_SHARE] * qx - across * s - along * c
+        ay += S[b + MASS_SHARE] * qy + across * c - along * s
+    S[HEADING_ACCELERATION] = heading
+    S[AX] = ax
+    S[AY] = ay
+
+
+@kernel
+@no_type_check
+def holding_torques(S, n, is_free):
+    """TOTAL_TORQUE that every prescribed joint takes, once the accelerations are known: A a + p along the joint."""
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if not is_free[i]:
+            push = S[b + A01] * S[b + QX] + S[b + A02] * S[b + QY]
+            S[b + TOTAL_TORQUE] = S[b + A00] * S[b + LINK_ACCELERATION] + push + S[b + P0]

@@ -56,10 +56,6 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     POWER_NET,
     POWER_POSITIVE,
     POWER_ELECTRICAL,
-    ROOT_VX,  # velocity of the tail end of body 0 in the water's frame
-    ROOT_VY,
-    SUM_X,
-    SUM_Y,
     SIN_PHASE,
     COS_PHASE,
     SIN_SHIFT,
@@ -86,7 +82,7 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     HEADER_ROWS,
-) = range(76)
+) = range(72)
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
@@ -132,14 +128,13 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     REFERENCE_2,
     ACCELERATION,  # phi''
     TORQUE,  # u: what the actuator delivers [N m]
-    TOTAL_TORQUE,  # right-hand side of a free joint: actuator, skin and implicit terms
+    TOTAL_TORQUE,  # of a free joint: actuator, skin and implicit terms; of a prescribed one: what it takes
     IMPLICIT,  # what the joint law adds to S^T I S [kg m^2]
     SLOPE_P,  # -du/dphi, skin included, at the start of a step
     SLOPE_D,  # -du/dphi'
     COS,
     SIN,
     LINK_RATE,  # theta'
-    LINK_ANGLE,  # theta
     UX,  # velocity of the tail end of this body relative to that of body 0
     UY,
     V_T,  # velocity of its tail end relative to the water, link axes
@@ -166,7 +161,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(71)
+) = range(70)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)

@@ -22,6 +22,7 @@ _names = bindings(__name__)
 rows_of = lanes.rows_of(_names["WIDTH"])
 body_forces = _names["loads"].body_forces
 accelerations = _names["recursion"].accelerations
+holding_torques = _names["recursion"].holding_torques
 _drives = _names["drives"]
 advance_reference = _drives.advance_reference
 set_decay = _drives.set_decay
@@ -54,6 +55,7 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
         if implicit:
             joint_torques(S, n, law, GAMMA * dt)
         accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+        holding_torques(S, n, is_free)
         count_work(S, n, law, dt if step > 0 else 0.0)
         if step % every == 0:
             write_sample(S, n, rows_of(log[step // every]), log.shape[1] > LOG_STATE)
@@ -74,8 +76,10 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
 @entry
 @no_type_check
 def evaluate(flat, n, first_strip, first_plate, is_free, tether_body, has_extras):
-    """Accelerations for the state in `flat`, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
-    accelerations(rows_of(flat), n, first_strip, first_plate, is_free, tether_body, has_extras)
+    """Accelerations and torques for the state in `flat`, given REFERENCE_2 of prescribed joints, TOTAL_TORQUE of free."""
+    S = rows_of(flat)
+    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+    holding_torques(S, n, is_free)
 
 
 @entry
