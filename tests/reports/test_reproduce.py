@@ -75,7 +75,7 @@ def test_the_section_says_what_was_run_and_what_came_out(study):
     for said in (
         f"{study.settings.n_runs} trials of 30 s",
         "joints: prescribed",
-        "Time step 0.025 s",
+        "Time step 0.05 s",
         "over the first 1 s",
         "10 rad/s",
         "paper-eel (C_f 0.17, C_D 1.75, C_A 1.5",

@@ -19,10 +19,10 @@ from laticauda.robot import Environment, Ground, Robot, check_fits
 
 FORCES = ("drag", "added_mass", "effector")
 
-# Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK4), driven joints to
+# Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
 # 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
-DEFAULT_DT = {"prescribed": 0.025, "pd": 0.002, "servo": 0.002}
+DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

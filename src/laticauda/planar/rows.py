@@ -72,17 +72,12 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     SAVED_3,
     SAVED_4,
     SAVED_5,
-    SUM,  # six rows: the weighted sum of a step's slopes
-    SUM_1,
-    SUM_2,
-    SUM_3,
-    SUM_4,
-    SUM_5,
     DECAY,  # of the generator's filters over one of its steps
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
-    HEADER_ROWS,
-) = range(72)
+    SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
+) = range(66)
+HEADER_ROWS = SLOPES + 36
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
