@@ -31,7 +31,7 @@ if TYPE_CHECKING:
         load_robot,
         load_water,
     )
-    from laticauda.simulate import plant, resume, run, swim
+    from laticauda.simulate import Swims, plant, resume, run, swim, swim_many
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
@@ -56,7 +56,7 @@ _HOMES = {
         "load_robot",
         "load_water",
     ),
-    "simulate": ("plant", "resume", "run", "swim"),
+    "simulate": ("Swims", "plant", "resume", "run", "swim", "swim_many"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -79,6 +79,7 @@ __all__ = [
     "Spline",
     "Start",
     "StraightLine",
+    "Swims",
     "Trial",
     "Water",
     "compare",
@@ -95,6 +96,7 @@ __all__ = [
     "resume",
     "run",
     "swim",
+    "swim_many",
 ]
 
 

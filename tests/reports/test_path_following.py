@@ -68,7 +68,7 @@ def test_the_section_says_what_was_run(following):
         "look-ahead distance of 0.18 m; heading gain 0.4, offset within ±20 deg, asked for every 0.05 s",
         "18 s or 9 m of progress in x, whichever comes first",
         "p_y positive, that is to the left of the path",
-        "prescribed: The joints follow the gait exactly. Time step 0.025 s, smooth start of 1 s, bandwidth 4 and 10",
+        "prescribed: The joints follow the gait exactly. Time step 0.05 s, smooth start of 1 s, bandwidth 4 and 10",
         "paper-eel (C_f 0.17, C_D 1.75, C_A 1.5",
     ):
         assert text in words

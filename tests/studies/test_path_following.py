@@ -105,7 +105,7 @@ def test_joints_and_bandwidth_outside_the_band_are_run_besides():
         ("prescribed", 10.0),
     ]
     assert case.run is case.band[0]
-    assert [run.dt for run in case.band] == [0.004, 0.025, 0.025]
+    assert [run.dt for run in case.band] == [0.004, 0.05, 0.05]
     assert (study.how["joints"], study.how["offset_bandwidth"], study.how["dt"]) == ("pd", 6.0, 0.004)
     assert (case.cycle_mean.joints, study.held_out.run.joints) == ("pd", "pd")
 

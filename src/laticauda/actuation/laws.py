@@ -9,6 +9,8 @@ complex-step derivatives, so conditions look at the real part only.
 
 import numpy as np
 
+from laticauda.scalars import where
+
 # Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
 SLIDING_RATE = 0.05
 
@@ -79,10 +81,11 @@ def servo(
         u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the duty saturates, K_p = 0.
     """
     demand = gain * (reference - angle)
-    saturated = demand.real <= -1.0 or demand.real >= 1.0
+    saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
     # 0 * demand keeps the number's kind, real or complex, for the compiler.
-    duty = (1.0 if demand.real > 0.0 else -1.0) + 0.0 * demand if saturated else demand
-    stiffness = 0.0 * gain if saturated else gain * stall_torque
+    limit = where(demand.real > 0.0, 1.0, -1.0) + 0.0 * demand
+    duty = where(saturated, limit, demand)
+    stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
     sliding = np.tanh(rate / SLIDING_RATE)
     torque = stall_torque * (duty - rate / no_load_speed) - viscous_friction * rate - friction_torque * sliding
     damping = (
@@ -108,4 +111,4 @@ def servo_power(duty: float, rate: float, no_load_speed: float, stall_power: flo
         V I_stall >= u_stall phi'_0: a motor and gear of constants that do not create energy.
     """
     share = duty * (duty - rate / no_load_speed)
-    return stall_power * (share if share.real > 0.0 else 0.0 * share)
+    return stall_power * where(share.real > 0.0, share, 0.0 * share)

@@ -11,20 +11,10 @@ only, magnitudes come from `magnitude`, and transcendental functions from numpy.
 
 import numpy as np
 
+from laticauda.scalars import magnitude
+
 # Keeps the direction of a velocity defined at rest, far below any speed that matters [m^2/s^2].
 _AT_REST = 1e-30
-
-
-def magnitude(x: float) -> float:
-    """|x|, also for complex-step derivatives, where `x` is negated or not by the sign of its real part.
-
-    Args:
-        x: Real number, or real number with an imaginary perturbation.
-
-    Returns:
-        |x| in the unit of x; its real part is never negative.
-    """
-    return x if x.real >= 0.0 else -x
 
 
 def polynomial_drag(

@@ -11,6 +11,8 @@ These are plain scalar functions: the kernels compile them; `laticauda.gaits.Gen
 The annotations say float; complex numbers work too, for complex-step derivatives.
 """
 
+from laticauda.scalars import where
+
 
 def filter_step(
     value: float, rate: float, target: float, bandwidth: float, decay: float, dt: float
@@ -34,8 +36,9 @@ def filter_step(
     error = value - target
     slope = rate + bandwidth * error
     left = (error + slope * dt) * decay
-    gone = (error + slope / bandwidth) * (1.0 - decay) - slope * dt * decay
-    return target + left, (rate - bandwidth * slope * dt) * decay, target * dt + gone / bandwidth
+    delay = 1.0 / bandwidth
+    gone = (error + slope * delay) * (1.0 - decay) - slope * dt * decay
+    return target + left, (rate - bandwidth * slope * dt) * decay, target * dt + gone * delay
 
 
 def filter_acceleration(value: float, rate: float, target: float, bandwidth: float) -> float:
@@ -63,12 +66,12 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
     Returns:
         Value [-], rate [1/s], acceleration [1/s^2]. All three are continuous; with T = 0 the value is 1 from the start.
     """
-    if time.real >= duration.real:
-        return 1.0 + 0.0 * time, 0.0 * time, 0.0 * time  # of the same kind, real or complex, as below
-    s = time / duration
+    over = time.real >= duration.real
+    pace = 1.0 / where(over, 1.0 + 0.0 * duration, duration)
+    s = where(over, 1.0 + 0.0 * time, time * pace)  # at its end the ramp has the value 1 and no slopes
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration
-    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / duration / duration
+    rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) * pace
+    acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * pace * pace
     return value, rate, acceleration
 
 

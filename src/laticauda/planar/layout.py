@@ -32,6 +32,11 @@ class Layout:
     has_extras: bool
     """Whether any body has loads besides its own drag."""
 
+    @property
+    def chain(self) -> tuple[object, ...]:
+        """The shape of the chain, as the kernels take it."""
+        return self.n_bodies, self.first_strip, self.first_plate, self.law, self.tail_link, self.has_extras
+
 
 @dataclass(frozen=True)
 class _Part:

@@ -1,7 +1,7 @@
 """What the water (or the ground) and the effectors do to the bodies of the chain.
 
 Forces are in the axes of the link, moments about its tail end. A template (see `specialize`): `S` is the flat array of
-`rows`, `b` the first row of a body's record, `k` a lane.
+`rows`, `b` the first row of a body's record.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -9,106 +9,55 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 
 from typing import no_type_check
 
-import numpy as np
-
 from laticauda.fluid import laws
+from laticauda.planar.functions import sincos
+from laticauda.planar.lanes import where
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, compiled, kernel
+from laticauda.planar.specialize import bindings, compiled, in_lanes, kernel
 
 _names = bindings(__name__)
-W = _names["WIDTH"]
-law = compiled(_names["fluid_law"])
+law = in_lanes(compiled(_names["fluid_law"]))
 plate_law = compiled(laws.plate)
 
 
 @kernel
 @no_type_check
-def sincos(x):
-    """sin and cos to 2e-16 for |x| < 1e5, without branches so that lanes stay in vector registers.
-
-    Reduction by multiples of pi/2 in three parts (Cody and Waite) and the minimax polynomials of fdlibm's kernels.
-    """
-    q = np.floor(x.real * 0.6366197723675814 + 0.5)
-    y = x - q * 1.5707963267341256
-    y = y - q * 6.077100506303966e-11
-    y = y - q * 2.0222662487959506e-21
-    z = y * y
-    s = y + y * z * (
-        -1.66666666666666324348e-01
-        + z
-        * (
-            8.33333333332248946124e-03
-            + z
-            * (
-                -1.98412698298579493134e-04
-                + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
-            )
-        )
-    )
-    c = (
-        1.0
-        - 0.5 * z
-        + z
-        * z
-        * (
-            4.16666666666666019037e-02
-            + z
-            * (
-                -1.38888888888741095749e-03
-                + z
-                * (
-                    2.48015872894767294178e-05
-                    + z
-                    * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
-                )
-            )
-        )
-    )
-    quadrant = int(q) & 3
-    swap = quadrant & 1
-    sine = c if swap else s
-    cosine = s if swap else c
-    return (-sine if quadrant & 2 else sine), (-cosine if (quadrant + 1) & 2 else cosine)
-
-
-@kernel
-@no_type_check
-def element_drag(S, b, e, k):
+def element_drag(S, b, e):
     """Drag of one element rigid on body b, link axes, and its moment about the tail end of b.
 
     `e` is the first of the element's five rows: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. A body's
     own (from CENTER on) and a strip's (from STRIP_POSITION on) stand in the same order.
     """
-    rate = S[(b + LINK_RATE) * W + k]
-    x = S[e * W + k]
+    rate = S[b + LINK_RATE]
+    x = S[e]
     f_t, f_n, tau = law(
-        S[(b + V_T) * W + k],
-        S[(b + V_N) * W + k] + x * rate,
+        S[b + V_T],
+        S[b + V_N] + x * rate,
         rate,
-        S[(e + 1) * W + k],
-        S[(e + 2) * W + k],
-        S[(e + 3) * W + k],
-        S[(e + 4) * W + k],
-        S[REFERENCE_SPEED * W + k],
-        S[LINEAR * W + k],
-        S[QUADRATIC * W + k],
+        S[e + 1],
+        S[e + 2],
+        S[e + 3],
+        S[e + 4],
+        S[REFERENCE_SPEED],
+        S[LINEAR],
+        S[QUADRATIC],
     )
     return f_t, f_n, tau + x * f_n
 
 
 @kernel
 @no_type_check
-def added_mass_velocity_terms(S, b, k):
+def added_mass_velocity_terms(S, b):
     """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end."""
-    rate = S[(b + LINK_RATE) * W + k]
-    v_t, v_n = S[(b + V_T) * W + k], S[(b + V_N) * W + k]
-    mu_t, mu_n = S[(b + MU_T) * W + k], S[(b + MU_N) * W + k]
-    moment_t, moment_n = S[(b + MOMENT_T) * W + k], S[(b + MOMENT_N) * W + k]
+    rate = S[b + LINK_RATE]
+    v_t, v_n = S[b + V_T], S[b + V_N]
+    mu_t, mu_n = S[b + MU_T], S[b + MU_N]
+    moment_t, moment_n = S[b + MOMENT_T], S[b + MOMENT_N]
     # The classic form sees the current only: its velocity is -V where the others have v - V.
-    own, keep = S[OWN_VELOCITY * W + k], S[KIRCHHOFF * W + k]
-    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-    V_t = c * S[CURRENT_X * W + k] + s * S[CURRENT_Y * W + k]
-    V_n = c * S[CURRENT_Y * W + k] - s * S[CURRENT_X * W + k]
+    own, keep = S[OWN_VELOCITY], S[KIRCHHOFF]
+    c, s = S[b + COS], S[b + SIN]
+    V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
+    V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
     seen_t = own * (v_t + V_t) - V_t
     seen_n = own * (v_n + V_n) - V_n
     momentum_n = mu_n * v_n + moment_n * rate
@@ -125,10 +74,9 @@ def extra_loads(S, n, first_strip, first_plate, tether_body):
     H = HEADER_ROWS
     for i in range(n):
         b = H + i * BODY_ROWS
-        for k in range(W):
-            S[(b + EXTRA_T) * W + k] = S[(b + THRUST_T) * W + k]
-            S[(b + EXTRA_N) * W + k] = S[(b + THRUST_N) * W + k]
-            S[(b + EXTRA_MOMENT) * W + k] = S[(b + THRUST_MOMENT) * W + k]
+        S[b + EXTRA_T] = S[b + THRUST_T]
+        S[b + EXTRA_N] = S[b + THRUST_N]
+        S[b + EXTRA_MOMENT] = S[b + THRUST_MOMENT]
         for e in range(first_strip[i], first_strip[i + 1]):
             strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
         for e in range(first_plate[i], first_plate[i + 1]):
@@ -141,50 +89,47 @@ def extra_loads(S, n, first_strip, first_plate, tether_body):
 @no_type_check
 def strip_drag(S, b, e):
     """Drag of one strip, rigid on body b at its own distance from the tail end."""
-    for k in range(W):
-        f_t, f_n, moment = element_drag(S, b, e + STRIP_POSITION, k)
-        S[(b + EXTRA_T) * W + k] += f_t
-        S[(b + EXTRA_N) * W + k] += f_n
-        S[(b + EXTRA_MOMENT) * W + k] += moment
+    f_t, f_n, moment = element_drag(S, b, e + STRIP_POSITION)
+    S[b + EXTRA_T] += f_t
+    S[b + EXTRA_N] += f_n
+    S[b + EXTRA_MOMENT] += moment
 
 
 @kernel
 @no_type_check
 def plate_load(S, b, e):
     """Lift and drag of one pectoral fin mounted on body b."""
-    for k in range(W):
-        rate = S[(b + LINK_RATE) * W + k]
-        x = S[(e + PLATE_X) * W + k]
-        y = S[(e + PLATE_Y) * W + k]
-        v_t = S[(b + V_T) * W + k] - y * rate
-        v_n = S[(b + V_N) * W + k] + x * rate
-        s, c = sincos(S[(e + PLATE_ANGLE) * W + k])
-        f_chord, f_normal = plate_law(
-            c * v_t + s * v_n,
-            c * v_n - s * v_t,
-            S[(e + PLATE_AREA) * W + k],
-            S[(e + PLATE_LIFT_SLOPE) * W + k],
-            S[(e + PLATE_STALL_ANGLE) * W + k],
-            S[(e + PLATE_SHARPNESS) * W + k],
-            S[(e + PLATE_DRAG) * W + k],
-        )
-        f_t = c * f_chord - s * f_normal
-        f_n = s * f_chord + c * f_normal
-        S[(b + EXTRA_T) * W + k] += f_t
-        S[(b + EXTRA_N) * W + k] += f_n
-        S[(b + EXTRA_MOMENT) * W + k] += x * f_n - y * f_t
+    rate = S[b + LINK_RATE]
+    x = S[e + PLATE_X]
+    y = S[e + PLATE_Y]
+    v_t = S[b + V_T] - y * rate
+    v_n = S[b + V_N] + x * rate
+    s, c = sincos(S[e + PLATE_ANGLE])
+    f_chord, f_normal = plate_law(
+        c * v_t + s * v_n,
+        c * v_n - s * v_t,
+        S[e + PLATE_AREA],
+        S[e + PLATE_LIFT_SLOPE],
+        S[e + PLATE_STALL_ANGLE],
+        S[e + PLATE_SHARPNESS],
+        S[e + PLATE_DRAG],
+    )
+    f_t = c * f_chord - s * f_normal
+    f_n = s * f_chord + c * f_normal
+    S[b + EXTRA_T] += f_t
+    S[b + EXTRA_N] += f_n
+    S[b + EXTRA_MOMENT] += x * f_n - y * f_t
 
 
 @kernel
 @no_type_check
 def tether(S, b):
     """F = -k |v| v + constant, at the tail end of the tail link."""
-    for k in range(W):
-        c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-        v_t, v_n = S[(b + V_T) * W + k], S[(b + V_N) * W + k]
-        drag = S[TETHER_DRAG * W + k] * (v_t * v_t + v_n * v_n) ** 0.5
-        S[(b + EXTRA_T) * W + k] += c * S[TETHER_FORCE_X * W + k] + s * S[TETHER_FORCE_Y * W + k] - drag * v_t
-        S[(b + EXTRA_N) * W + k] += c * S[TETHER_FORCE_Y * W + k] - s * S[TETHER_FORCE_X * W + k] - drag * v_n
+    c, s = S[b + COS], S[b + SIN]
+    v_t, v_n = S[b + V_T], S[b + V_N]
+    drag = S[TETHER_DRAG] * (v_t * v_t + v_n * v_n) ** 0.5
+    S[b + EXTRA_T] += c * S[TETHER_FORCE_X] + s * S[TETHER_FORCE_Y] - drag * v_t
+    S[b + EXTRA_N] += c * S[TETHER_FORCE_Y] - s * S[TETHER_FORCE_X] - drag * v_n
 
 
 @kernel
@@ -192,65 +137,59 @@ def tether(S, b):
 def trailing_edge(S):
     """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
     b = HEADER_ROWS
-    for k in range(W):
-        x = S[WAKE_POSITION * W + k]
-        u = S[(b + V_T) * W + k]
-        w = S[(b + V_N) * W + k] + x * S[(b + LINK_RATE) * W + k]
-        shed = S[WAKE_MASS * W + k] if u.real > 0.0 else 0.0 * u
-        f_n = -shed * u * w
-        S[(b + EXTRA_T) * W + k] += 0.5 * shed * w * w
-        S[(b + EXTRA_N) * W + k] += f_n
-        S[(b + EXTRA_MOMENT) * W + k] += x * f_n
+    x = S[WAKE_POSITION]
+    u = S[b + V_T]
+    w = S[b + V_N] + x * S[b + LINK_RATE]
+    shed = where(u.real > 0.0, S[WAKE_MASS], 0.0 * u)
+    f_n = -shed * u * w
+    S[b + EXTRA_T] += 0.5 * shed * w * w
+    S[b + EXTRA_N] += f_n
+    S[b + EXTRA_MOMENT] += x * f_n
 
 
 @kernel
 @no_type_check
 def body_forces(S, n, first_strip, force):
-    """Drag, added-mass and effector force on every body, world axes, once the accelerations are known."""
+    """Drag, added-mass and effector force on every body, world axes, once the accelerations are known.
+
+    `force` holds two rows per body, x and y: of all bodies the drag, then the added mass, then the effectors.
+    """
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
-        for k in range(W):
-            put_force(S, b, k, force[2, i], S[(b + EXTRA_T) * W + k], S[(b + EXTRA_N) * W + k])
-            f_t, f_n = added_mass_force(S, b, k)
-            put_force(S, b, k, force[1, i], f_t, f_n)
-            f_t, f_n, _ = element_drag(S, b, b + CENTER, k)
-            put_force(S, b, k, force[0, i], f_t, f_n)
+        drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
+        extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
         # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag.
-        for k in range(W):
-            S[(b + EXTRA_T) * W + k] = 0.0
-            S[(b + EXTRA_N) * W + k] = 0.0
+        S[b + EXTRA_T] = 0.0
+        S[b + EXTRA_N] = 0.0
         for e in range(first_strip[i], first_strip[i + 1]):
             strip_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
-        for k in range(W):
-            c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-            f_x = c * S[(b + EXTRA_T) * W + k] - s * S[(b + EXTRA_N) * W + k]
-            f_y = s * S[(b + EXTRA_T) * W + k] + c * S[(b + EXTRA_N) * W + k]
-            force[0, i, 0, k] += f_x
-            force[0, i, 1, k] += f_y
-            force[2, i, 0, k] -= f_x
-            force[2, i, 1, k] -= f_y
+        f_t, f_n, _ = element_drag(S, b, b + CENTER)
+        put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
+        put_force(S, b, force, effector, extra_t - S[b + EXTRA_T], extra_n - S[b + EXTRA_N])
+        f_t, f_n = added_mass_force(S, b)
+        put_force(S, b, force, added_mass, f_t, f_n)
 
 
 @kernel
 @no_type_check
-def put_force(S, b, k, force, f_t, f_n):
+def put_force(S, b, force, row, f_t, f_n):
     """Store a force given in link axes of body b in world axes."""
-    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-    force[0, k] = c * f_t - s * f_n
-    force[1, k] = s * f_t + c * f_n
+    c, s = S[b + COS], S[b + SIN]
+    force[row] = c * f_t - s * f_n
+    force[row + 1] = s * f_t + c * f_n
 
 
 @kernel
 @no_type_check
-def added_mass_force(S, b, k):
+def added_mass_force(S, b):
     """The whole added-mass force on body b, link axes: what its acceleration and its velocity call for."""
-    f_t, f_n, _ = added_mass_velocity_terms(S, b, k)
-    c, s = S[(b + COS) * W + k], S[(b + SIN) * W + k]
-    rate = S[(b + LINK_RATE) * W + k]
-    a_t = c * S[(b + QX) * W + k] + s * S[(b + QY) * W + k]
-    a_n = c * S[(b + QY) * W + k] - s * S[(b + QX) * W + k]
+    f_t, f_n, _ = added_mass_velocity_terms(S, b)
+    c, s = S[b + COS], S[b + SIN]
+    rate = S[b + LINK_RATE]
+    a_t = c * S[b + QX] + s * S[b + QY]
+    a_n = c * S[b + QY] - s * S[b + QX]
     # In all forms but the classic one the centripetal part along the body cancels.
-    left = (1.0 - S[OWN_VELOCITY * W + k]) * S[(b + MOMENT_T) * W + k] * rate * rate
-    f_t += left - S[(b + MU_T) * W + k] * a_t
-    f_n -= S[(b + MU_N) * W + k] * a_n + S[(b + MOMENT_N) * W + k] * S[(b + LINK_ACCELERATION) * W + k]
+    left = (1.0 - S[OWN_VELOCITY]) * S[b + MOMENT_T] * rate * rate
+    f_t += left - S[b + MU_T] * a_t
+    f_n -= S[b + MU_N] * a_n + S[b + MOMENT_N] * S[b + LINK_ACCELERATION]
     return f_t, f_n

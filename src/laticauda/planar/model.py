@@ -19,10 +19,10 @@ from laticauda.robot import Environment, Ground, Robot, check_fits
 
 FORCES = ("drag", "added_mass", "effector")
 
-# Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK4), driven joints to
+# Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
 # 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
-DEFAULT_DT = {"prescribed": 0.025, "pd": 0.002, "servo": 0.002}
+DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,7 +90,16 @@ class PlanarPlant:
     @cached_property
     def kernels(self) -> Any:
         """The compiled kernels."""
-        return specialize(1, law_of(self.environment, self.fluid_law))
+        return self.kernels_of(1)
+
+    def kernels_of(self, width: int) -> Any:
+        """The same for `width` trials side by side."""
+        return specialize(width, law_of(self.environment, self.fluid_law))
+
+    def steps_in(self, interval: float) -> int:
+        """How many equal steps, none longer than `dt`, make up an interval [s] between two samples."""
+        assert self.dt is not None
+        return max(1, math.ceil(interval / self.dt - 1e-9))
 
     def init(self, start: Start, command: Command) -> PlanarState:
         """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
@@ -121,13 +130,11 @@ class PlanarPlant:
         link_forces: bool = False,
     ) -> tuple[PlanarState, Log, str | None]:
         """Many steps at once under one command; see `Plant.march`."""
-        assert self.dt is not None
         n_intervals = max(1, round(duration / sample_interval))
-        every = max(1, math.ceil(duration / n_intervals / self.dt - 1e-9))
+        every = self.steps_in(duration / n_intervals)
         dt = duration / n_intervals / every
-        S = self._rows(state, command)
-        a = self.layout
-        chain = (a.n_bodies, a.first_strip, a.first_plate, a.law, a.tail_link, a.has_extras)
+        S = self.rows(state, command)
+        a, chain = self.layout, self.layout.chain
         raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (a.n_bodies - 1), 1))
         steps = n_intervals * every
         written = self.kernels.run(S, *chain, self.joints != "prescribed", steps, dt, every, raw)
@@ -136,11 +143,11 @@ class PlanarPlant:
             when = state.values[0] + written * duration / n_intervals
             if written == 0:  # what the state calls for at once is out of range; the state itself is kept
                 samples = np.nan_to_num(raw[:1, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
-            return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
+            return state, self._log(samples), self.what_went_wrong(when)
         log = self._log(samples)
         if link_forces:
             force = np.empty((len(samples), len(FORCES), a.n_bodies, 2, 1))
-            self.kernels.link_forces(self._rows(state, command), *chain, raw, force)
+            self.kernels.link_forces(self.rows(state, command), *chain, raw, force)
             body = force[..., 0]
             body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
             log |= {f"force_{name}": body[:, i, a.tail_link :] for i, name in enumerate(FORCES)}
@@ -165,7 +172,7 @@ class PlanarPlant:
             )
         return PlanarState(values=values)
 
-    def _rows(self, state: PlanarState, command: Command) -> np.ndarray:
+    def rows(self, state: PlanarState, command: Command) -> np.ndarray:
         """All rows: the layout's parameters, the command, the state."""
         a, gait = self.layout, command.gait
         S = a.template.copy()
@@ -182,6 +189,18 @@ class PlanarPlant:
         body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
         body[a.tail_link + 1 :, rows.ENVELOPE] = gait.joint_envelope(self.robot.n_links)
         return S
+
+    def what_went_wrong(self, time: float) -> str:
+        """The sentence that a run ends with that diverged at `time` [s]."""
+        remedy = {
+            "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
+            "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
+            "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
+        }[self.joints]
+        return (
+            f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
+            f"beyond all bounds); try {remedy}."
+        )
 
     def _named(self, samples: np.ndarray) -> Log:
         """State rows by their names; the fin's locked joints are left out."""
@@ -248,16 +267,3 @@ def _stable_step(robot: Robot, environment: Environment) -> float:
             f"within {1.0 / rate:.3g} s; lower its coefficients."
         )
     return 1.0 / rate if rate > 0.0 else math.inf
-
-
-def _what_went_wrong(time: float, joints: str, dt: float) -> str:
-    """The sentence that a failed run ends with."""
-    remedy = {
-        "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
-        "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
-        "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
-    }[joints]
-    return (
-        f"The run diverged at t = {time:.3g} s with dt = {dt:g} s (a position, angle, rate or torque went beyond all "
-        f"bounds); try {remedy}."
-    )

@@ -1,9 +1,8 @@
 """Where every number of a planar run sits in the one flat array that the kernels work on.
 
-The array is a list of *rows*; a row holds one number per lane, so that number `q` of lane `k` is
-``S[q * WIDTH + k]``. First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then
-one record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin. One array with fixed
-strides is what lets the compiler see that two rows never overlap and so keep all lanes in vector registers.
+The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is row `q` of all
+lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then one
+record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin.
 """
 
 # --- Header: parameters -------------------------------------------------------------------------------------------
@@ -57,10 +56,6 @@ strides is what lets the compiler see that two rows never overlap and so keep al
     POWER_NET,
     POWER_POSITIVE,
     POWER_ELECTRICAL,
-    ROOT_VX,  # velocity of the tail end of body 0 in the water's frame
-    ROOT_VY,
-    SUM_X,
-    SUM_Y,
     SIN_PHASE,
     COS_PHASE,
     SIN_SHIFT,
@@ -77,14 +72,12 @@ strides is what lets the compiler see that two rows never overlap and so keep al
     SAVED_3,
     SAVED_4,
     SAVED_5,
-    SUM,  # six rows: the weighted sum of a step's slopes
-    SUM_1,
-    SUM_2,
-    SUM_3,
-    SUM_4,
-    SUM_5,
-    HEADER_ROWS,
-) = range(73)
+    DECAY,  # of the generator's filters over one of its steps
+    WELL,  # 1 until the lane's numbers leave the finite range, then 0
+    SAMPLES,  # logged until then
+    SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
+) = range(66)
+HEADER_ROWS = SLOPES + 36
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
@@ -130,14 +123,13 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     REFERENCE_2,
     ACCELERATION,  # phi''
     TORQUE,  # u: what the actuator delivers [N m]
-    TOTAL_TORQUE,  # right-hand side of a free joint: actuator, skin and implicit terms
+    TOTAL_TORQUE,  # of a free joint: actuator, skin and implicit terms; of a prescribed one: what it takes
     IMPLICIT,  # what the joint law adds to S^T I S [kg m^2]
     SLOPE_P,  # -du/dphi, skin included, at the start of a step
     SLOPE_D,  # -du/dphi'
     COS,
     SIN,
     LINK_RATE,  # theta'
-    LINK_ANGLE,  # theta
     UX,  # velocity of the tail end of this body relative to that of body 0
     UY,
     V_T,  # velocity of its tail end relative to the water, link axes
@@ -164,7 +156,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(71)
+) = range(70)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)

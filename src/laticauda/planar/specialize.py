@@ -11,34 +11,42 @@ import hashlib
 import importlib.util
 import math
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import CellType, CodeType, FunctionType, ModuleType
-from typing import Any, cast
+from typing import Any, cast, no_type_check
 
 from numba import njit
 from numba.core.errors import NumbaError
+from numba.extending import overload
 
+from laticauda import scalars
 from laticauda.fluid import laws
+from laticauda.planar import lanes
+from laticauda.planar.lanes import INLINED, OPTIONS
 
 FluidLaw = Callable[..., tuple[float, float, float]]
 
-# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything. Forced inlining
-# lets the compiler see whole loops: 2.5 -> 1.6 ms for a 30 s trial.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}}
+# What the kernels compute with instead of these, for floats, complex steps and lanes.
+_INSTEAD: dict[Any, Any] = {scalars.where: cast(Any, lanes).where, scalars.magnitude: cast(Any, lanes).magnitude}
 
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
+    "planar/lanes.py",
+    "planar/functions.py",
     "planar/loads.py",
     "planar/recursion.py",
     "planar/drives.py",
     "planar/stepping.py",
     "planar/specialize.py",
+    "scalars.py",
     "fluid/laws.py",
     "actuation/laws.py",
     "gaits/reference.py",
 )
+_one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
 
@@ -53,7 +61,8 @@ def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> Mo
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
-    return _specialize(width, fluid_law, fingerprint(fluid_law))
+    with _one_at_a_time:
+        return _specialize(width, fluid_law, fingerprint(fluid_law))
 
 
 def check_law(fluid_law: FluidLaw) -> None:
@@ -99,7 +108,7 @@ def bindings(module_name: str) -> dict[str, Any]:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Decorator of a template's inner functions: compiled into whatever calls them."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+    return njit(**INLINED)(function)
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -112,11 +121,34 @@ def compiled(function: Callable[..., Any]) -> Any:
     names = dict(function.__globals__)
     for name in code.co_names:
         if isinstance(names.get(name), FunctionType):
-            names[name] = compiled(names[name])
+            names[name] = _compiled_inner(names[name])
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    cells = [compiled(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
+    cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
     closure = tuple(CellType(cell) for cell in cells)
     return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
+
+
+def _compiled_inner(function: Callable[..., Any]) -> Any:
+    return _INSTEAD[function] if function in _INSTEAD else compiled(function)
+
+
+def in_lanes(function: Any) -> Any:
+    """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
+
+    def call(*arguments: Any) -> Any:
+        raise NotImplementedError("only kernels call this")
+
+    @overload(call, jit_options=INLINED)
+    @no_type_check  # Numba compares this signature with that of the lambdas
+    def choose(*arguments):  # pyright: ignore[reportUnusedFunction]
+        if any(isinstance(kind, lanes.Lanes) for kind in arguments):
+            try:
+                function.get_call_template(arguments, {})
+            except NumbaError:
+                return lambda *arguments: lanes.each_lane(function, arguments)
+        return lambda *arguments: function(*arguments)
+
+    return call
 
 
 def entry(function: Callable[..., Any]) -> Any:
@@ -126,7 +158,7 @@ def entry(function: Callable[..., Any]) -> Any:
     which is the end of the module's name, goes into that name.
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    return njit(cache=True, **_OPTIONS)(function)
+    return njit(cache=True, nogil=True, **OPTIONS)(function)
 
 
 def fingerprint(function: Callable[..., Any]) -> str:

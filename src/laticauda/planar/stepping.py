@@ -1,6 +1,8 @@
 """March a planar run through time, with two fixed-step integrators.
 
-- Prescribed joints: classic Runge-Kutta of order 4 for the three degrees of freedom that are left.
+- Prescribed joints: Butcher's Runge-Kutta of order 5 for the three degrees of freedom that are left. Its six stages
+  stand at quarters of the step, so the reference is needed four times per step only; at an error of 1e-6 it takes
+  three quarters of the evaluations of the classic one of order 4.
 - Any free joint (pd, servo, hinge): ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a
   Rosenbrock W-method of order 2 with gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is the joint law's own,
   so all that an implicit step adds to the recursion is gamma h K_d + (gamma h)^2 K_p on each joint's own inertia.
@@ -13,17 +15,19 @@ A template (see `specialize`); its entry points are what Python calls.
 
 from typing import no_type_check
 
-import numpy as np
-
+from laticauda.planar import lanes
+from laticauda.planar.lanes import any_lane, magnitude, where
 from laticauda.planar.rows import *
 from laticauda.planar.specialize import bindings, entry, kernel
 
 _names = bindings(__name__)
-W = _names["WIDTH"]
+rows_of = lanes.rows_of(_names["WIDTH"])
 body_forces = _names["loads"].body_forces
 accelerations = _names["recursion"].accelerations
+holding_torques = _names["recursion"].holding_torques
 _drives = _names["drives"]
 advance_reference = _drives.advance_reference
+set_decay = _drives.set_decay
 set_reference = _drives.set_reference
 joint_torques = _drives.joint_torques
 second_torques = _drives.second_torques
@@ -31,95 +35,118 @@ count_work = _drives.count_work
 
 GAMMA = 1.0 - 0.5**0.5
 BASE_ROWS = 6  # HEADING ... VY are contiguous
+# What the slopes count for where the next stage looks, and at the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964).
+WEIGHTS = (
+    (1 / 4, 0.0, 0.0, 0.0, 0.0, 0.0),
+    (1 / 8, 1 / 8, 0.0, 0.0, 0.0, 0.0),
+    (0.0, -1 / 2, 1.0, 0.0, 0.0, 0.0),
+    (3 / 16, 0.0, 0.0, 9 / 16, 0.0, 0.0),
+    (-3 / 7, 2 / 7, 12 / 7, -12 / 7, 8 / 7, 0.0),
+    (7 / 90, 0.0, 32 / 90, 12 / 90, 32 / 90, 7 / 90),
+)
 
 
 @entry
 @no_type_check
-def run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
-    """Advance the lanes in S by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
+def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
+    """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, W). Returns the number of samples written: fewer than
-    asked for if a lane's numbers left the finite range.
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or only LOG_STATE rows: then without joints. A
+    lane whose numbers leave the finite range stops counting its SAMPLES there; the others do not notice. Returns the
+    most samples that any lane counted.
     """
+    S = rows_of(flat)
     is_free = law >= FIRST_FREE
+    set_decay(S, dt if implicit else 0.25 * dt)
     set_reference(S, n, law)
+    S[WELL] = 1.0
+    S[SAMPLES] = 0.0
     written = 0
     for step in range(steps + 1):
         if implicit:
             joint_torques(S, n, law, GAMMA * dt)
         accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-        count_work(S, n, law, dt if step > 0 else 0.0)
+        holding_torques(S, n, is_free)
+        count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
-            write_sample(S, n, log[step // every])
+            write_sample(S, n, rows_of(log[step // every]), log.shape[1] > LOG_STATE)
+            S[WELL] = where(finite(S, n), S[WELL], 0.0)
+            if not any_lane(S[WELL].real > 0.0):
+                break
+            S[SAMPLES] += S[WELL]
             written += 1
-            if not all_finite(S, n):
-                return written - 1
         if step == steps:
             break
         if implicit:
             finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt)
         else:
-            finish_rk4(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt)
+            finish_rk5(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt)
     return written
 
 
 @entry
 @no_type_check
-def evaluate(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
-    """Accelerations for the state in S, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
+def evaluate(flat, n, first_strip, first_plate, is_free, tether_body, has_extras):
+    """Accelerations and torques in `flat`, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
+    S = rows_of(flat)
     accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+    holding_torques(S, n, is_free)
 
 
 @entry
 @no_type_check
-def link_forces(S, n, first_strip, first_plate, law, tether_body, has_extras, log, force):
+def link_forces(flat, n, first_strip, first_plate, law, tether_body, has_extras, log, force):
     """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
-    `force` has shape (n_samples, 3, n, 2, W).
+    `force` has shape (n_samples, 3, n, 2, lanes).
     """
+    S = rows_of(flat)
     is_free = law >= FIRST_FREE
     for sample in range(len(log)):
-        read_sample(S, n, log[sample])
+        read_sample(S, n, rows_of(log[sample]))
         set_reference(S, n, law)
         joint_torques(S, n, law, 0.0)
         accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-        body_forces(S, n, first_strip, force[sample])
+        body_forces(S, n, first_strip, rows_of(force[sample]))
 
 
 @kernel
 @no_type_check
-def finish_rk4(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
-    """Stages 2 to 4; the first one's accelerations are in S already."""
-    for k in range(W):
-        for r in range(BASE_ROWS):
-            S[(SAVED + r) * W + k] = S[(HEADING + r) * W + k]
-            S[(SUM + r) * W + k] = 0.0
-    next_stage(S, dt / 6.0, dt / 2.0)
-    advance_reference(S, n, law, 0.5 * dt)
-    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-    next_stage(S, dt / 3.0, dt / 2.0)
-    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-    next_stage(S, dt / 3.0, dt)
-    advance_reference(S, n, law, 0.5 * dt)
-    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-    next_stage(S, dt / 6.0, 0.0)
-    for k in range(W):
-        for r in range(BASE_ROWS):
-            S[(HEADING + r) * W + k] = S[(SAVED + r) * W + k] + S[(SUM + r) * W + k]
+def finish_rk5(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
+    """Stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; the first one's accelerations are in S already."""
+    for r in range(BASE_ROWS):
+        S[SAVED + r] = S[HEADING + r]
+    for stage in range(5):
+        keep_slope(S, stage)
+        step_ahead(S, dt, WEIGHTS[stage], stage + 1)
+        if stage != 1:
+            advance_reference(S, n, law, 0.25 * dt)
+        accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+        if stage == 2:  # half way
+            holding_torques(S, n, is_free)
+            count_work(S, n, law, 0.5 * dt)
+    keep_slope(S, 5)
+    step_ahead(S, dt, WEIGHTS[5], 6)
 
 
 @kernel
 @no_type_check
-def next_stage(S, weight, ahead):
-    """Add the slope at hand to the step's sum, and set the base where the next stage looks."""
-    for k in range(W):
-        for r in range(3):
-            rate = S[(HEADING_RATE + r) * W + k]
-            acceleration = S[(HEADING_ACCELERATION + r) * W + k]
-            S[(SUM + r) * W + k] += weight * rate
-            S[(SUM_3 + r) * W + k] += weight * acceleration
-            S[(HEADING + r) * W + k] = S[(SAVED + r) * W + k] + ahead * rate
-            S[(HEADING_RATE + r) * W + k] = S[(SAVED_3 + r) * W + k] + ahead * acceleration
+def keep_slope(S, stage):
+    """Store how the base's state changes at this stage."""
+    for r in range(3):
+        S[SLOPES + BASE_ROWS * stage + r] = S[HEADING_RATE + r]
+        S[SLOPES + BASE_ROWS * stage + 3 + r] = S[HEADING_ACCELERATION + r]
+
+
+@kernel
+@no_type_check
+def step_ahead(S, dt, weights, n_stages):
+    """Set the base to where it was, plus dt times the weighted slopes of the stages so far."""
+    for r in range(BASE_ROWS):
+        slope = weights[0] * S[SLOPES + r]
+        for stage in range(1, n_stages):
+            slope += weights[stage] * S[SLOPES + BASE_ROWS * stage + r]
+        S[HEADING + r] = S[SAVED + r] + dt * slope
 
 
 @kernel
@@ -131,67 +158,62 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_e
     advance_reference(S, n, law, dt)
     second_torques(S, n, law, gamma_dt)
     accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
-    for k in range(W):
-        for r in range(3):
-            rate = S[(HEADING_RATE + r) * W + k]
-            first_rate, first = S[(SUM + r) * W + k], S[(SUM_3 + r) * W + k]
-            second = S[(HEADING_ACCELERATION + r) * W + k] - 2.0 * first
-            second_rate = rate - 2.0 * first_rate + gamma_dt * second
-            S[(HEADING + r) * W + k] = S[(SAVED + r) * W + k] + dt * (1.5 * first_rate + 0.5 * second_rate)
-            S[(HEADING_RATE + r) * W + k] = S[(SAVED_3 + r) * W + k] + dt * (1.5 * first + 0.5 * second)
+    for r in range(3):
+        rate = S[HEADING_RATE + r]
+        first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
+        second = S[HEADING_ACCELERATION + r] - 2.0 * first
+        second_rate = rate - 2.0 * first_rate + gamma_dt * second
+        S[HEADING + r] = S[SAVED + r] + dt * (1.5 * first_rate + 0.5 * second_rate)
+        S[HEADING_RATE + r] = S[SAVED_3 + r] + dt * (1.5 * first + 0.5 * second)
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
-            for k in range(W):
-                first_rate, first = S[(b + SLOPE_ANGLE) * W + k], S[(b + SLOPE_RATE) * W + k]
-                second = S[(b + ACCELERATION) * W + k] - 2.0 * first
-                second_rate = S[(b + RATE) * W + k] - 2.0 * first_rate + gamma_dt * second
-                S[(b + ANGLE) * W + k] = S[(b + SAVED_ANGLE) * W + k] + dt * (1.5 * first_rate + 0.5 * second_rate)
-                S[(b + RATE) * W + k] = S[(b + SAVED_RATE) * W + k] + dt * (1.5 * first + 0.5 * second)
+            first_rate, first = S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
+            second = S[b + ACCELERATION] - 2.0 * first
+            second_rate = S[b + RATE] - 2.0 * first_rate + gamma_dt * second
+            S[b + ANGLE] = S[b + SAVED_ANGLE] + dt * (1.5 * first_rate + 0.5 * second_rate)
+            S[b + RATE] = S[b + SAVED_RATE] + dt * (1.5 * first + 0.5 * second)
 
 
 @kernel
 @no_type_check
 def keep_first_slope(S, n, is_free, dt, gamma_dt):
     """Store y and k1, and move the state to y + h k1."""
-    for k in range(W):
-        for r in range(3):
-            acceleration = S[(HEADING_ACCELERATION + r) * W + k]
-            slope = S[(HEADING_RATE + r) * W + k] + gamma_dt * acceleration
-            S[(SAVED + r) * W + k] = S[(HEADING + r) * W + k]
-            S[(SAVED_3 + r) * W + k] = S[(HEADING_RATE + r) * W + k]
-            S[(SUM + r) * W + k] = slope
-            S[(SUM_3 + r) * W + k] = acceleration
-            S[(HEADING + r) * W + k] += dt * slope
-            S[(HEADING_RATE + r) * W + k] += dt * acceleration
+    for r in range(3):
+        acceleration = S[HEADING_ACCELERATION + r]
+        slope = S[HEADING_RATE + r] + gamma_dt * acceleration
+        S[SAVED + r] = S[HEADING + r]
+        S[SAVED_3 + r] = S[HEADING_RATE + r]
+        S[SLOPES + r] = slope
+        S[SLOPES + 3 + r] = acceleration
+        S[HEADING + r] += dt * slope
+        S[HEADING_RATE + r] += dt * acceleration
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
-            for k in range(W):
-                acceleration = S[(b + ACCELERATION) * W + k]
-                slope = S[(b + RATE) * W + k] + gamma_dt * acceleration
-                S[(b + SAVED_ANGLE) * W + k] = S[(b + ANGLE) * W + k]
-                S[(b + SAVED_RATE) * W + k] = S[(b + RATE) * W + k]
-                S[(b + SLOPE_ANGLE) * W + k] = slope
-                S[(b + SLOPE_RATE) * W + k] = acceleration
-                S[(b + ANGLE) * W + k] += dt * slope
-                S[(b + RATE) * W + k] += dt * acceleration
+            acceleration = S[b + ACCELERATION]
+            slope = S[b + RATE] + gamma_dt * acceleration
+            S[b + SAVED_ANGLE] = S[b + ANGLE]
+            S[b + SAVED_RATE] = S[b + RATE]
+            S[b + SLOPE_ANGLE] = slope
+            S[b + SLOPE_RATE] = acceleration
+            S[b + ANGLE] += dt * slope
+            S[b + RATE] += dt * acceleration
 
 
 @kernel
 @no_type_check
-def write_sample(S, n, sample):
-    """One sample: the header's state rows and accelerations, then angle, rate, reference and torque of every joint."""
+def write_sample(S, n, sample, joints_too):
+    """One sample: the header's state rows, then angle, rate, reference and torque of every joint."""
     joints = n - 1
-    for k in range(W):
-        for r in range(LOG_STATE):
-            sample[r, k] = S[(TIME + r) * W + k]
-        for i in range(joints):
-            b = HEADER_ROWS + (i + 1) * BODY_ROWS
-            sample[LOG_STATE + i, k] = S[(b + ANGLE) * W + k]
-            sample[LOG_STATE + joints + i, k] = S[(b + RATE) * W + k]
-            sample[LOG_STATE + 2 * joints + i, k] = S[(b + REFERENCE) * W + k]
-            sample[LOG_STATE + 3 * joints + i, k] = S[(b + TORQUE) * W + k]
+    for r in range(LOG_STATE):
+        sample[r] = S[TIME + r]
+    for i in range(joints if joints_too else 0):
+        b = HEADER_ROWS + (i + 1) * BODY_ROWS
+        sample[LOG_STATE + i] = S[b + ANGLE]
+        sample[LOG_STATE + joints + i] = S[b + RATE]
+        sample[LOG_STATE + 2 * joints + i] = S[b + REFERENCE]
+        sample[LOG_STATE + 3 * joints + i] = S[b + TORQUE]
 
 
 @kernel
@@ -199,25 +221,22 @@ def write_sample(S, n, sample):
 def read_sample(S, n, sample):
     """Set the state from a sample."""
     joints = n - 1
-    for k in range(W):
-        for r in range(LOG_STATE):
-            S[(TIME + r) * W + k] = sample[r, k]
-        for i in range(joints):
-            b = HEADER_ROWS + (i + 1) * BODY_ROWS
-            S[(b + ANGLE) * W + k] = sample[LOG_STATE + i, k]
-            S[(b + RATE) * W + k] = sample[LOG_STATE + joints + i, k]
+    for r in range(LOG_STATE):
+        S[TIME + r] = sample[r]
+    for i in range(joints):
+        b = HEADER_ROWS + (i + 1) * BODY_ROWS
+        S[b + ANGLE] = sample[LOG_STATE + i]
+        S[b + RATE] = sample[LOG_STATE + joints + i]
 
 
 @kernel
 @no_type_check
-def all_finite(S, n):
+def finite(S, n):
     """Whether positions, rates, joint rates and torques are still numbers that a swimming robot can have."""
-    for k in range(W):
-        for r in range(BASE_ROWS):
-            if not np.abs(S[(HEADING + r) * W + k]) < 1e6:
-                return False
-        for i in range(1, n):
-            b = HEADER_ROWS + i * BODY_ROWS
-            if not np.abs(S[(b + RATE) * W + k]) < 1e6 or not np.abs(S[(b + TORQUE) * W + k]) < 1e12:
-                return False
-    return True
+    well = magnitude(S[HEADING]).real < 1e6
+    for r in range(1, BASE_ROWS):
+        well = well & (magnitude(S[HEADING + r]).real < 1e6)
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        well = well & (magnitude(S[b + RATE]).real < 1e6) & (magnitude(S[b + TORQUE]).real < 1e12)
+    return well

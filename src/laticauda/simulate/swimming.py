@@ -16,7 +16,7 @@ def default_water(gait: Gait) -> str:
     return "paper-eel" if gait.kind == "eel_like" else "paper-lateral"
 
 
-_preset = functools.cache(load_water)
+preset_water = functools.cache(load_water)
 
 
 def swim(
@@ -73,7 +73,7 @@ def swim(
     instance("gait", gait, Gait)
     body = plant(
         robot,
-        environment or _preset(default_water(gait)),
+        environment or preset_water(default_water(gait)),
         model=model,
         joints=joints,
         dt=dt,

@@ -4,7 +4,7 @@ A swimming snake's path and heading carry the ripple of its gait; a mean over ex
 here knows about robots: signals in, signals out. A signal may have more axes behind the time axis.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -86,8 +86,20 @@ def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray,
     s = (at - time[i]) / step
     over_axes = (..., *(np.newaxis,) * (signal.ndim - 1))
     s, step = s[over_axes], step[over_axes]
-    value = signal[i] + s * s * (3.0 - 2.0 * s) * (signal[i + 1] - signal[i])
-    return value + step * s * (1.0 - s) * ((1.0 - s) * rate[i] - s * rate[i + 1])
+    return hermite(s, step, (signal[i], signal[i + 1]), (rate[i], rate[i + 1]))
+
+
+def hermite(s: Any, step: Any, signal: tuple[Points, Points], rate: tuple[Points, Points]) -> Points:
+    """The cubic polynomial between two samples.
+
+    Args:
+        s: Where, from 0 at the first sample to 1 at the second; numbers or arrays.
+        step: Time between the two [s].
+        signal: Values at the two.
+        rate: Time derivatives at the two.
+    """
+    value = signal[0] + s * s * (3.0 - 2.0 * s) * (signal[1] - signal[0])
+    return value + step * s * (1.0 - s) * ((1.0 - s) * rate[0] - s * rate[1])
 
 
 def cycle_mean(time: Time, signal: Signal, rate: Signal, period: float) -> CycleMean:

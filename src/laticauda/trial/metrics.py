@@ -24,7 +24,7 @@ from laticauda.trial.cycles import (
 Path = Float[np.ndarray, "n_samples n_axes"]
 
 STANDARD_GRAVITY = 9.81  # [m/s2]
-_STILL = 1e-9  # a speed below this is rounding [m/s]
+STILL = 1e-9  # a speed below this is rounding [m/s]
 
 
 # ---- speed ---------------------------------------------------------------------------------------------------------
@@ -318,7 +318,7 @@ def quasi_propulsive_efficiency(towing_drag: float, speed: float, mechanical_pow
 
 
 def _moving(speed: float) -> float:
-    if not speed > _STILL:
+    if not speed > STILL:
         raise ValueError(f"The robot must move for a cost per distance: its speed is {speed:.1e} m/s.")
     return speed
 

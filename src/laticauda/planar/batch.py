@@ -1,0 +1,181 @@
+"""Many planar runs at once: eight side by side in the processor's vector registers, and blocks of eight on all cores.
+
+The kernels are those of a single run, compiled for more lanes; a run's numbers do not depend on its neighbors, on the
+order, or on the number of threads.
+"""
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import islice
+from typing import TypeVar
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from laticauda.interfaces import Command, Start
+from laticauda.planar import rows
+from laticauda.planar.layout import Layout
+from laticauda.planar.model import PlanarPlant, law_of
+from laticauda.planar.specialize import fingerprint
+
+Result = TypeVar("Result")
+
+# What fills a register of AVX-512; processors without it take two or four registers for the same numbers, and 16 lanes
+# are no faster.
+WIDTH = 8
+# Blocks that one thread takes at a time, and samples that a block keeps whole before it strips them to the path.
+_BLOCKS = 8
+_SAMPLES = 2000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One run of a batch: what swims, what it is asked for all the time, where it begins."""
+
+    plant: PlanarPlant
+    """Robot, environment and settings."""
+    command: Command
+    """Held from start to end."""
+    start: Start = Start()  # noqa: RUF009 - frozen
+    """Straight and at rest."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Block:
+    """What a few runs of the same kind left behind, the last axis the runs."""
+
+    index: Int[np.ndarray, " n_runs"]
+    """Which of the batch's runs these are."""
+    time: Float[np.ndarray, " n_samples"]
+    """Of the samples [s]."""
+    center_of_mass: Float[np.ndarray, "n_samples 2 n_runs"]
+    """p [m]."""
+    center_of_mass_velocity: Float[np.ndarray, "n_samples 2 n_runs"]
+    """p' [m/s]."""
+    heading: Float[np.ndarray, " n_runs"]
+    """At the end [rad]."""
+    work: Float[np.ndarray, "4 n_runs"]
+    """At the end: absolute, net and positive work of the joints, electrical work [J]."""
+    n_samples: Int[np.ndarray, " n_runs"]
+    """Samples before the run's numbers left all bounds; all of them if the run reached its end."""
+
+
+def march_many(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    use: Callable[[Block], Result],
+    *,
+    threads: int | None = None,
+) -> Iterator[Result]:
+    """Run every run for `duration` and hand what is left behind, block by block, to `use`.
+
+    Only a few blocks are in memory at any time.
+
+    Args:
+        runs: What swims how.
+        duration: [s].
+        sample_interval: Between two samples [s]; adjusted so that it divides `duration`.
+        use: Called once per block, in the threads that compute.
+        threads: None takes as many as this process may use cores.
+
+    Yields:
+        What `use` returned, in no particular order of runs.
+    """
+    n_intervals = max(1, round(duration / sample_interval))
+    tasks = _tasks(runs, duration / n_intervals)
+
+    def work(task: Sequence[np.ndarray]) -> list[Result]:
+        return [use(_march([runs[int(i)] for i in index], index, duration, n_intervals)) for index in task]
+
+    n_threads = threads or usable_cores()
+    with ThreadPoolExecutor(n_threads) as pool:
+        waiting = deque[Future[list[Result]]](pool.submit(work, task) for task in islice(tasks, 2 * n_threads))
+        try:
+            while waiting:
+                done = waiting.popleft().result()
+                waiting.extend(pool.submit(work, task) for task in islice(tasks, 1))
+                yield from done
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def usable_cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1  # pragma: no cover - systems that bind no process to cores
+
+
+def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
+    """Indices of runs that can go side by side, in blocks of up to WIDTH, a few blocks per task."""
+    kinds: dict[object, list[int]] = {}
+    of_plant: dict[int, object] = {}
+    for i, run in enumerate(runs):
+        plant = run.plant
+        if id(plant) not in of_plant:
+            of_plant[id(plant)] = _kind(plant, interval)
+        kinds.setdefault(of_plant[id(plant)], []).append(i)
+    for alike in kinds.values():
+        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
+        for i in range(0, len(blocks), _BLOCKS):
+            yield blocks[i : i + _BLOCKS]
+
+
+def _kind(plant: PlanarPlant, interval: float) -> object:
+    """What runs side by side must have in common: the chain's shape, the laws, the step."""
+    a: Layout = plant.layout
+    shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
+    law = law_of(plant.environment, plant.fluid_law)
+    return shape, plant.joints, plant.steps_in(interval), law, fingerprint(law)
+
+
+def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
+    """Up to WIDTH runs of one kind, side by side; lanes without a run repeat the last one."""
+    plant = runs[0].plant
+    every = plant.steps_in(duration / n_intervals)
+    dt = duration / n_intervals / every
+    lanes = [run.plant.rows(run.plant.init(run.start, run.command), run.command) for run in runs]
+    lanes += [lanes[-1]] * (WIDTH - len(lanes))
+    S = _aligned((lanes[0].size, WIDTH))
+    S[:] = np.transpose(lanes)
+    kernel, implicit = plant.kernels_of(WIDTH).run, plant.joints != "prescribed"
+    log = _aligned((1 + min(n_intervals, _SAMPLES), rows.LOG_STATE, WIDTH))
+    paths: list[np.ndarray] = []
+    well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
+    for first in range(0, n_intervals, _SAMPLES):
+        count = min(_SAMPLES, n_intervals - first)
+        part = log[: count + 1]
+        kernel(S, *plant.layout.chain, implicit, count * every, dt, every, part)
+        here = S[rows.SAMPLES].astype(int)
+        n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
+        well &= here == count + 1
+        paths.append(part[0 if first == 0 else 1 :, _PATH].copy())
+        if not well.any():
+            break
+    n = len(runs)
+    path = paths[0] if len(paths) == 1 else np.concatenate(paths)
+    return Block(
+        index=index,
+        time=path[:, 0, 0],
+        center_of_mass=path[:, 1:3, :n],
+        center_of_mass_velocity=path[:, 3:5, :n],
+        heading=S[rows.HEADING, :n].copy(),
+        work=S[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1, :n].copy(),
+        n_samples=n_samples[:n],
+    )
+
+
+_PATH = np.array([rows.TIME, rows.X, rows.Y, rows.VX, rows.VY]) - rows.TIME
+
+
+def _aligned(shape: tuple[int, ...]) -> np.ndarray:
+    """An array of zeros that begins where a vector register's worth of memory does."""
+    size = int(np.prod(shape))
+    raw = np.zeros(size + 8)
+    first = -raw.ctypes.data % 64 // 8
+    return raw[first : first + size].reshape(shape)

@@ -1,0 +1,109 @@
+"""sin, cos and tanh without branches, so that lanes stay in vector registers; one lane gains too.
+
+Floats, complex steps and lanes go through the same source.
+"""
+
+# pyright: basic
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+from numba.extending import overload
+
+from laticauda.planar.lanes import INLINED, Lanes, bit, power_of_two, where
+
+# Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
+SHIFT = 6755399441055744.0
+
+
+@njit(**INLINED)
+@no_type_check
+def sincos(x):
+    """sin and cos to 2e-16 for |x| < 1e5.
+
+    Reduction by multiples of pi/2 in three parts (Cody and Waite) and the minimax polynomials of fdlibm's kernels.
+    """
+    shifted = x.real * 0.6366197723675814 + SHIFT
+    q = shifted - SHIFT
+    y = x - q * 1.5707963267341256
+    y = y - q * 6.077100506303966e-11
+    y = y - q * 2.0222662487959506e-21
+    z = y * y
+    s = y + y * z * (
+        -1.66666666666666324348e-01
+        + z
+        * (
+            8.33333333332248946124e-03
+            + z
+            * (
+                -1.98412698298579493134e-04
+                + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
+            )
+        )
+    )
+    c = (
+        1.0
+        - 0.5 * z
+        + z
+        * z
+        * (
+            4.16666666666666019037e-02
+            + z
+            * (
+                -1.38888888888741095749e-03
+                + z
+                * (
+                    2.48015872894767294178e-05
+                    + z
+                    * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
+                )
+            )
+        )
+    )
+    odd, low = bit(shifted, 0), bit(shifted, 1)  # the quadrant is q modulo 4
+    sine, cosine = where(odd, c, s), where(odd, s, c)
+    return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
+
+
+@njit(**INLINED)
+@no_type_check
+def expm1(x):
+    """exp(x) - 1 for -700 < x < 700 (outside it stays as it is there), to 3e-16 of exp(x), or of x if that is small.
+
+    Reduction by multiples of ln 2 in two parts, then the power series, whose next term is below 1e-17.
+    """
+    x = where(x.real < 700.0, x, 700.0 + 0.0 * x)
+    x = where(x.real > -700.0, x, -700.0 + 0.0 * x)
+    q = (x.real * 1.4426950408889634 + SHIFT) - SHIFT
+    r = x - q * 0.6931471803691238
+    r = r - q * 1.9082149292705877e-10
+    p = 1.0 / 6227020800.0
+    for k in (479001600.0, 39916800.0, 3628800.0, 362880.0, 40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0, 1.0):
+        p = p * r + 1.0 / k
+    scale = power_of_two(q + (SHIFT + 1023.0))
+    return scale * (p * r) + (scale - 1.0)
+
+
+@njit(**INLINED)
+@no_type_check
+def tanh(x):
+    """tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
+    negative = x.real < 0.0
+    t = expm1(2.0 * where(negative, -x, x))
+    h = t / (t + 2.0)
+    return where(negative, -h, h)
+
+
+def _for_lanes(function, of_lanes):
+    """What a NumPy function is when it is called with lanes; with plain numbers it stays as it is."""
+
+    @overload(function, jit_options=INLINED)
+    def choose(x):
+        return of_lanes if isinstance(x, Lanes) else None
+
+
+_for_lanes(np.sin, lambda x: sincos(x)[0])
+_for_lanes(np.cos, lambda x: sincos(x)[1])
+_for_lanes(np.exp, lambda x: 1.0 + expm1(x))
+_for_lanes(np.tanh, lambda x: tanh(x))

@@ -1,0 +1,402 @@
+"""What ``S[row]`` is inside the kernels: one number per lane, and the physics reads as if there were one trial only.
+
+With one lane it is a plain float or complex number. With more it is a vector of floats that the compiler keeps in a
+vector register: every statement of the kernels becomes one vector instruction, and nothing is left to a compiler's
+judgement whether a loop may be vectorized. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and
+`np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that branches cannot
+take lanes; `each_lane` calls it once per lane.
+
+The door to Numba's extension interface; nothing else in the package knows how lanes are made.
+"""
+
+# pyright: basic
+
+import operator
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typeconv.castgraph import Conversion
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    lower_cast,
+    models,
+    overload_attribute,
+    register_model,
+    type_callable,
+)
+
+# Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
+OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
+# Inlining lets the compiler see whole loops.
+INLINED: Any = {"forceinline": True, **OPTIONS}
+
+
+class Lanes(types.Type):
+    """One float per lane."""
+
+    def __init__(self, dtype, width):
+        self.dtype, self.width = dtype, width
+        super().__init__(f"Lanes({dtype}, {width})")
+
+    def can_convert_from(self, typingctx, other):
+        """A plain number is the same in all lanes."""
+        return Conversion.safe if isinstance(other, types.Float | types.Integer) else None
+
+    def unify(self, typingctx, other):
+        """A variable that holds a plain number first and lanes later holds lanes."""
+        return self if isinstance(other, types.Float | types.Integer) else None
+
+
+class Mask(types.Type):
+    """One truth value per lane."""
+
+    def __init__(self, width):
+        self.width = width
+        super().__init__(f"Mask({width})")
+
+    def can_convert_from(self, typingctx, other):
+        """A plain truth value is the same in all lanes."""
+        return Conversion.safe if other == types.boolean else None
+
+    def unify(self, typingctx, other):
+        """As for lanes."""
+        return self if other == types.boolean else None
+
+
+class Rows(types.Type):
+    """The flat array of `rows`: item `q` is row `q` of all lanes."""
+
+    def __init__(self, dtype, width):
+        self.dtype, self.width = dtype, width
+        self.item = dtype if width == 1 else Lanes(dtype, width)
+        super().__init__(f"Rows({dtype}, {width})")
+
+
+def _vector(kind):
+    if isinstance(kind, Mask):
+        return ir.VectorType(ir.IntType(1), kind.width)
+    return ir.VectorType(ir.FloatType() if kind.dtype == types.float32 else ir.DoubleType(), kind.width)
+
+
+@register_model(Lanes)
+@register_model(Mask)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, _vector(fe_type))
+
+
+@register_model(Rows)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, ir.PointerType(dmm[fe_type.item].get_data_type()))
+
+
+# ---- rows ------------------------------------------------------------------------------------------------------------
+
+
+def rows_of(width):
+    """The compiled function that takes an array, contiguous, the lanes of a row next to each other, as `Rows`."""
+
+    @intrinsic
+    def as_rows(typingctx, array):
+        kind = Rows(array.dtype, width)
+
+        def codegen(context, builder, sig, args):
+            data = context.make_array(sig.args[0])(context, builder, args[0]).data
+            return builder.bitcast(data, context.get_value_type(kind))
+
+        return kind(array), codegen
+
+    return as_rows
+
+
+@type_callable(operator.getitem)
+def _type_getitem(context):
+    def typer(rows, index):
+        if isinstance(rows, Rows) and isinstance(index, types.Integer):
+            return rows.item
+        return None
+
+    return typer
+
+
+@type_callable(operator.setitem)
+def _type_setitem(context):
+    def typer(rows, index, value):
+        if isinstance(rows, Rows) and isinstance(index, types.Integer):
+            return types.none
+        return None
+
+    return typer
+
+
+def _address(context, builder, sig, args):
+    index = context.cast(builder, args[1], sig.args[1], types.intp)
+    return builder.gep(args[0], [index], inbounds=True)
+
+
+@lower_builtin(operator.getitem, Rows, types.Integer)
+def _getitem(context, builder, sig, args):
+    rows = sig.args[0]
+    address = _address(context, builder, sig, args)
+    if rows.width == 1:
+        return context.unpack_value(builder, rows.item, address)
+    return builder.load(address, align=8)  # of the lane: arrays need not be aligned to whole rows
+
+
+@lower_builtin(operator.setitem, Rows, types.Integer, types.Any)
+def _setitem(context, builder, sig, args):
+    rows = sig.args[0]
+    address = _address(context, builder, sig, args)
+    value = context.cast(builder, args[2], sig.args[2], rows.item)
+    if rows.width == 1:
+        context.pack_value(builder, rows.item, value, address)
+    else:
+        builder.store(value, address, align=8)
+
+
+# ---- arithmetic ------------------------------------------------------------------------------------------------------
+
+
+@lower_cast(types.Float, Lanes)
+@lower_cast(types.Integer, Lanes)
+@lower_cast(types.Boolean, Mask)
+def _broadcast(context, builder, fromty, toty, value):
+    scalar = value if isinstance(toty, Mask) else context.cast(builder, value, fromty, toty.dtype)
+    return _splat(builder, _vector(toty), scalar)
+
+
+def _splat(builder, vector, scalar):
+    nothing, index = ir.Constant(vector, ir.Undefined), ir.IntType(32)
+    first = builder.insert_element(nothing, scalar, ir.Constant(index, 0))
+    return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(index, vector.count), None))
+
+
+def _lanes_among(args):
+    """The lanes' type, if there are lanes among the types and all others are numbers; else None."""
+    kinds = {a for a in args if isinstance(a, Lanes)}
+    if len(kinds) == 1 and all(isinstance(a, Lanes | types.Float | types.Integer) for a in args):
+        return kinds.pop()
+    return None
+
+
+def _define(function, emit, result=lambda kind: kind, arity=2):
+    """Teach the compiler a function of lanes, or of lanes and plain numbers; `emit(builder, kind, *vectors)`."""
+
+    def typer_1(a):
+        kind = _lanes_among((a,))
+        return kind and result(kind)
+
+    def typer_2(a, b):
+        kind = _lanes_among((a, b))
+        return kind and result(kind)
+
+    @type_callable(function)
+    def typing(context):
+        return typer_1 if arity == 1 else typer_2
+
+    def lower(context, builder, sig, args):
+        kind = _lanes_among(sig.args)
+        vectors = [context.cast(builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)]
+        return emit(builder, kind, *vectors)
+
+    for arguments in ((Lanes,),) if arity == 1 else ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)):
+        lower_builtin(function, *arguments)(lower)
+
+
+def _elementwise(name):
+    """Emit a call to one of LLVM's own functions of floats or vectors of them."""
+
+    def emit(builder, kind, *values):
+        suffix = "f32" if getattr(kind, "dtype", kind) == types.float32 else "f64"
+        if isinstance(kind, Lanes):
+            suffix = f"v{kind.width}{suffix}"
+        signature = ir.FunctionType(values[0].type, [v.type for v in values])
+        return builder.call(cgutils.get_or_insert_function(builder.module, signature, f"llvm.{name}.{suffix}"), values)
+
+    return emit
+
+
+def _binary(name):
+    return lambda builder, kind, a, b: getattr(builder, name)(a, b)
+
+
+def _comparison(sign):
+    if sign == "!=":
+        return lambda builder, kind, a, b: builder.fcmp_unordered(sign, a, b)
+    return lambda builder, kind, a, b: builder.fcmp_ordered(sign, a, b)
+
+
+def _picked(sign):
+    return lambda builder, kind, a, b: builder.select(builder.fcmp_ordered(sign, a, b), a, b)
+
+
+for _name, _plain, _in_place in (
+    ("fadd", operator.add, operator.iadd),
+    ("fsub", operator.sub, operator.isub),
+    ("fmul", operator.mul, operator.imul),
+    ("fdiv", operator.truediv, operator.itruediv),
+):
+    _define(_plain, _binary(_name))
+    _define(_in_place, _binary(_name))
+_define(operator.pow, _elementwise("pow"))
+_define(operator.neg, lambda builder, kind, a: builder.fneg(a), arity=1)
+_define(operator.pos, lambda builder, kind, a: a, arity=1)
+for _function, _name in ((abs, "fabs"), (np.abs, "fabs"), (np.sqrt, "sqrt"), (np.floor, "floor")):
+    _define(_function, _elementwise(_name), arity=1)
+for _sign in ("lt", "le", "gt", "ge", "eq", "ne"):
+    _symbol = {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}[_sign]
+    _define(getattr(operator, _sign), _comparison(_symbol), lambda kind: Mask(kind.width))
+_define(min, _picked("<"))
+_define(max, _picked(">"))
+
+
+@overload_attribute(Lanes, "real", inline="always")
+def _real(x):
+    return lambda x: x
+
+
+# ---- choices ---------------------------------------------------------------------------------------------------------
+
+
+for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operator.xor, "xor")):
+
+    @type_callable(_operator)
+    def _type_logic(context):
+        def typer(a, b):
+            return a if isinstance(a, Mask) and a == b else None
+
+        return typer
+
+    lower_builtin(_operator, Mask, Mask)(lambda context, builder, sig, args, name=_name: getattr(builder, name)(*args))
+
+
+@type_callable(operator.invert)
+def _type_invert(context):
+    return lambda a: a if isinstance(a, Mask) else None
+
+
+@lower_builtin(operator.invert, Mask)
+def _invert(context, builder, sig, args):
+    return builder.not_(args[0])
+
+
+@intrinsic
+def where(typingctx, condition, a, b):
+    """`a` in the lanes where the condition holds, else `b`; both have been computed."""
+    kind = _lanes_among((a, b)) or typingctx.unify_types(a, b)
+    if isinstance(condition, Mask) and not isinstance(kind, Lanes):
+        kind = Lanes(kind, condition.width)
+
+    def codegen(context, builder, sig, args):
+        one, other = (context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
+        if not isinstance(kind, types.Complex):
+            return builder.select(args[0], one, other)
+        one, other, out = (context.make_complex(builder, kind, value=v) for v in (one, other, None))
+        out.real = builder.select(args[0], one.real, other.real)
+        out.imag = builder.select(args[0], one.imag, other.imag)
+        return out._getvalue()
+
+    return kind(condition, a, b), codegen
+
+
+@intrinsic
+def magnitude(typingctx, x):
+    """|x|; the sign of its real part decides about a complex number, whose imaginary part carries a derivative."""
+
+    def codegen(context, builder, sig, args):
+        if not isinstance(x, types.Complex):
+            return _elementwise("fabs")(builder, x, args[0])
+        number, out = context.make_complex(builder, x, value=args[0]), context.make_complex(builder, x)
+        negative = builder.fcmp_ordered("<", number.real, ir.Constant(number.real.type, 0.0))
+        out.real = builder.select(negative, builder.fneg(number.real), number.real)
+        out.imag = builder.select(negative, builder.fneg(number.imag), number.imag)
+        return out._getvalue()
+
+    return x(x), codegen
+
+
+@intrinsic
+def any_lane(typingctx, condition):
+    """Whether a condition holds in one lane at least."""
+
+    def codegen(context, builder, sig, args):
+        if not isinstance(condition, Mask):
+            return args[0]
+        signature = ir.FunctionType(ir.IntType(1), [_vector(condition)])
+        name = f"llvm.vector.reduce.or.v{condition.width}i1"
+        return builder.call(cgutils.get_or_insert_function(builder.module, signature, name), args)
+
+    return types.boolean(condition), codegen
+
+
+@intrinsic
+def bit(typingctx, shifted, position):
+    """Whether a bit of the whole number in the last bits of a float is set (see `functions.SHIFT`)."""
+
+    def codegen(context, builder, sig, args):
+        bits = _bits(context, builder, shifted, args[0])
+        one = ir.Constant(ir.IntType(64), 1)
+        place = context.cast(builder, args[1], sig.args[1], types.int64)
+        mask = _same(builder, shifted, builder.shl(one, place))
+        return builder.icmp_unsigned("!=", builder.and_(bits, mask), ir.Constant(bits.type, None))
+
+    return (Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean)(shifted, position), codegen
+
+
+@intrinsic
+def power_of_two(typingctx, shifted):
+    """2^(k - 1023) for the whole number k, 1 to 2046, in the last bits of a float, by moving it to the exponent."""
+
+    def codegen(context, builder, sig, args):
+        bits = _bits(context, builder, shifted, args[0])
+        places = _same(builder, shifted, ir.Constant(ir.IntType(64), 52))
+        return builder.bitcast(builder.shl(bits, places), args[0].type)
+
+    return shifted(shifted), codegen
+
+
+def _bits(context, builder, kind, value):
+    word = ir.IntType(64)
+    return builder.bitcast(value, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
+
+
+def _same(builder, kind, scalar):
+    """A scalar for one lane, or the same in all lanes."""
+    return _splat(builder, ir.VectorType(scalar.type, kind.width), scalar) if isinstance(kind, Lanes) else scalar
+
+
+# ---- functions that cannot take lanes --------------------------------------------------------------------------------
+
+
+@intrinsic
+def each_lane(typingctx, function, arguments):
+    """Call a compiled scalar function once per lane; `arguments` is a tuple of lanes and plain numbers."""
+    kind = next(a for a in arguments if isinstance(a, Lanes))
+    scalars = tuple(kind.dtype if isinstance(a, Lanes) else a for a in arguments)
+    inner = function.get_call_type(typingctx, scalars, {})
+    results = tuple(inner.return_type)
+    out = types.Tuple([kind] * len(results))
+
+    def codegen(context, builder, sig, args):
+        call = context.get_function(function, inner)
+        values = cgutils.unpack_tuple(builder, args[1])
+        vector, i32 = _vector(kind), ir.IntType(32)
+        columns = [ir.Constant(vector, ir.Undefined) for _ in results]
+        for lane in range(kind.width):
+            at = ir.Constant(i32, lane)
+            lane_values = [
+                builder.extract_element(v, at) if isinstance(a, Lanes) else v
+                for v, a in zip(values, arguments, strict=True)
+            ]
+            got = cgutils.unpack_tuple(builder, call(builder, lane_values))
+            for j, (value, result) in enumerate(zip(got, results, strict=True)):
+                scalar = context.cast(builder, value, result, kind.dtype)
+                columns[j] = builder.insert_element(columns[j], scalar, at)
+        return context.make_tuple(builder, out, columns)
+
+    return out(function, arguments), codegen

@@ -1,0 +1,258 @@
+"""`swim_many`: the figures of many trials, computed side by side and on all cores."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar, cast
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.errors import instance, positive, whole
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Start
+from laticauda.planar.batch import Block, Run, march_many
+from laticauda.planar.model import PlanarPlant
+from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.simulate.plants import FluidLaw, plant
+from laticauda.simulate.runner import MOST_SAMPLES, Progress
+from laticauda.simulate.swimming import default_water, preset_water
+from laticauda.trial import metrics
+from laticauda.trial.cycles import hermite, steady_part
+
+Item = TypeVar("Item")
+Figure = Float[np.ndarray, " n_trials"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swims:
+    """Figures of many trials, in the order in which they were asked for; each means what it means in a `Trial`.
+
+    A figure is nan where a trial has none: all of them where the trial diverged, `steady_velocity` also where the trial
+    is too short for its gait, `cost_of_transport` where the robot did not move.
+    """
+
+    forward_velocity: Figure
+    """Straight-line displacement / time over the whole run (5) [m/s]."""
+    steady_velocity: Figure
+    """The same over whole gait cycles after the first third of the run and 10 s [m/s]."""
+    mechanical_power: Figure
+    """Mean of sum |u phi'| [W]."""
+    net_power: Figure
+    """Mean of sum u phi' [W]."""
+    positive_power: Figure
+    """Mean of sum max(u phi', 0) [W]."""
+    mean_power: Figure
+    """Electrical power with servo joints, else the mechanical one [W]."""
+    cost_of_transport: Figure
+    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
+    center_of_mass: Float[np.ndarray, "n_trials 2"]
+    """At the end [m]."""
+    heading: Figure
+    """At the end [rad]."""
+    succeeded: Bool[np.ndarray, " n_trials"]
+    """Whether the trial reached its end."""
+    status: tuple[str, ...]
+    """How it ended."""
+
+    def __len__(self) -> int:
+        """Number of trials."""
+        return len(self.status)
+
+
+def swim_many(
+    robots: Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait],
+    duration: float = 30.0,
+    *,
+    environments: Environment | Sequence[Environment] | None = None,
+    joints: str = "prescribed",
+    dt: float | None = None,
+    offset_bandwidth: float = 10.0,
+    ramp: float | None = None,
+    fluid_law: FluidLaw | None = None,
+    starts: Start | Sequence[Start] | None = None,
+    sample_interval: float = 0.05,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Swims:
+    """Let many robots swim, each from straight and at rest; trial i is what `swim` makes of the i-th of everything.
+
+    Where one thing is given instead of a sequence, all trials share it. Robots of equal shape are computed eight at a
+    time, so a sweep over gaits, waters or sizes gains most; any mixture is allowed. The figures agree with those of
+    `swim` to rounding, whatever else is in the batch and however many threads compute it.
+
+    Args:
+        robots: What swims.
+        gaits: What the joints are asked for.
+        duration: Of every trial [s].
+        environments: Waters or grounds; None takes the paper's coefficients for each gait.
+        joints: See `laticauda.simulate.plant`.
+        dt: See `laticauda.simulate.plant` [s].
+        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        ramp: See `laticauda.simulate.plant` [s].
+        fluid_law: See `laticauda.simulate.plant`; one that branches with `if` works, but takes its lanes one by one.
+        starts: Where each begins; None: at the origin, along x.
+        sample_interval: Of the logs that the figures are taken from; they are not kept [s].
+        threads: How many to compute with; None takes all cores that this process may use.
+        progress: Called now and then with the share that is finished, from 0 to 1.
+
+    Returns:
+        The figures, as arrays.
+
+    Raises:
+        ValueError: If an argument is out of its range, or sequences differ in length.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gaits = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7) for a in (0.4, 0.5, 0.6)]
+        >>> lc.swim_many(lc.load_robot("mamba"), gaits).forward_velocity.round(3)
+        array([0.066, 0.091, 0.116])
+    """
+    positive("duration", duration, "s")
+    positive("sample_interval", sample_interval, "s")
+    if duration > MOST_SAMPLES * sample_interval:
+        raise ValueError(
+            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}."
+        )
+    if threads is not None:
+        whole("threads", threads, 1)
+    given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
+    n = _common_length(given)
+    every_robot = _each("robots", robots, n, Robot)
+    every_gait = _each("gaits", gaits, n, Gait)
+    every_start = _each("starts", Start() if starts is None else starts, n, Start)
+    if environments is None:
+        every_environment: Sequence[Environment] = [preset_water(default_water(gait)) for gait in every_gait]
+    else:
+        every_environment = _each("environments", environments, n, Water, Ground)
+    plants: dict[tuple[int, int], PlanarPlant] = {}
+    runs: list[Run] = []
+    for robot, gait, environment, start in zip(every_robot, every_gait, every_environment, every_start, strict=True):
+        key = id(robot), id(environment)
+        if key not in plants:
+            body = plant(
+                robot,
+                environment,
+                joints=joints,
+                dt=dt,
+                offset_bandwidth=offset_bandwidth,
+                ramp=ramp,
+                fluid_law=fluid_law,
+            )
+            assert isinstance(body, PlanarPlant)
+            plants[key] = body
+        runs.append(Run(plant=plants[key], command=Command(gait=gait), start=start))
+    return _collected(runs, duration, sample_interval, threads, progress)
+
+
+def _collected(
+    runs: Sequence[Run], duration: float, sample_interval: float, threads: int | None, progress: Progress | None
+) -> Swims:
+    """All blocks' figures, each where it belongs."""
+    n = len(runs)
+    numbers = np.full((len(_FIGURES), n), np.nan)
+    succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
+
+    def figures(block: Block) -> tuple[Block, dict[str, np.ndarray]]:
+        return block, _figures([runs[int(i)] for i in block.index], block)
+
+    finished = 0
+    for block, found in march_many(runs, duration, sample_interval, figures, threads=threads):
+        well = block.n_samples == block.time.size
+        succeeded[block.index] = well
+        for row, name in enumerate(_FIGURES):
+            numbers[row, block.index[well]] = found[name][well]
+        for i, reached in zip(block.index[~well], block.n_samples[~well], strict=True):
+            when = float(reached) * duration / max(1, round(duration / sample_interval))
+            status[i] = runs[int(i)].plant.what_went_wrong(when)
+        finished += block.index.size
+        if progress is not None:
+            progress(finished / n)
+    named = dict(zip(_FIGURES, numbers, strict=True))
+    end = np.stack((named.pop("x"), named.pop("y")), axis=1)
+    return Swims(**named, center_of_mass=end, succeeded=succeeded, status=tuple(status))
+
+
+_FIGURES = (
+    "forward_velocity",
+    "steady_velocity",
+    "mechanical_power",
+    "net_power",
+    "positive_power",
+    "mean_power",
+    "cost_of_transport",
+    "x",
+    "y",
+    "heading",
+)
+
+
+def _figures(runs: Sequence[Run], block: Block) -> dict[str, np.ndarray]:
+    """The figures of one block; numbers without meaning where a run diverged."""
+    with np.errstate(all="ignore"):
+        duration = block.time[-1] - block.time[0]
+        end = block.center_of_mass[-1]
+        speed = np.linalg.norm(end - block.center_of_mass[0], axis=0) / duration
+        power = block.work / duration
+        mean = power[3] if runs[0].plant.joints == "servo" else power[0]
+        weight = np.array([metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs])
+        moving = speed > metrics.STILL
+        return {
+            "forward_velocity": speed,
+            "steady_velocity": _steady_velocity([run.command.gait for run in runs], block),
+            "mechanical_power": power[0],
+            "net_power": power[1],
+            "positive_power": power[2],
+            "mean_power": mean,
+            "cost_of_transport": np.where(moving, mean / (weight * speed), np.nan),
+            "x": end[0],
+            "y": end[1],
+            "heading": block.heading,
+        }
+
+
+def _steady_velocity(gaits: Sequence[Gait], block: Block) -> np.ndarray:
+    """`metrics.steady_velocity` for every run, nan where that refuses."""
+    time = block.time
+    start = np.array([_steady_start(time, gait) for gait in gaits])
+    possible = np.isfinite(start)
+    start = np.where(possible, start, time[0])
+    i = np.clip(np.searchsorted(time, start, side="right") - 1, 0, time.size - 2)
+    step = time[i + 1] - time[i]
+    k = np.arange(len(gaits))
+    p, v = block.center_of_mass, block.center_of_mass_velocity
+    begin = hermite((start - time[i]) / step, step, (p[i, :, k].T, p[i + 1, :, k].T), (v[i, :, k].T, v[i + 1, :, k].T))
+    return np.where(possible, np.linalg.norm(p[-1] - begin, axis=0) / (time[-1] - start), np.nan)
+
+
+def _steady_start(time: np.ndarray, gait: Gait) -> float:
+    """Where the steady part begins [s]; nan if there is none."""
+    try:
+        return steady_part(time, 2.0 * math.pi / gait.frequency if gait.frequency > 0.0 else None).start
+    except ValueError:
+        return math.nan
+
+
+def _common_length(given: Mapping[str, object]) -> int:
+    """How many trials the sequences among the arguments ask for."""
+    lengths = {name: len(cast(Sequence[object], value)) for name, value in given.items() if isinstance(value, Sequence)}
+    if 0 in lengths.values():
+        empty = next(name for name, length in lengths.items() if length == 0)
+        raise ValueError(f"`{empty}` must hold at least one item, got none.")
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{length} {name}" for name, length in lengths.items())
+        raise ValueError(f"`{'`, `'.join(lengths)}` must be of equal length, got {listed}.")
+    return next(iter(lengths.values()), 1)
+
+
+def _each(name: str, given: Item | Sequence[Item], n: int, *kinds: type) -> Sequence[Item]:
+    """The argument once per trial, checked."""
+    if not isinstance(given, Sequence):
+        instance(name, given, *kinds)
+        return [given] * n
+    items = cast("Sequence[Item]", given)
+    for i, item in enumerate(items):
+        instance(f"{name}[{i}]", item, *kinds)
+    return items

@@ -1,0 +1,154 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.robot import Tether, load_robot, load_water
+
+FIGURES = (
+    "forward_velocity",
+    "steady_velocity",
+    "mechanical_power",
+    "net_power",
+    "positive_power",
+    "mean_power",
+    "cost_of_transport",
+)
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+MAMBA = load_robot("mamba")
+
+
+def random_trials(seed, n):
+    """Robots of three shapes, gaits of both kinds, waters with currents, starts."""
+    rng = np.random.default_rng(seed)
+    shapes = [MAMBA, load_robot("mamba-fin"), replace(MAMBA, modules=MAMBA.modules[:5], joints=MAMBA.joints[:4])]
+    kinds = [lc.lateral_undulation, lc.eel_like]
+    robots = [replace(shapes[rng.integers(3)], tether=Tether(drag=float(rng.choice([0.0, 1.0])))) for _ in range(n)]
+    gaits = [
+        kinds[rng.integers(2)](
+            amplitude=rng.uniform(0.1, 0.7),
+            frequency=rng.uniform(1.3, 3.0),
+            phase_shift=rng.uniform(0.3, 1.0),
+            offset=rng.uniform(-0.1, 0.1),
+        )
+        for _ in range(n)
+    ]
+    waters = [
+        replace(
+            load_water("paper-lateral"),
+            current=tuple(rng.uniform(-0.1, 0.1, 2)),
+            normal_drag=rng.uniform(1.0, 2.0),
+            added_mass_form=str(rng.choice(["relative", "kirchhoff", "classic"])),
+        )
+        for _ in range(n)
+    ]
+    starts = [lc.Start(heading=rng.uniform(-3, 3), center_of_mass=tuple(rng.uniform(-5.0, 5.0, 2))) for _ in range(n)]
+    return robots, gaits, waters, starts
+
+
+def check(swims, i, trial):
+    """Trial i of a batch is this trial."""
+    assert swims.succeeded[i] == trial.succeeded
+    assert swims.status[i] == trial.status
+    for name in FIGURES:
+        assert getattr(swims, name)[i] == pytest.approx(getattr(trial, name), rel=1e-10), name
+    np.testing.assert_allclose(swims.center_of_mass[i], trial.center_of_mass[-1], rtol=0, atol=1e-10)
+    assert swims.heading[i] == pytest.approx(trial.heading[-1], abs=1e-10)
+
+
+@pytest.mark.parametrize(("joints", "n", "duration"), [("prescribed", 19, 16.0), ("pd", 3, 16.0), ("servo", 3, 16.0)])
+def test_a_batch_gives_what_single_trials_give(joints, n, duration):
+    robots, gaits, waters, starts = random_trials(1, n)
+    swims = lc.swim_many(robots, gaits, duration, environments=waters, starts=starts, joints=joints)
+    assert len(swims) == n
+    for i in range(n):
+        trial = lc.swim(robots[i], gaits[i], duration, environment=waters[i], start=starts[i], joints=joints)
+        check(swims, i, trial)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_neighbors_order_and_threads_do_not_matter(threads):
+    robots, gaits, waters, starts = random_trials(2, 21)
+    rng = np.random.default_rng(threads)
+    whole = lc.swim_many(robots, gaits, 12.0, environments=waters, starts=starts)
+    order = rng.permutation(21)[: 5 + 7 * threads]
+    some = lc.swim_many(
+        [robots[i] for i in order],
+        [gaits[i] for i in order],
+        12.0,
+        environments=[waters[i] for i in order],
+        starts=[starts[i] for i in order],
+        threads=threads,
+    )
+    for name in (*FIGURES, "center_of_mass", "heading", "succeeded"):
+        np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[order])
+
+
+def test_a_trial_that_diverges_does_not_disturb_the_others():
+    gaits = [lc.lateral_undulation(amplitude=a, frequency=2.0, phase_shift=0.7) for a in np.linspace(0.2, 0.6, 8)]
+    water = load_water("paper-lateral")
+    wild = [replace(water, normal_drag=1e4) if i in (2, 7) else water for i in range(8)]
+    calm = lc.swim_many(MAMBA, gaits, 12.0, environments=water, dt=0.05)
+    swims = lc.swim_many(MAMBA, gaits, 12.0, environments=wild, dt=0.05)
+    assert swims.succeeded.tolist() == [True, True, False, True, True, True, True, False]
+    for name in FIGURES:
+        assert np.isnan(getattr(swims, name)[[2, 7]]).all()
+        np.testing.assert_array_equal(getattr(swims, name)[swims.succeeded], getattr(calm, name)[swims.succeeded])
+    for i in (2, 7):
+        single = lc.swim(MAMBA, gaits[i], 12.0, environment=wild[i], dt=0.05)
+        assert swims.status[i] == single.status
+        assert "The run diverged at t = " in swims.status[i]
+
+
+def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
+    gaits = [GAIT, replace(GAIT, amplitude=0.3)]
+    swims = lc.swim_many(MAMBA, gaits, 15.0, sample_interval=0.006)
+    for i, gait in enumerate(gaits):
+        check(swims, i, lc.swim(MAMBA, gait, 15.0, sample_interval=0.006))
+
+
+def test_a_law_that_branches_works_in_a_batch():
+    def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic):
+        if v_n > 0.0:
+            return -c_t * v_t, -c_n * v_n, -lambda_2 * rate
+        return -c_t * v_t, -2.0 * c_n * v_n, -lambda_2 * rate
+
+    gaits = [GAIT, replace(GAIT, amplitude=0.3)]
+    swims = lc.swim_many(MAMBA, gaits, 14.0, fluid_law=law)
+    for i, gait in enumerate(gaits):
+        check(swims, i, lc.swim(MAMBA, gait, 14.0, fluid_law=law))
+
+
+def test_figures_without_meaning_are_nan():
+    still = replace(GAIT, amplitude=0.0)
+    swims = lc.swim_many(MAMBA, [GAIT, still], 5.0)
+    assert np.isnan(swims.steady_velocity).all()
+    assert swims.forward_velocity[0] > 0.0
+    assert np.isnan(swims.cost_of_transport[1])
+
+
+def test_progress_ends_at_one():
+    told = []
+    lc.swim_many(MAMBA, [GAIT] * 100, 1.0, progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"gaits": []}, "`gaits` must hold at least one item, got none."),
+        (
+            {"robots": [MAMBA] * 3, "gaits": [GAIT] * 2},
+            "`robots`, `gaits` must be of equal length, got 3 robots, 2 gaits.",
+        ),
+        ({"duration": 0.0}, "`duration` must be > 0 s, got 0.0."),
+        ({"threads": 0}, "`threads` must be"),
+        ({"duration": 1e9}, "`duration` must be <= 100000 s at a `sample_interval` of 0.05 s"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(ValueError) as refused:
+        lc.swim_many(**{"robots": MAMBA, "gaits": GAIT, **arguments})
+    assert message in str(refused.value)
