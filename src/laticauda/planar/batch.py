@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -27,7 +27,7 @@ Result = TypeVar("Result")
 # are no faster.
 WIDTH = 8
 # Blocks that one thread takes at a time, and samples that are logged at a time.
-_BLOCKS = 8
+_BLOCKS = 2
 _SAMPLES = 2000
 # The log holds the header's state rows from TIME to VY: few enough to stay near the processor.
 _X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
@@ -93,7 +93,8 @@ def march_many(
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
         log = _aligned((1 + min(n_intervals, _SAMPLES), _PATH_ROWS, WIDTH))
-        return [use(_march([runs[int(i)] for i in index], index, duration, n_intervals, log)) for index in task]
+        kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
+        return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
     n_threads = threads or usable_cores()
     with ThreadPoolExecutor(n_threads) as pool:
@@ -138,7 +139,9 @@ def _kind(plant: PlanarPlant, interval: float) -> object:
     return shape, plant.joints, plant.steps_in(interval), law, fingerprint(law)
 
 
-def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int, log: np.ndarray) -> Block:
+def _march(
+    runs: Sequence[Run], index: np.ndarray, kernel: Any, duration: float, n_intervals: int, log: np.ndarray
+) -> Block:
     """Up to WIDTH runs of one kind, side by side; lanes without a run repeat the last one."""
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
@@ -147,7 +150,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     lanes += [lanes[-1]] * (WIDTH - len(lanes))
     S = _aligned((lanes[0].size, WIDTH))
     S[:] = np.transpose(lanes)
-    kernel, implicit = plant.kernels_of(WIDTH).run, plant.joints != "prescribed"
+    implicit = plant.joints != "prescribed"
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):
