@@ -58,6 +58,7 @@ def test_the_help_lists_every_command(run):
     assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
 
 
+@pytest.mark.usefixtures("short_reproduction")
 @pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
 def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
     for name, robot in (("run.nc", "mamba"), ("bare.nc", "mamba"), ("fin.nc", "mamba-fin")):

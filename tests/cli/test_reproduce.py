@@ -1,43 +1,16 @@
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from laticauda import reports
 from laticauda.errors import SimulationFailed
-from laticauda.reports import Experiments, paper_experiments
 
 MODULE = sys.modules[reports.reproduce.__module__]
 
 
-@pytest.fixture
-def short(monkeypatch: pytest.MonkeyPatch):
-    """All studies cut down, and no figures."""
-
-    def small(parameters=None) -> Experiments:
-        whole = paper_experiments(parameters)
-        sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
-        following = replace(whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
-        return replace(whole, efficiency=replace(whole.efficiency, sweeps=sweeps), path_following=following)
-
-    monkeypatch.setattr(reports, "paper_experiments", small)
-    for name in ("RUNS", "CHAPTERS"):
-        kept = {key: value for key, value in getattr(MODULE, name).items() if key not in ("stability", "beyond")}
-        monkeypatch.setattr(MODULE, name, kept)
-    whole = MODULE.CHAPTERS
-    monkeypatch.setattr(MODULE, "CHAPTERS", {name: without_figures(chapter) for name, chapter in whole.items()})
-
-
-def without_figures(chapter):
-    def bare(*args, **kwargs):
-        return replace(chapter(*args, **kwargs), n_figures=0, figures=lambda: iter(()))
-
-    return bare
-
-
-@pytest.mark.usefixtures("short")
+@pytest.mark.usefixtures("short_reproduction")
 def test_the_command_writes_a_folder_and_prints_the_errors_and_the_verdicts(run, folder: Path):
     done = run("reproduce --workers 1")
     assert (done.status, done.err) == (0, "")
@@ -60,7 +33,7 @@ def test_the_command_writes_a_folder_and_prints_the_errors_and_the_verdicts(run,
     assert found["status"]
 
 
-@pytest.mark.usefixtures("short")
+@pytest.mark.usefixtures("short_reproduction")
 def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Path):
     (folder / "mine.toml").write_text(
         'kind = "parameters"\nname = "mine"\ntitle = "my fit"\n[water]\ntangential_friction = 0.2\nnormal_drag = 1.7\n'
