@@ -111,6 +111,14 @@ def test_a_region_counts_only_when_all_of_it_is_stored(tmp_path: Path, monkeypat
     assert bits(tmp_path / "parts") == bits(tmp_path / "whole")
 
 
+def test_halves_of_files_that_a_killed_run_left_are_cleared_away(tmp_path: Path):
+    stopped(small(), tmp_path / "a", 5, region_size=2)
+    left = tmp_path / "a" / store.RESULTS / "net_power" / "c" / "0" / "0.1234.partial"
+    left.write_bytes(b"half")
+    assert run_sweep(small(), tmp_path / "a").n_finished == 12
+    assert not left.exists()
+
+
 def test_a_folder_whose_making_was_cut_short_is_made_anew(tmp_path: Path):
     run_sweep(small(), tmp_path / "a")
     (tmp_path / "a" / store.DONE).unlink()
@@ -203,6 +211,10 @@ def test_what_cannot_be_swept_is_refused_before_any_work(values, message: str):
 def test_a_setup_out_of_its_range_is_refused():
     with pytest.raises(ValueError, match="`duration` must be > 0 s, got 0"):
         small(duration=0.0)
+    with pytest.raises(ValueError, match="`threads` must be a whole number >= 1, got 0"):
+        run_sweep(small(), "nowhere", threads=0)
+    with pytest.raises(ValueError, match="`region_size` must be a whole number >= 1, got 0"):
+        small().regions(0)
     with pytest.raises(ValueError, match="`joints` must be one of `prescribed`, `pd`, `servo`, got 'pdd'"):
         small(joints="pdd")
     with pytest.raises(ValueError, match="`points` must be of class Grid or Rows or Samples, got dict"):

@@ -90,6 +90,8 @@ class Store:
                 if not (path / DONE).exists():
                     _make(zarr, path, sweep, regions)
                 marks = stack.enter_context((path / DONE).open("r+b", buffering=0))
+                for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
+                    left.unlink(missing_ok=True)
                 group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
             done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
             if done.size != regions.count:

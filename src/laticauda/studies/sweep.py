@@ -126,11 +126,14 @@ def run_sweep(
         The whole sweep, read from the folder when it is used; see `open_sweep`.
 
     Raises:
-        ValueError: If the folder holds something else, or another sweep: the message names what differs.
+        ValueError: If an argument is out of its range, or the folder holds something else, or another sweep: the
+            message names what differs.
         StorageFailed: If the results cannot be written. Nothing that was stored is lost.
         ClusterFailed: If the cluster's scheduler goes away, or workers die again and again. The same holds.
         MissingExtra: If zarr is not installed, or scipy for samples.
     """
+    if threads is not None:
+        whole("threads", threads, 1)
     with Store.open(folder, sweep, region_size=region_size, resume=resume) as store:
         tell = progress or _say_nothing
         tell(store.n_done, sweep.n_trials)

@@ -33,7 +33,7 @@ QUANTITIES = {
 MOST_CORNERS = 256
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Setup:
     """What all trials of a sweep share, apart from the numbers that are swept.
 
