@@ -133,7 +133,11 @@ def kill_at_operations(folder: Path, n: int, kills: int, seed: int, kind: str = 
 
 def kill_workers(folder: Path, n: int, kills: int, seed: int, kind: str = "grid") -> int:
     """Run a sweep on a Dask cluster of two processes, and kill one of them now and then; it is started anew."""
+    import dask
     from distributed import Client, LocalCluster
+
+    # A local cluster gives a worker up that is away for 15 s, or that is away again after that time.
+    dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"})
 
     chance = random.Random(seed)
     work = sweep(n, kind)

@@ -67,6 +67,53 @@ def test_a_cluster_without_workers_is_said_so(tmp_path: Path, monkeypatch: pytes
         client.close(timeout=1)
 
 
+class LostOnce:
+    """A future whose result dies with its worker before it is fetched, and is there later."""
+
+    def __init__(self, value: object, losses: int) -> None:
+        self.value, self.losses = value, losses
+
+    def add_done_callback(self, call) -> None:
+        call(self)
+
+    def result(self, timeout: float) -> object:
+        self.losses -= 1
+        if self.losses >= 0:
+            raise TimeoutError
+        return self.value
+
+
+class Losing:
+    """A client whose workers lose every result a few times."""
+
+    status = "running"
+
+    def __init__(self, losses: int, threads: int = 2) -> None:
+        self.losses, self.threads = losses, threads
+
+    def submit(self, work, *arguments, pure: bool, key: str) -> LostOnce:
+        return LostOnce(work(*arguments), self.losses)
+
+    def nthreads(self) -> dict[str, int]:
+        return {"one": self.threads} if self.threads else {}
+
+    def cancel(self, futures, force: bool) -> None:
+        self.cancelled = len(futures)
+
+
+def test_a_result_that_is_lost_with_its_worker_is_waited_for(tmp_path: Path):
+    found = run_sweep(small(), tmp_path / "a", client=Losing(losses=3), region_size=4)
+    assert found.identical(run_sweep(small(), tmp_path / "whole", region_size=4))
+
+
+def test_it_is_not_waited_for_when_no_worker_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.01)
+    client = Losing(losses=10**9, threads=0)
+    with pytest.raises(ClusterFailed, match="the cluster had no worker"):
+        run_sweep(small(), tmp_path / "a", client=client, region_size=4)
+    assert client.cancelled == 1
+
+
 def test_workers_of_another_version_are_refused():
     with pytest.raises(ClusterFailed, match=r"the workers must have laticauda 0\.0\.0 as this process has, got "):
         cluster._swim("0.0.0", small().setup, (), None)

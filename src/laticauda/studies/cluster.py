@@ -31,6 +31,7 @@ Found = tuple[int, "Table", dict[str, "Column"]]
 
 AHEAD = 2  # tasks under way per thread of the cluster: none waits for this process
 PATIENCE = 60.0  # with no worker at all [s]
+FETCHING = 20.0  # a result, some hundred kilobytes [s]
 GLANCE = 2.0  # between two looks at the cluster's health [s]
 CONNECTING = 10.0  # [s]
 MOST_DEATHS = 3  # of a region's workers, counted in rounds of the scheduler's own
@@ -79,9 +80,8 @@ def swim_on(client: Any, setup: Setup, names: tuple[str, ...], tables: Iterator[
     health = _Health(client)
 
     def submit(index: int, table: Table, deaths: int = 0) -> None:
-        future = client.submit(
-            _swim, __version__, setup, names, table, pure=False, key=f"sweep-{index}-{time.time_ns()}"
-        )
+        key = f"sweep-{index}-{time.time_ns()}"  # never that of another call
+        future = client.submit(_swim, __version__, setup, names, table, pure=False, key=key)
         under_way[future] = (index, table, deaths)
         future.add_done_callback(finished.put)
 
@@ -99,16 +99,20 @@ def swim_on(client: Any, setup: Setup, names: tuple[str, ...], tables: Iterator[
                 future = finished.get(timeout=GLANCE)
             except queue.Empty:
                 continue
-            index, table, deaths = under_way.pop(future)
             try:
-                found = future.result()
+                found = future.result(timeout=FETCHING)
+            except TimeoutError:  # its worker died with the result, and it is computed again
+                finished.put(future)
+                continue
             except distributed.KilledWorker as error:
+                index, table, deaths = under_way.pop(future)
                 if deaths + 1 >= MOST_DEATHS:
                     raise ClusterFailed(
                         f"workers die again and again over the same trials; have they enough memory? {GO_ON}"
                     ) from error
                 submit(index, table, deaths + 1)
             else:
+                index, table, _ = under_way.pop(future)
                 yield index, table, found
     except LaticaudaError:
         raise
