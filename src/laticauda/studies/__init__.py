@@ -1,5 +1,6 @@
 """Whole experiments: many trials, and what they say together."""
 
+from laticauda.studies.best import best, count_failed
 from laticauda.studies.beyond import BeyondSettings, BeyondStudy, run_beyond
 from laticauda.studies.beyond_dataset import beyond_dataset, write_beyond_netcdf
 from laticauda.studies.claims import Claim, Misprint, claims, misprints
@@ -26,6 +27,7 @@ from laticauda.studies.paper import (
     efficiency_settings,
     group_name,
 )
+from laticauda.studies.parameters import Parameter, parameters
 from laticauda.studies.path_following import (
     FollowingCase,
     HeldOutRun,
@@ -33,10 +35,12 @@ from laticauda.studies.path_following import (
     run_path_following,
 )
 from laticauda.studies.repeats import Repeat, load_repeats
+from laticauda.studies.sampling import Grid, Rows, Samples
 from laticauda.studies.scores import Score, mape, scores
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
+from laticauda.studies.sweep import Sweep, open_sweep, run_sweep
 from laticauda.studies.swimmers import Steering, Swimmer, swimmers
 from laticauda.studies.table1 import FinGain, Maximum, fin_gains, maxima
 from laticauda.studies.table2 import (
@@ -72,6 +76,7 @@ __all__ = [
     "FollowingCase",
     "FollowingGroup",
     "FollowingRun",
+    "Grid",
     "Group",
     "HeldOut",
     "HeldOutRun",
@@ -82,10 +87,13 @@ __all__ = [
     "Maximum",
     "MeterCost",
     "Misprint",
+    "Parameter",
     "PathFollowingSettings",
     "PathFollowingStudy",
     "Prediction",
     "Repeat",
+    "Rows",
+    "Samples",
     "Score",
     "SideSettings",
     "SideTrials",
@@ -93,13 +101,16 @@ __all__ = [
     "StabilitySettings",
     "StabilityStudy",
     "Steering",
+    "Sweep",
     "SweepResult",
     "SweepSettings",
     "Swimmer",
     "TurningCurve",
     "TurningSettings",
+    "best",
     "beyond_dataset",
     "claims",
+    "count_failed",
     "efficiency_settings",
     "fin_changes",
     "fin_gains",
@@ -112,6 +123,8 @@ __all__ = [
     "meter_costs",
     "misprints",
     "null_predictions",
+    "open_sweep",
+    "parameters",
     "path_following_settings",
     "run_beyond",
     "run_efficiency",
@@ -119,6 +132,7 @@ __all__ = [
     "run_path_following",
     "run_side_trials",
     "run_stability",
+    "run_sweep",
     "scores",
     "simulated",
     "stability_dataset",
