@@ -4,7 +4,7 @@ import json
 import logging
 import math
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -15,6 +15,7 @@ from laticauda.cli import vary
 from laticauda.cli.flags import File, Number, Switch, Text, Whole, Words, choice, default
 from laticauda.cli.groups import Coefficients, EnvironmentFlags, GaitFlags, ModelFlags, RobotFlags, WaterChanges
 from laticauda.cli.messages import given
+from laticauda.cli.progress import trials_bar
 from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import MISSING, aligned, number, read_in
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 FOLDER = "sweep"
 N_BEST = 5
-FORMAT = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
 BEST = ("forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport")
 SHOWN = ("forward_velocity", "mean_power", "cost_of_transport")
 
@@ -93,7 +93,7 @@ class SweepCommand:
         """Run, print, and return the exit status."""
         setup = self._setup()
         if self.points.names:
-            print(_names(setup.known()))
+            print(vary.listed(setup.known()))
             return 0
         from laticauda.studies import Sweep, count_failed
 
@@ -150,7 +150,7 @@ class SweepCommand:
         """Do the work that is left; `reached` is the number of trials that are stored."""
         from laticauda.studies import run_sweep
 
-        bar = _bar()
+        bar = trials_bar()
 
         def show(done: int, total: int) -> None:
             reached[0] = done
@@ -184,32 +184,6 @@ def _warn_of_compiling(sweep: "Sweep") -> None:
 
     if needs_compiling(sweep.where):
         print(COMPILING, file=sys.stderr, flush=True)
-
-
-def _bar() -> Callable[[int, int], None]:
-    """A bar on standard error, if that is a terminal."""
-    bars: list[Any] = []
-
-    def show(done: int, total: int) -> None:
-        if not sys.stderr.isatty():
-            return
-        if not bars:
-            from tqdm import tqdm
-
-            bars.append(tqdm(total=total, initial=done, desc="swam", bar_format=FORMAT, leave=False, file=sys.stderr))
-        bars[0].update(done - bars[0].n)
-        if done >= total:
-            bars[0].close()
-
-    return show
-
-
-def _names(known: "dict[str, Parameter]") -> str:
-    rows = [("name", "unit", "")]
-    for parameter in known.values():
-        unit = read_in(0.0, parameter.unit)[1]
-        rows.append((vary.spelled(parameter), unit or "-", parameter.title))
-    return aligned(rows)
 
 
 def _as_json(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:

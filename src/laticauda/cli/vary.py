@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from laticauda.cli.tables import aligned, read_in
+
 if TYPE_CHECKING:
     from laticauda.studies import Grid, Parameter, Rows, Samples
 
@@ -18,7 +20,8 @@ if TYPE_CHECKING:
 SHORT = ("gait", "water", "ground")
 SUFFIXES = {"rad": "-deg", "rad/s": "-deg-s"}
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, as amplitude-deg=10:50:100"
-RANGE_FORM = "NAME=LOW:HIGH with `samples`, as amplitude-deg=10:50"
+RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
+SAMPLES_FORM = "NAME=LOW:HIGH with `samples`, as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
 
 
@@ -27,6 +30,19 @@ def spelled(parameter: "Parameter") -> str:
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
     return (".".join(rest) if short else parameter.name).replace("_", "-") + SUFFIXES.get(parameter.unit, "")
+
+
+def listed(known: Mapping[str, "Parameter"]) -> str:
+    """A table of what can be varied.
+
+    Args:
+        known: That.
+    """
+    lines = [("name", "unit", "")]
+    for parameter in known.values():
+        unit = read_in(0.0, parameter.unit)[1]
+        lines.append((spelled(parameter), unit or "-", parameter.title))
+    return aligned(lines)
 
 
 def grid(words: Sequence[str], known: Mapping[str, "Parameter"]) -> "Grid":
@@ -64,16 +80,30 @@ def samples(words: Sequence[str], known: Mapping[str, "Parameter"], n_points: in
     """
     from laticauda.studies import Samples
 
+    return Samples(ranges=ranges(words, known, SAMPLES_FORM), n_points=n_points, seed=seed)
+
+
+def ranges(words: Sequence[str], known: Mapping[str, "Parameter"], form: str) -> dict[str, tuple[float, float]]:
+    """Least and greatest values by parameter.
+
+    Args:
+        words: NAME=LOW:HIGH each.
+        known: What can be varied.
+        form: What a word looks like, for messages.
+
+    Raises:
+        ValueError: If a word cannot be read.
+    """
     found: dict[str, tuple[float, float]] = {}
     for word in words:
-        name, text = _split(word)
+        name, text = _split(word, form)
         parameter, factor = _meant(name, known)
         _once(name, parameter.name in found)
-        ends = [_number(word, part, RANGE_FORM) for part in text.split(":")]
+        ends = [_number(word, part, form) for part in text.split(":")]
         if len(ends) != 2:
-            raise ValueError(f"`vary` must be {RANGE_FORM}, got {word!r}.")
+            raise ValueError(f"`vary` must be {form}, got {word!r}.")
         found[parameter.name] = (factor * ends[0], factor * ends[1])
-    return Samples(ranges=found, n_points=n_points, seed=seed)
+    return found
 
 
 def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
@@ -109,10 +139,10 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
     return Rows(values={parameter.name: column for (parameter, _), column in zip(meant, columns, strict=True)})
 
 
-def _split(word: str) -> tuple[str, str]:
+def _split(word: str, form: str = FORM) -> tuple[str, str]:
     name, equals, text = word.partition("=")
     if not (name and equals and text):
-        raise ValueError(f"`vary` must be {FORM}, got {word!r}.")
+        raise ValueError(f"`vary` must be {form}, got {word!r}.")
     return name, text
 
 

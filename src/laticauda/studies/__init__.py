@@ -16,7 +16,9 @@ from laticauda.studies.following_settings import (
     PathFollowingSettings,
     path_following_settings,
 )
+from laticauda.studies.front import Front, hypervolume, unbeaten
 from laticauda.studies.links import Doubling, LinksRun, LinksSettings, LinksStudy, run_links
+from laticauda.studies.optimize import optimize
 from laticauda.studies.paper import (
     GAIT_WORDS,
     PARAMETERS,
@@ -34,6 +36,7 @@ from laticauda.studies.path_following import (
     PathFollowingStudy,
     run_path_following,
 )
+from laticauda.studies.problem import OBJECTIVES, SPEED_POWER, Problem
 from laticauda.studies.repeats import Repeat, load_repeats
 from laticauda.studies.sampling import Grid, Rows, Samples
 from laticauda.studies.scores import Score, mape, scores
@@ -58,7 +61,9 @@ from laticauda.studies.turning import TurningCurve, TurningSettings
 __all__ = [
     "BEHAVIORS",
     "GAIT_WORDS",
+    "OBJECTIVES",
     "PARAMETERS",
+    "SPEED_POWER",
     "BeyondSettings",
     "BeyondStudy",
     "Case",
@@ -76,6 +81,7 @@ __all__ = [
     "FollowingCase",
     "FollowingGroup",
     "FollowingRun",
+    "Front",
     "Grid",
     "Group",
     "HeldOut",
@@ -91,6 +97,7 @@ __all__ = [
     "PathFollowingSettings",
     "PathFollowingStudy",
     "Prediction",
+    "Problem",
     "Repeat",
     "Rows",
     "Samples",
@@ -117,6 +124,7 @@ __all__ = [
     "following_dataset",
     "following_scores",
     "group_name",
+    "hypervolume",
     "load_repeats",
     "mape",
     "maxima",
@@ -124,6 +132,7 @@ __all__ = [
     "misprints",
     "null_predictions",
     "open_sweep",
+    "optimize",
     "parameters",
     "path_following_settings",
     "run_beyond",
@@ -138,6 +147,7 @@ __all__ = [
     "stability_dataset",
     "swimmers",
     "to_dataset",
+    "unbeaten",
     "write_beyond_netcdf",
     "write_following_netcdf",
     "write_netcdf",

@@ -44,10 +44,8 @@ def claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
         os.replace(path / (DEFINITION + NEW), path / DEFINITION)
         return regions
     shape, block = stored.pop("shape"), stored.pop(BLOCK)
-    differences = list(_differences(stored, wanted))
-    if differences:
-        more = f" and {len(differences) - MOST_DIFFERENCES} more" if len(differences) > MOST_DIFFERENCES else ""
-        listed = "; ".join(differences[:MOST_DIFFERENCES]) + more
+    listed = list_of_differences(stored, wanted)
+    if listed:
         raise ValueError(f"`folder` must be empty, or hold this sweep, got {path} with another one: {listed}.")
     return Regions(shape=tuple(shape), block=tuple(block))
 
@@ -78,6 +76,18 @@ def _definition(path: Path) -> dict[str, Any] | None:
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
         raise ValueError(f"`folder` must hold a `{DEFINITION}` of a sweep, got {path} with another one.")
     return cast("dict[str, Any]", found)
+
+
+def list_of_differences(there: Any, here: Any) -> str:
+    """The first few ways in which two definitions differ, in words; "" if they are equal.
+
+    Args:
+        there: The one that is stored.
+        here: The other one.
+    """
+    found = list(_differences(there, here))
+    more = f" and {len(found) - MOST_DIFFERENCES} more" if len(found) > MOST_DIFFERENCES else ""
+    return "; ".join(found[:MOST_DIFFERENCES]) + more
 
 
 def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:

@@ -62,12 +62,13 @@ def place(environment: Environment) -> str:
     return "water" if isinstance(environment, Water) else "ground"
 
 
-def look_up(name: object, known: Mapping[str, Parameter]) -> Parameter:
+def look_up(name: object, known: Mapping[str, Parameter], argument: str = "points") -> Parameter:
     """The parameter of that name.
 
     Args:
         name: Its name, with dots.
         known: What can be swept.
+        argument: Whose names they are, for messages.
 
     Raises:
         ValueError: If there is none; the message has the nearest names.
@@ -77,7 +78,7 @@ def look_up(name: object, known: Mapping[str, Parameter]) -> Parameter:
     near = _near(name, known) if isinstance(name, str) else []
     hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}." if near else "."
     raise ValueError(
-        f"`points` must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, "
+        f"`{argument}` must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, "
         f"got {name!r}{hint}"
     )
 

@@ -83,9 +83,9 @@ class Store:
         check_place(path)
         stored_so_far = "0 trials are stored"  # of a new folder, the only one that is written to here
         with ExitStack() as stack:
-            with _spoken(path, stored_so_far):
+            with spoken(path, stored_so_far):
                 path.mkdir(parents=True, exist_ok=True)
-                stack.enter_context(_locked(path))
+                stack.enter_context(locked(path))
                 regions = claim(path, sweep, region_size)
                 if not (path / DONE).exists():
                     _make(zarr, path, sweep, regions)
@@ -132,7 +132,7 @@ class Store:
         """
         block = self.regions.at(index)
         columns = {**found, **dict(zip(self.sweep.points.names, table.T, strict=True))}
-        with _spoken(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
+        with spoken(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
             for name, array in self.arrays.items():
                 array[block] = columns[name].reshape(extent(block))
             self.marks.seek(index)
@@ -205,8 +205,16 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
 
 
 @contextmanager
-def _spoken(path: Path, left: str) -> Generator[None]:
-    """Turn what the system says about a folder into a sentence with advice."""
+def spoken(path: Path, left: str) -> Generator[None]:
+    """Turn what the system says about a folder into a sentence with advice.
+
+    Args:
+        path: The folder.
+        left: What is stored there by now, in words.
+
+    Raises:
+        StorageFailed: In place of an OSError.
+    """
     try:
         yield
     except StorageFailed:
@@ -221,8 +229,15 @@ def _spoken(path: Path, left: str) -> Generator[None]:
 
 
 @contextmanager
-def _locked(path: Path) -> Generator[None]:
-    """Keep a second process from doing the same work; the lock goes with the process, however it ends."""
+def locked(path: Path) -> Generator[None]:
+    """Keep a second process from doing the same work; the lock goes with the process, however it ends.
+
+    Args:
+        path: The folder.
+
+    Raises:
+        ValueError: If another process has it.
+    """
     try:
         import fcntl
     except ImportError:  # pragma: no cover - Windows: both would write the same bits

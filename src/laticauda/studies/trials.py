@@ -89,7 +89,7 @@ class Setup:
         return parameters(self.robot, self.gait, self.where)
 
 
-def check_ranges(setup: Setup, ranges: Mapping[str, tuple[float, float]]) -> None:
+def check_ranges(setup: Setup, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
     """Refuse what cannot be swept, before any work is done.
 
     The ends of all ranges are tried, alone and together: fields have bounds, and some are bounds of others.
@@ -97,13 +97,14 @@ def check_ranges(setup: Setup, ranges: Mapping[str, tuple[float, float]]) -> Non
     Args:
         setup: What all trials share.
         ranges: Least and greatest value by parameter.
+        argument: Where they are from, for messages.
 
     Raises:
         ValueError: If there is no such parameter, or a value is out of its range; the message has its name.
     """
     known = setup.known()
     for name, ends in ranges.items():
-        parameter = look_up(name, known)
+        parameter = look_up(name, known, argument)
         check_whole(parameter, np.array(ends))
     corners: Iterable[tuple[float, ...]] = itertools.product(*ranges.values())
     if 2 ** len(ranges) > MOST_CORNERS:
@@ -124,7 +125,9 @@ def check_ranges(setup: Setup, ranges: Mapping[str, tuple[float, float]]) -> Non
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             reason = str(error).replace("`", "")  # these are no arguments of the caller
-            raise ValueError(f"`points` must be within the bounds of what is swept, got {listed}: {reason}") from error
+            raise ValueError(
+                f"`{argument}` must be within the bounds of what is swept, got {listed}: {reason}"
+            ) from error
 
 
 def swim_points(setup: Setup, names: tuple[str, ...], table: Table, threads: int | None = None) -> dict[str, Column]:
@@ -139,7 +142,7 @@ def swim_points(setup: Setup, names: tuple[str, ...], table: Table, threads: int
     Returns:
         A value per point of every quantity in `QUANTITIES`; nan where a run blew up, or where there is none.
     """
-    robots, gaits, environments = _things(setup, names, table)
+    robots, gaits, environments = things(setup, names, table)
     swims = swim_many(
         robots,
         gaits,
@@ -154,8 +157,14 @@ def swim_points(setup: Setup, names: tuple[str, ...], table: Table, threads: int
     return {name: getattr(swims, name) for name in QUANTITIES}
 
 
-def _things(setup: Setup, names: tuple[str, ...], table: Table) -> tuple[list[Robot], list[Gait], list[Environment]]:
-    """Robot, gait and environment of every point; equal ones are one object, made once."""
+def things(setup: Setup, names: tuple[str, ...], table: Table) -> tuple[list[Robot], list[Gait], list[Environment]]:
+    """Robot, gait and environment of every point; equal ones are one object, made once.
+
+    Args:
+        setup: What all trials share.
+        names: Of the parameters, a column of the table each.
+        table: The points, a row each.
+    """
     environment_word = place(setup.where)
     columns = {root: [i for i, name in enumerate(names) if name.split(".")[0] == root] for root in _roots(setup)}
     made: dict[str, dict[tuple[float, ...], Any]] = {root: {} for root in columns}
