@@ -26,6 +26,14 @@ class RobotFileError(LaticaudaError, ValueError):
     """A robot, water, ground or parameter file is wrong: it says which file, key, rule and value."""
 
 
+class StorageFailed(LaticaudaError, OSError):
+    """Results cannot be written or read, the disk is full for instance: it says where, why, and what is left."""
+
+
+class ClusterFailed(LaticaudaError, RuntimeError):
+    """A cluster of computers does not do its work: it says which, what happened, and what is left."""
+
+
 class MissingExtra(LaticaudaError, ImportError):
     """A feature needs a package that comes with one of laticauda's extras.
 

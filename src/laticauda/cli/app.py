@@ -26,6 +26,8 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("swim",): ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
     ("follow",): ("follow:Follow", "Let a robot follow a path, and print how soon and how well."),
     ("reproduce",): ("reproduce:Reproduce", "Repeat the paper's experiments, and write figures, tables and a report."),
+    ("sweep",): ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
+    ("optimize",): ("optimize:Optimize", "Search for the best gait, fin or number of links."),
     ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
     ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
     ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),

@@ -1,9 +1,6 @@
 """Kinds of options. All may be left out, and are None then: so a command knows what its user typed."""
 
-import ast
 import dataclasses
-import inspect
-import textwrap
 import types
 import typing
 from collections.abc import Callable, Sequence
@@ -13,6 +10,7 @@ import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from laticauda.cli.messages import flag
+from laticauda.fields import field_docs
 
 
 def _option(
@@ -61,6 +59,7 @@ Numbers = Annotated[
 ]
 Two = Annotated[tuple[float, ...] | None, _option(2, "X Y", lambda words: tuple(_number(word) for word in words))]
 Whole = Annotated[int | None, _option(1, "N", lambda words: _whole(words[0]))]
+Words = Annotated[tuple[str, ...], _option("*", "NAME=VALUES ...", tuple)]
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff, default("off")]
 
 
@@ -111,19 +110,6 @@ def changed(thing: Any, wanted: Any) -> Any:
         return thing
     listed = ", ".join(f"{name} {_plain(value)}" for name, value in values.items())
     return dataclasses.replace(thing, **values, name=f"{thing.name} with {listed}")
-
-
-def field_docs(kind: type) -> dict[str, str]:
-    """The docstrings of a dataclass's fields by name."""
-    (definition,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
-    assert isinstance(definition, ast.ClassDef)
-    found: dict[str, str] = {}
-    for node, following in zip(definition.body, definition.body[1:], strict=False):
-        if not isinstance(node, ast.AnnAssign) or not isinstance(node.target, ast.Name):
-            continue
-        if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
-            found[node.target.id] = str(following.value.value)
-    return found
 
 
 def _type_of(hint: Any) -> Any:

@@ -6,7 +6,14 @@ import re
 from typing import Any
 
 # Arguments of the calls behind a command that its options call otherwise.
-OTHERWISE = {"kind": "gait", "trial": "resume", "trials": "files"}
+OTHERWISE = {
+    "kind": "gait",
+    "trial": "resume",
+    "trials": "files",
+    "points": "vary",
+    "bounds": "vary",
+    "objectives": "objective",
+}
 POSITIONAL = ("file", "files", "output", "name")
 DEGREES = ("_deg", "_deg_s")
 

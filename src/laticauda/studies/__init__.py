@@ -1,5 +1,6 @@
 """Whole experiments: many trials, and what they say together."""
 
+from laticauda.studies.best import best, count_failed
 from laticauda.studies.beyond import BeyondSettings, BeyondStudy, run_beyond
 from laticauda.studies.beyond_dataset import beyond_dataset, write_beyond_netcdf
 from laticauda.studies.claims import Claim, Misprint, claims, misprints
@@ -15,7 +16,9 @@ from laticauda.studies.following_settings import (
     PathFollowingSettings,
     path_following_settings,
 )
+from laticauda.studies.front import Front, hypervolume, unbeaten
 from laticauda.studies.links import Doubling, LinksRun, LinksSettings, LinksStudy, run_links
+from laticauda.studies.optimize import optimize
 from laticauda.studies.paper import (
     GAIT_WORDS,
     PARAMETERS,
@@ -26,17 +29,21 @@ from laticauda.studies.paper import (
     efficiency_settings,
     group_name,
 )
+from laticauda.studies.parameters import Parameter, parameters
 from laticauda.studies.path_following import (
     FollowingCase,
     HeldOutRun,
     PathFollowingStudy,
     run_path_following,
 )
+from laticauda.studies.problem import OBJECTIVES, SPEED_POWER, Problem
 from laticauda.studies.repeats import Repeat, load_repeats
+from laticauda.studies.sampling import Grid, Rows, Samples
 from laticauda.studies.scores import Score, mape, scores
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
+from laticauda.studies.sweep import Sweep, open_sweep, run_sweep
 from laticauda.studies.swimmers import Steering, Swimmer, swimmers
 from laticauda.studies.table1 import FinGain, Maximum, fin_gains, maxima
 from laticauda.studies.table2 import (
@@ -54,7 +61,9 @@ from laticauda.studies.turning import TurningCurve, TurningSettings
 __all__ = [
     "BEHAVIORS",
     "GAIT_WORDS",
+    "OBJECTIVES",
     "PARAMETERS",
+    "SPEED_POWER",
     "BeyondSettings",
     "BeyondStudy",
     "Case",
@@ -72,6 +81,8 @@ __all__ = [
     "FollowingCase",
     "FollowingGroup",
     "FollowingRun",
+    "Front",
+    "Grid",
     "Group",
     "HeldOut",
     "HeldOutRun",
@@ -82,10 +93,14 @@ __all__ = [
     "Maximum",
     "MeterCost",
     "Misprint",
+    "Parameter",
     "PathFollowingSettings",
     "PathFollowingStudy",
     "Prediction",
+    "Problem",
     "Repeat",
+    "Rows",
+    "Samples",
     "Score",
     "SideSettings",
     "SideTrials",
@@ -93,25 +108,32 @@ __all__ = [
     "StabilitySettings",
     "StabilityStudy",
     "Steering",
+    "Sweep",
     "SweepResult",
     "SweepSettings",
     "Swimmer",
     "TurningCurve",
     "TurningSettings",
+    "best",
     "beyond_dataset",
     "claims",
+    "count_failed",
     "efficiency_settings",
     "fin_changes",
     "fin_gains",
     "following_dataset",
     "following_scores",
     "group_name",
+    "hypervolume",
     "load_repeats",
     "mape",
     "maxima",
     "meter_costs",
     "misprints",
     "null_predictions",
+    "open_sweep",
+    "optimize",
+    "parameters",
     "path_following_settings",
     "run_beyond",
     "run_efficiency",
@@ -119,11 +141,13 @@ __all__ = [
     "run_path_following",
     "run_side_trials",
     "run_stability",
+    "run_sweep",
     "scores",
     "simulated",
     "stability_dataset",
     "swimmers",
     "to_dataset",
+    "unbeaten",
     "write_beyond_netcdf",
     "write_following_netcdf",
     "write_netcdf",

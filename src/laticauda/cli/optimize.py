@@ -1,0 +1,270 @@
+"""`laticauda optimize`: the best gaits, fins or numbers of links, or the front between speed and power."""
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import tyro
+
+from laticauda.cli import vary
+from laticauda.cli.flags import Number, Switch, Text, Whole, Words, default
+from laticauda.cli.groups import (
+    Coefficients,
+    EnvironmentFlags,
+    GaitFlags,
+    ModelFlags,
+    RobotFlags,
+    WaterChanges,
+    radians,
+)
+from laticauda.cli.messages import given
+from laticauda.cli.progress import trials_bar
+from laticauda.cli.swim import COMPILING, DURATION
+from laticauda.cli.tables import aligned, number, read_in
+
+if TYPE_CHECKING:
+    from laticauda.studies import Front, Parameter, Problem
+
+FOLDER = "optimum"
+VARY = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
+BOTH = "speed-power"
+OBJECTIVES = (BOTH, "forward-velocity", "steady-velocity", "mechanical-power", "mean-power", "cost-of-transport")
+OTHER_GAIT = {"lateral_undulation": "eel_like", "eel_like": "lateral_undulation"}
+N_SHOWN = 8
+SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchFlags:
+    """What may change, and what is to be great or small; all else is fixed by the options below."""
+
+    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction, default(" ".join(VARY))] = ()
+    """LOW:HIGH of a number of robot, gait or water, with the unit in the name."""
+    objective: Annotated[Words, default(BOTH)] = ()
+    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small);
+    two give the front between them. speed-power stands for forward-velocity mechanical-power."""
+    budget: Annotated[Whole, default("4000")] = None
+    """How many points to try; a greater one goes on where a smaller one ended."""
+    population: Annotated[Whole, default("100 for two objectives, 40 for one")] = None
+    """Points in a generation."""
+    seed: Annotated[Whole, default("0")] = None
+    """Of everything random; another one takes another way."""
+    joint_rate_limit_deg_s: Annotated[Number, default("none")] = None
+    """Largest rate that a gait may ask of a joint; its angle stays within the joint's limit in any case [deg/s]."""
+    both_gaits: Switch = False
+    """Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure."""
+    names: Switch = False
+    """Print the names of what can be varied, and end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorkFlags:
+    """How it is done."""
+
+    duration: Annotated[Number, default(f"{DURATION:g}")] = None
+    """Of every trial [s]."""
+    threads: Annotated[Whole, default("one per core")] = None
+    """How many trials run at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultFlags:
+    """What becomes of it."""
+
+    output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
+    """The folder of the results; an optimization that was stopped goes on there when the same command is run again."""
+    json: Switch = False
+    """Print one JSON object in SI units instead of the table."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Optimize:
+    """Search for the best gait, fin or number of links, or for the front between speed and power.
+
+    For example: laticauda optimize --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50
+    frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed 1 --output optimum
+
+    Writes front.csv, front.nc and, for two objectives, the figure front.png. Stopped or killed, the same command goes
+    on.
+    """
+
+    search: SearchFlags = field(default_factory=SearchFlags)
+    robot: RobotFlags = field(default_factory=RobotFlags)
+    gait: GaitFlags = field(default_factory=GaitFlags)
+    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
+    coefficients: Coefficients = field(default_factory=WaterChanges)
+    """Replace what the chosen water has."""
+    model: ModelFlags = field(default_factory=ModelFlags)
+    work: WorkFlags = field(default_factory=WorkFlags)
+    result: ResultFlags = field(default_factory=ResultFlags)
+
+    def __call__(self) -> int:
+        """Run, print, and return the exit status."""
+        setup = self._setup(self.gait)
+        if self.search.names:
+            print(vary.listed(setup.known()))
+            return 0
+        from laticauda.reports.front import write_front, write_front_figure
+
+        problems = self._problems(setup)
+        folder = Path(FOLDER if self.result.output is None else self.result.output)
+        folders = [folder / problem.gait.kind for problem in problems] if self.search.both_gaits else [folder]
+        fronts: list[Front] = []
+        for problem, place in zip(problems, folders, strict=True):
+            front = self._run(problem, place)
+            if front is None:
+                return 130
+            write_front(front, place)
+            fronts.append(front)
+        pictures = write_front_figure(fronts, folder)
+        show = _as_json if self.result.json else _as_text
+        print(show(fronts, folders, pictures))
+        return 0 if all(len(front) for front in fronts) else 1
+
+    def _setup(self, flags: GaitFlags) -> Any:
+        """What all trials share."""
+        from laticauda.studies.trials import Setup
+
+        gait = flags.chosen()
+        environment, _ = self.environment.chosen(gait, self.coefficients)
+        how: dict[str, Any] = {name: value for name, value in given(self.model).items() if name != "model"}
+        duration = DURATION if self.work.duration is None else self.work.duration
+        return Setup(robot=self.robot.chosen(), gait=gait, environment=environment, duration=duration, **how)
+
+    def _problems(self, setup: Any) -> "list[Problem]":
+        """What is asked for; one more for the paper's other gait if that is."""
+        from laticauda.studies import SPEED_POWER, Problem
+
+        setups = [setup]
+        if self.search.both_gaits:
+            if setup.gait.kind not in OTHER_GAIT:
+                raise ValueError("`both_gaits` must not be given with the gait custom: they are the paper's two.")
+            setups.append(self._setup(replace(self.gait, gait=OTHER_GAIT[setup.gait.kind])))
+        wanted = self.search.objective or (BOTH,)
+        objectives = SPEED_POWER if wanted == (BOTH,) else tuple(_objective(name) for name in wanted)
+        limit = self.search.joint_rate_limit_deg_s
+        words = [word for group in self.search.vary for word in group] or list(VARY)
+        return [
+            Problem(
+                **cast("dict[str, Any]", vars(one)),
+                bounds=vary.ranges(words, one.known(), vary.RANGE_FORM),
+                objectives=objectives,
+                joint_rate_limit=None if limit is None else radians(limit, 0.0),
+            )
+            for one in setups
+        ]
+
+    def _run(self, problem: "Problem", folder: Path) -> "Front | None":
+        """Do the work that is left; None if the user stopped it."""
+        from laticauda.simulate import needs_compiling
+        from laticauda.studies import optimize
+
+        if needs_compiling(problem.where):
+            print(COMPILING, file=sys.stderr, flush=True)
+        how: dict[str, Any] = {name: getattr(self.search, name) for name in ("budget", "population", "seed")}
+        bar, reached = trials_bar(), [0, 0]
+
+        def show(done: int, total: int) -> None:
+            reached[:] = done, total
+            bar(done, total)
+
+        try:
+            return optimize(
+                problem,
+                folder,
+                progress=show,
+                threads=self.work.threads,
+                **{name: value for name, value in how.items() if value is not None},
+            )
+        except KeyboardInterrupt:
+            print(
+                f"laticauda: stopped; {reached[0]} of {reached[1]} trials are stored in {folder}. Run the same command "
+                "again to go on.",
+                file=sys.stderr,
+            )
+            return None
+        except ValueError as error:
+            raise ValueError(str(error).replace("`folder`", "--output")) from error
+
+
+def _objective(word: str) -> str:
+    from laticauda.errors import one_of
+
+    return one_of("objective", word.replace("_", "-"), OBJECTIVES).replace("-", "_")
+
+
+def _as_json(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Sequence[Path]) -> str:
+    """What was run, and some points of every front, in SI units."""
+    found = [
+        {
+            "status": _status(front),
+            "objectives": list(front.problem.objectives),
+            "n_trials": front.n_trials,
+            "n_infeasible": front.n_infeasible,
+            "seed": front.seed,
+            "output": str(folder),
+            "robot": front.problem.robot.name,
+            "gait": front.problem.gait.kind,
+            "environment": front.problem.where.name,
+            "duration": front.problem.duration,
+            "joints": front.problem.joints,
+            "version": front.problem.definition()["laticauda"],
+            "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
+            "n_points": len(front),
+            "points": [_point(front, i) for i in map(int, front.spread(N_SHOWN))],
+        }
+        for front, folder in zip(fronts, folders, strict=True)
+    ]
+    return json.dumps(found[0] if len(found) == 1 else {"gaits": found}, indent=2, allow_nan=False)
+
+
+def _point(front: "Front", i: int) -> dict[str, float | None]:
+    figures = {name: float(column[i]) for name, column in front.figures.items() if name != "succeeded"}
+    point = dict(zip(front.problem.names, front.values[i].tolist(), strict=True)) | figures
+    return {name: value if value == value else None for name, value in point.items()}
+
+
+def _as_text(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Sequence[Path]) -> str:
+    """Some points of every front as tables, and where the files are."""
+    parts: list[str] = []
+    for front, folder in zip(fronts, folders, strict=True):
+        parts.append(_status(front))
+        if len(front):
+            parts.append(_table(front))
+        parts.append(f"All points: {folder}/front.csv, {folder}/front.nc")
+    if pictures:
+        parts.append(f"Figure: {', '.join(map(str, pictures))}")
+    return "\n\n".join(parts)
+
+
+def _table(front: "Front") -> str:
+    from laticauda.studies.trials import QUANTITIES
+
+    known = front.problem.known()
+    columns: list[Parameter] = [known[name] for name in front.problem.names]
+    figures = list(dict.fromkeys([*front.problem.objectives, *SHOWN]))
+    head = [vary.spelled(parameter) for parameter in columns]
+    head += [f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures]
+    rows = [head]
+    for i in map(int, front.spread(N_SHOWN)):
+        cells = [read_in(float(front.values[i, k]), parameter.unit)[0] for k, parameter in enumerate(columns)]
+        rows.append(cells + [number(float(front.figures[name][i])) for name in figures])
+    return aligned(rows, right=range(len(head)))
+
+
+def _status(front: "Front") -> str:
+    problem = front.problem
+    words = " against ".join(name.replace("_", " ") for name in problem.objectives)
+    tried = f"{front.n_trials} points tried"
+    if front.n_infeasible:
+        tried += f", {front.n_infeasible} of them not feasible"
+    what = f"{problem.gait.kind.replace('_', '-')}, robot {problem.robot.name}, {words}: {tried}"
+    if not len(front):
+        return (
+            f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller `dt` may help), or "
+            "runs too short for the objective."
+        )
+    return f"{what}, {len(front)} on the front." if len(problem.objectives) > 1 else f"{what}; the best is:"

@@ -1,0 +1,160 @@
+"""A sweep on a Dask cluster, and the one door to dask.
+
+A region is a task: about a second of work, against some milliseconds that a task costs the scheduler. A few more tasks
+than there are threads are under way at a time, so neither the scheduler nor this process ever holds the whole sweep.
+Results come back to this process, which alone writes the folder: workers need no disk in common, nothing is written
+twice, and a worker that dies leaves nothing behind. They are small, some fifty bytes per trial.
+
+A worker that dies takes its tasks with it, and the scheduler gives them to others. A scheduler that goes away ends the
+sweep with an error; what was stored stays, and the next call goes on from there.
+"""
+
+# distributed's annotations are partial: this module is its door.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from __future__ import annotations
+
+import queue
+import socket
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from laticauda import __version__
+from laticauda.errors import ClusterFailed, LaticaudaError, MissingExtra
+from laticauda.studies.trials import Setup, swim_points
+
+if TYPE_CHECKING:
+    from laticauda.studies.trials import Column, Table
+
+Found = tuple[int, "Table", dict[str, "Column"]]
+
+AHEAD = 2  # tasks under way per thread of the cluster: none waits for this process
+PATIENCE = 60.0  # with no worker at all [s]
+FETCHING = 20.0  # a result, some hundred kilobytes [s]
+GLANCE = 2.0  # between two looks at the cluster's health [s]
+CONNECTING = 10.0  # [s]
+MOST_DEATHS = 3  # of a region's workers, counted in rounds of the scheduler's own
+GO_ON = "What was stored is not lost: run the same again to go on."
+
+
+def connect(address: str) -> Any:
+    """A client of the Dask scheduler at an address; the caller closes it.
+
+    Args:
+        address: As `dask scheduler` prints it, tcp://host:8786.
+
+    Raises:
+        ClusterFailed: If no scheduler answers there.
+        MissingExtra: If dask is not installed.
+    """
+    distributed = _distributed()
+    try:
+        # A client that cannot connect is slow to give up, and slower to go.
+        host = distributed.comm.get_address_host_port(distributed.comm.normalize_address(address))
+        socket.create_connection(host, timeout=CONNECTING).close()
+        return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and can it be reached?") from error
+
+
+def swim_on(client: Any, setup: Setup, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]) -> Iterator[Found]:
+    """Let the workers of a cluster swim the points of some regions.
+
+    Args:
+        client: A `dask.distributed.Client`.
+        setup: What all trials share.
+        names: Of the parameters.
+        tables: Number and points of every region; taken as the work goes on.
+
+    Yields:
+        Number, points and results of a region, in the order in which they come.
+
+    Raises:
+        ClusterFailed: If the scheduler goes away, no worker is there for a minute, a region costs worker after worker
+            its life, or workers have another version of laticauda.
+    """
+    distributed = _distributed()
+    under_way: dict[Any, tuple[int, Table, int]] = {}
+    finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    health = _Health(client)
+
+    def submit(index: int, table: Table, deaths: int = 0) -> None:
+        key = f"sweep-{index}-{time.time_ns()}"  # never that of another call
+        future = client.submit(_swim, __version__, setup, names, table, pure=False, key=key)
+        under_way[future] = (index, table, deaths)
+        future.add_done_callback(finished.put)
+
+    try:
+        while True:
+            n_threads = health.check()
+            while len(under_way) < max(1, AHEAD * n_threads):
+                try:
+                    submit(*next(tables))
+                except StopIteration:
+                    break
+            if not under_way:
+                return
+            try:
+                future = finished.get(timeout=GLANCE)
+            except queue.Empty:
+                continue
+            try:
+                found = future.result(timeout=FETCHING)
+            except TimeoutError:  # its worker died with the result, and it is computed again
+                finished.put(future)
+                continue
+            except distributed.KilledWorker as error:
+                index, table, deaths = under_way.pop(future)
+                if deaths + 1 >= MOST_DEATHS:
+                    raise ClusterFailed(
+                        f"workers die again and again over the same trials; have they enough memory? {GO_ON}"
+                    ) from error
+                submit(index, table, deaths + 1)
+            else:
+                index, table, _ = under_way.pop(future)
+                yield index, table, found
+    except LaticaudaError:
+        raise
+    except (OSError, distributed.CancelledError, RuntimeError) as error:
+        raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}") from error
+    except ImportError as error:
+        raise ClusterFailed(f"the workers need laticauda {__version__}: {error}. {GO_ON}") from error
+    finally:
+        if under_way and client.status == "running":
+            client.cancel(list(under_way), force=True)
+
+
+class _Health:
+    """Whether scheduler and workers are there."""
+
+    def __init__(self, client: Any) -> None:
+        self.client = client
+        self.seen = time.monotonic()
+
+    def check(self) -> int:
+        """Number of threads of the cluster."""
+        if self.client.status != "running":
+            raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
+        n_threads = sum(self.client.nthreads().values())
+        now = time.monotonic()
+        if n_threads:
+            self.seen = now
+        elif now - self.seen > PATIENCE:
+            raise ClusterFailed(f"the cluster had no worker for {PATIENCE:g} s; start some with `dask worker`. {GO_ON}")
+        return n_threads
+
+
+def _swim(version: str, setup: Setup, names: tuple[str, ...], table: Table) -> dict[str, Column]:
+    """Runs on a worker, one thread per task: the worker has as many tasks as threads."""
+    if version != __version__:
+        raise ClusterFailed(f"the workers must have laticauda {version} as this process has, got {__version__}.")
+    return swim_points(setup, names, table, threads=1)
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        raise MissingExtra("A sweep on a cluster", "dask", "scale") from error
+    return distributed

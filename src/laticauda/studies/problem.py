@@ -1,0 +1,163 @@
+"""What is optimized: which numbers may change within which bounds, for which objectives, within which limits."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from laticauda import __version__
+from laticauda.errors import finite, one_of, positive
+from laticauda.gaits import Gait
+from laticauda.robot import Robot
+from laticauda.studies.best import COSTS
+from laticauda.studies.trials import QUANTITIES, Column, Setup, Table, check_ranges, swim_points, things
+
+OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
+"""What can be optimized: speeds are to be great, powers and the cost of transport small."""
+SPEED_POWER = ("forward_velocity", "mechanical_power")
+VIOLATION = "violation"
+FAILED = 1e3  # how far a run that blew up is from being feasible: farther than any gait that is too wide
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Problem(Setup):
+    """A setup, the numbers of it that may change, and what is to be great or small.
+
+    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run reaches
+    its end, and every objective has a value.
+
+    Raises:
+        ValueError: If a field is out of its range, or a parameter does not exist (the message has the nearest names).
+
+    Example:
+        >>> import laticauda as lc
+        >>> problem = Problem(
+        ...     robot=lc.load_robot("mamba"),
+        ...     gait=lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+        ...     bounds={"gait.amplitude": (0.2, 0.9), "robot.n_links": (6, 12)},
+        ... )
+        >>> problem.objectives
+        ('forward_velocity', 'mechanical_power')
+    """
+
+    bounds: Mapping[str, tuple[float, float]]
+    """Least and greatest value by name of the parameter, as for a sweep (SI, radians)."""
+    objectives: Sequence[str] = SPEED_POWER
+    """One of `OBJECTIVES`, or two for the front between them."""
+    joint_rate_limit: float | None = None
+    """Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none [rad/s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        super().__post_init__()
+        object.__setattr__(self, "bounds", _checked(self.bounds))
+        check_ranges(self, self.bounds, "bounds")
+        wanted = (self.objectives,) if isinstance(self.objectives, str) else tuple(self.objectives)
+        for name in wanted:
+            one_of("objectives", name, OBJECTIVES)
+        if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
+            raise ValueError(f"`objectives` must be one, or two that differ, got {', '.join(wanted) or 'none'}.")
+        object.__setattr__(self, "objectives", wanted)
+        if self.joint_rate_limit is not None:
+            positive("joint_rate_limit", self.joint_rate_limit, "rad/s")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters that may change."""
+        return tuple(self.bounds)
+
+    def definition(self) -> dict[str, Any]:
+        """All that the trials depend on, for a file."""
+        plain = dataclasses.asdict(self.setup)
+        del plain["robot"]["description"]
+        return {
+            "laticauda": __version__,
+            **plain,
+            "bounds": {name: list(ends) for name, ends in self.bounds.items()},
+            "objectives": list(self.objectives),
+            "joint_rate_limit": self.joint_rate_limit,
+        }
+
+    def box(self) -> tuple[np.ndarray, np.ndarray]:
+        """The bounds as a search wants them: whole numbers have a room of one each."""
+        known = self.known()
+        half = np.array([0.5 if known[name].is_whole else 0.0 for name in self.names])
+        low, high = np.array(list(self.bounds.values()), dtype=float).T
+        return low - half, high + half
+
+    def points(self, sought: Table) -> Table:
+        """The points that a search means: whole numbers where only they have a meaning.
+
+        Args:
+            sought: Points in the `box`.
+        """
+        known = self.known()
+        is_whole = np.array([known[name].is_whole for name in self.names])
+        low, high = np.array(list(self.bounds.values()), dtype=float).T
+        return np.where(is_whole, np.clip(np.rint(sought), low, high), sought)
+
+
+def evaluate(problem: Problem, table: Table, threads: int | None = None) -> dict[str, Column]:
+    """What some points come to; those beyond the limits do not swim.
+
+    Args:
+        problem: What is optimized.
+        table: The points, a row each.
+        threads: See `laticauda.simulate.swim_many`.
+
+    Returns:
+        By name, a value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for feasible
+        points, else how far they are from that, relative to the limit.
+    """
+    robots, gaits, _ = things(problem, problem.names, table)
+    violation = np.array([_beyond(problem, robot, gait) for robot, gait in zip(robots, gaits, strict=True)])
+    swims = violation == 0.0
+    found: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
+    found["succeeded"] = np.zeros(len(table), dtype=bool)
+    if swims.any():
+        for name, values in swim_points(problem, problem.names, table[swims], threads).items():
+            found[name][swims] = values
+    has_values = np.all([np.isfinite(found[name]) for name in problem.objectives], axis=0)
+    found[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
+    return found
+
+
+def losses(names: Sequence[str], found: Mapping[str, Column]) -> np.ndarray:
+    """Objectives as numbers of which the least is the best, a column each; 0 where there is none.
+
+    Args:
+        names: Of the objectives.
+        found: Values by name.
+    """
+    columns = [found[name] if name in COSTS else -found[name] for name in names]
+    return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
+
+
+def _beyond(problem: Problem, robot: Robot, gait: Gait) -> float:
+    """How far a gait goes beyond what the joints can do, relative to that."""
+    body = robot.planar()
+    widest = 0.0
+    for joint, envelope in zip(body.joints, gait.joint_envelope(body.n_links), strict=True):
+        swing = abs(envelope) * gait.amplitude
+        widest = max(widest, (swing + abs(gait.offset)) / joint.limit)
+        if problem.joint_rate_limit is not None:
+            widest = max(widest, swing * gait.frequency / problem.joint_rate_limit)
+    return max(0.0, widest - 1.0)
+
+
+def _checked(bounds: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
+    if not bounds:
+        raise ValueError("`bounds` must name at least one parameter, got none.")
+    found: dict[str, tuple[float, float]] = {}
+    for name, ends in bounds.items():
+        if len(ends) != 2:
+            raise ValueError(f"`bounds` must be a low and a high value of `{name}`, got {len(ends)} numbers.")
+        low, high = finite(name, ends[0]), finite(name, ends[1])
+        if not low < high:
+            raise ValueError(f"`bounds` must have low < high, got {low:g} and {high:g} for `{name}`.")
+        found[name] = low, high
+    return found

@@ -1,0 +1,256 @@
+"""Which points a sweep visits: a grid, rows of a list, or low-discrepancy samples.
+
+The points are made region by region from their numbers, never all at once, so ten million take no more memory than one
+region of them.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import MissingExtra, finite, whole
+
+Values = Float[np.ndarray, " n_values"]
+Table = Float[np.ndarray, "n_points n_names"]
+Block: TypeAlias = tuple[slice, ...]
+
+TRIAL = "trial"
+"""The dimension of lists and samples."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """Every combination of some values per parameter.
+
+    Raises:
+        ValueError: If there is no parameter, or one without values, with a value twice or that is no finite number.
+
+    Example:
+        >>> Grid(values={"gait.amplitude": [0.2, 0.4, 0.6], "gait.frequency": [1.0, 2.0]}).shape
+        (3, 2)
+    """
+
+    values: Mapping[str, Any]
+    """Numbers by name of the parameter, in the order of the result's dimensions (SI, radians)."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "values", _checked(self.values, "values"))
+        for name, values in self.values.items():
+            if len(set(values)) < len(values):
+                raise ValueError(f"`{name}` must have different values in a grid, got one of them twice.")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is swept."""
+        return tuple(self.values)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """The dimensions of the result: a parameter each."""
+        return self.names
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values per parameter."""
+        return tuple(len(values) for values in self.values.values())
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The least and the greatest value by parameter."""
+        return _ranges(self.values)
+
+    def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
+        """The points of some blocks, a row each, the last parameter changing fastest.
+
+        Args:
+            blocks: A slice per dimension.
+            counts: Names of parameters that take whole numbers only; a grid's are what they are.
+        """
+        for block in blocks:
+            axes = [np.asarray(values)[part] for values, part in zip(self.values.values(), block, strict=True)]
+            yield np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+    def definition(self) -> dict[str, Any]:
+        """What it is, for a file."""
+        return {"kind": "grid", "values": {name: np.asarray(values).tolist() for name, values in self.values.items()}}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """A list of points: row i takes value i of every parameter.
+
+    Raises:
+        ValueError: If there is no parameter, one without values or with a value that is no finite number, or they have
+            different numbers of values.
+    """
+
+    values: Mapping[str, Any]
+    """Numbers by name of the parameter, all of one length (SI, radians)."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "values", _checked(self.values, "values"))
+        lengths = {name: len(values) for name, values in self.values.items()}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+            raise ValueError(f"`values` must have as many values of one parameter as of another, got {listed}.")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is swept."""
+        return tuple(self.values)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """The one dimension of the result."""
+        return (TRIAL,)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of points."""
+        return (len(next(iter(self.values.values()))),)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The least and the greatest value by parameter."""
+        return _ranges(self.values)
+
+    def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
+        """The points of some blocks, a row each.
+
+        Args:
+            blocks: One slice each.
+            counts: Names of parameters that take whole numbers only; a list's are what they are.
+        """
+        for (rows,) in blocks:
+            yield np.stack([np.asarray(values)[rows] for values in self.values.values()], axis=1)
+
+    def definition(self) -> dict[str, Any]:
+        """What it is, for a file: a long list by its digest."""
+        import hashlib
+
+        digests = {name: hashlib.sha256(np.asarray(values).tobytes()) for name, values in self.values.items()}
+        return {
+            "kind": "rows",
+            "n_points": self.shape[0],
+            "sha256": {name: digest.hexdigest() for name, digest in digests.items()},
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """Points that fill a box evenly: the scrambled Halton sequence.
+
+    Unlike random numbers they leave no holes, and unlike a grid they show every parameter at as many values as there
+    are points. The first half of them is as even as the whole.
+
+    References:
+        A. B. Owen, A randomized Halton algorithm in R, arXiv:1706.02808, 2017; as in scipy.stats.qmc.
+
+    Raises:
+        ValueError: If there is no parameter, or a range, the number of points or the seed is wrong.
+    """
+
+    ranges: Mapping[str, tuple[float, float]]
+    """Least and greatest value by name of the parameter (SI, radians)."""
+    n_points: int
+    """How many points [-]."""
+    seed: int = 0
+    """Of the scrambling; another one gives other points [-]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        if not self.ranges:
+            raise ValueError("`ranges` must name at least one parameter, got none.")
+        checked: dict[str, tuple[float, float]] = {}
+        for name, (low, high) in self.ranges.items():
+            checked[name] = finite(name, low), finite(name, high)
+            if not low < high:
+                raise ValueError(f"`{name}` must have a range with low < high, got {low} and {high}.")
+        object.__setattr__(self, "ranges", checked)
+        object.__setattr__(self, "n_points", whole("n_points", self.n_points, 1))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is swept."""
+        return tuple(self.ranges)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """The one dimension of the result."""
+        return (TRIAL,)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of points."""
+        return (self.n_points,)
+
+    def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
+        """The points of some blocks, a row each.
+
+        Args:
+            blocks: One slice each, in rising order: going back would mean to begin again.
+            counts: Names of parameters that take whole numbers only.
+        """
+        engine = _halton(len(self.ranges), self.seed)
+        low, high = np.array(list(self.ranges.values())).T
+        is_count = np.array([name in counts for name in self.ranges])
+        at = 0
+        for (rows,) in blocks:
+            if rows.start > at:
+                engine.fast_forward(rows.start - at)
+            unit: Table = engine.random(rows.stop - rows.start)
+            at = rows.stop
+            # Every whole number of the range has an equal share.
+            steps = np.minimum(np.floor(unit * (high - low + 1.0)), high - low)
+            yield np.where(is_count, low + steps, low + unit * (high - low))
+
+    def definition(self) -> dict[str, Any]:
+        """What it is, for a file."""
+        return {
+            "kind": "samples",
+            "ranges": {name: list(limits) for name, limits in self.ranges.items()},
+            "n_points": self.n_points,
+            "seed": self.seed,
+        }
+
+
+Points: TypeAlias = Grid | Rows | Samples
+
+
+def _halton(n_names: int, seed: int) -> Any:
+    try:
+        from scipy.stats import qmc
+    except ImportError as error:
+        raise MissingExtra("A sweep over samples", "scipy", "scale") from error
+    return qmc.Halton(n_names, scramble=True, rng=seed)
+
+
+def _checked(values: Mapping[str, Any], argument: str) -> dict[str, Values]:
+    if not values:
+        raise ValueError(f"`{argument}` must name at least one parameter, got none.")
+    found: dict[str, Values] = {}
+    for name, given in values.items():
+        if isinstance(given, str) or not hasattr(given, "__len__"):
+            raise ValueError(f"`{name}` must be a list of numbers, got {given!r}.")
+        if len(given) == 0:
+            raise ValueError(f"`{name}` must have at least one value, got none.")
+        array: Any = np.array(given)
+        if array.ndim != 1 or array.dtype.kind not in "iuf":
+            array = np.array([finite(f"{name}[{i}]", value) for i, value in enumerate(given)])
+        array = array.astype(float)
+        wrong = np.flatnonzero(~np.isfinite(array))
+        if wrong.size:
+            raise ValueError(f"`{name}[{wrong[0]}]` must be a finite number, got {array[wrong[0]]}.")
+        array.setflags(write=False)
+        found[name] = array
+    return found
+
+
+def _ranges(values: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+    return {name: (float(np.min(some)), float(np.max(some))) for name, some in values.items()}

@@ -1,0 +1,107 @@
+"""The search for better points, generation by generation, and the one door to pymoo.
+
+Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread over the whole front
+at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price, J. Global Optim. 11, 1997): it needs no
+derivatives and no scale for the parameters, keeps to the bounds, and its generations are batches for the kernel. Its
+numbers do not adapt: pymoo's adaptation draws from a generator that cannot be seeded.
+
+A search is determined by its bounds, its seed and what it is told: so one that was stopped is brought back by asking it
+the same again, and telling it what it was told before. Nothing of its state is stored.
+"""
+
+# pymoo has no annotations: this module is its door.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import MissingExtra
+
+Table = Float[np.ndarray, "n_points n_names"]
+Losses = Float[np.ndarray, "n_points n_objectives"]
+
+POPULATION = {1: 40, 2: 100}
+"""Points in a generation, by number of objectives."""
+LEAST_POPULATION = 4  # differential evolution combines four of them
+
+
+class Search:
+    """A seeded search, between its questions and the answers it is told.
+
+    Args:
+        low: Least value of every parameter.
+        high: Greatest value of every parameter.
+        n_objectives: 1 or 2.
+        population: Points in a generation.
+        seed: Of everything random.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+
+    def __init__(
+        self,
+        low: Float[np.ndarray, " n_names"],
+        high: Float[np.ndarray, " n_names"],
+        *,
+        n_objectives: int,
+        population: int,
+        seed: int,
+    ) -> None:
+        try:
+            from pymoo.core.problem import Problem
+            from pymoo.core.termination import NoTermination
+        except ImportError as error:
+            raise MissingExtra("An optimization", "pymoo", "scale") from error
+        self._problem = Problem(n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high)
+        self._algorithm = _algorithm(n_objectives, population)
+        self._algorithm.setup(self._problem, termination=NoTermination(), seed=seed, verbose=False)
+        self._asked: Any = None
+
+    def ask(self) -> Table:
+        """The next generation; no rows if the search has no new points to try."""
+        self._asked = self._algorithm.ask()
+        if self._asked is None or len(self._asked) == 0:
+            return np.empty((0, self._problem.n_var))
+        return np.array(self._asked.get("X"), dtype=float)
+
+    def tell(
+        self, losses: Float[np.ndarray, "n_points n_objectives"], violation: Float[np.ndarray, " n_points"]
+    ) -> None:
+        """What the points of the last generation came to.
+
+        Args:
+            losses: Smaller is better; of points that are not feasible any finite number.
+            violation: 0 for points that are feasible, else how far they are from that.
+        """
+        self._asked.set("F", losses)
+        self._asked.set("G", violation[:, np.newaxis])
+        for individual in self._asked:
+            individual.evaluated.update(("F", "G"))
+        self._algorithm.tell(infills=self._asked)
+
+
+def versions() -> dict[str, str]:
+    """Of what the search's numbers depend on besides its arguments.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+    try:
+        from pymoo.version import __version__
+    except ImportError as error:
+        raise MissingExtra("An optimization", "pymoo", "scale") from error
+    return {"numpy": np.__version__, "pymoo": str(__version__)}
+
+
+def _algorithm(n_objectives: int, population: int) -> Any:
+    if n_objectives > 1:
+        from pymoo.algorithms.moo.nsga2 import NSGA2
+
+        return NSGA2(pop_size=population)
+    from pymoo.algorithms.soo.nonconvex.de import DE
+    from pymoo.operators.control import NoParameterControl
+
+    return DE(pop_size=population, variant="DE/rand/1/bin", F=0.6, CR=0.9, control=NoParameterControl)

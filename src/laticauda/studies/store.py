@@ -1,0 +1,265 @@
+"""The folder of a sweep, and the one door to zarr.
+
+    sweep.json      what is swept: a folder belongs to one sweep
+    results.zarr    the Dataset; a region of the sweep is one chunk of every array, hence one file
+    regions.done    a byte per region, 1 once all of it is stored
+
+A file of zarr is written under another name and then renamed, so a chunk is there as a whole or not at all; a region is
+marked when all its chunks are. The mark is one byte in a file that has its full length from the start: it is never
+half written, and a full disk does not keep it off. What is killed in between is simply computed again, to the same
+bits. (This holds for killed programs; after a power failure the file system has its own say.)
+"""
+
+# zarr's annotations are partial: this module is its door.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Generator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from laticauda.errors import MissingExtra, StorageFailed
+from laticauda.studies.ownership import NEW, check_place, claim, regions_of
+from laticauda.studies.regions import Regions, extent
+from laticauda.studies.sampling import Grid
+from laticauda.studies.trials import QUANTITIES
+
+if TYPE_CHECKING:
+    from typing import Self
+
+    import xarray
+
+    from laticauda.studies.sweep import Sweep
+    from laticauda.studies.trials import Column, Table
+
+RESULTS, DONE = "results.zarr", "regions.done"
+
+
+@dataclass(kw_only=True, eq=False)
+class Store:
+    """A sweep's folder, open for writing by this process alone; a context manager."""
+
+    folder: Path
+    """Where it is."""
+    sweep: Sweep
+    """Whose it is."""
+    regions: Regions
+    """How it is cut."""
+    done: np.ndarray
+    """Whether each region is stored."""
+    n_done: int
+    """Number of trials that are stored."""
+    arrays: Mapping[str, Any]
+    """What is written region by region."""
+    marks: BinaryIO
+    """The file of the marks, not buffered."""
+    resources: ExitStack
+    """What is open, and the lock that keeps other processes out."""
+
+    @classmethod
+    def open(cls, folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool) -> Self:
+        """Open the folder of a sweep, and make it if there is none.
+
+        Args:
+            folder: Where it is to be.
+            sweep: What it is to hold.
+            region_size: Of a new one; None for what suits the sweep.
+            resume: Whether it may hold results already.
+
+        Raises:
+            ValueError: If it holds something else, results that may not be there, or another process writes to it.
+            StorageFailed: If it cannot be made.
+        """
+        zarr = _zarr()
+        path = Path(folder)
+        check_place(path)
+        stored_so_far = "0 trials are stored"  # of a new folder, the only one that is written to here
+        with ExitStack() as stack:
+            with spoken(path, stored_so_far):
+                path.mkdir(parents=True, exist_ok=True)
+                stack.enter_context(locked(path))
+                regions = claim(path, sweep, region_size)
+                if not (path / DONE).exists():
+                    _make(zarr, path, sweep, regions)
+                marks = stack.enter_context((path / DONE).open("r+b", buffering=0))
+                for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
+                    left.unlink(missing_ok=True)
+                group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
+            done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
+            if done.size != regions.count:
+                raise ValueError(f"`folder` must hold whole files, got a `{DONE}` of {done.size} bytes in {path}.")
+            if done.any() and not resume:
+                raise ValueError(f"`folder` must have no results yet unless `resume` is set, got {path}.")
+            return cls(
+                folder=path,
+                sweep=sweep,
+                regions=regions,
+                done=done.copy(),
+                n_done=sum(regions.n_points(int(i)) for i in np.flatnonzero(done)),
+                arrays={name: group[name] for name in _by_region(sweep)},
+                marks=marks,
+                resources=stack.pop_all(),
+            )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.resources.close()
+
+    def pending(self) -> list[int]:
+        """Numbers of the regions that are still to come, in rising order."""
+        return [int(index) for index in np.flatnonzero(~self.done)]
+
+    def write(self, index: int, table: Table, found: Mapping[str, Column]) -> None:
+        """Store a region, then mark it.
+
+        Args:
+            index: Its number.
+            table: Its points.
+            found: Its results by quantity.
+
+        Raises:
+            StorageFailed: If it cannot be written: it stays unmarked, and all others stay what they are.
+        """
+        block = self.regions.at(index)
+        columns = {**found, **dict(zip(self.sweep.points.names, table.T, strict=True))}
+        with spoken(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
+            for name, array in self.arrays.items():
+                array[block] = columns[name].reshape(extent(block))
+            self.marks.seek(index)
+            self.marks.write(b"\1")
+        self.done[index] = True
+        self.n_done += len(table)
+
+
+def open_dataset(folder: str | Path) -> xarray.Dataset:
+    """The Dataset of a folder; see `laticauda.studies.open_sweep`."""
+    _zarr()
+    import xarray
+
+    path = Path(folder)
+    regions = regions_of(path)
+    if not (path / DONE).exists():
+        raise ValueError(f"`folder` must hold the results of a sweep, got {folder}.")
+    done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
+    dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
+    dataset = dataset[list(QUANTITIES)]  # in our order
+    n_finished = sum(regions.n_points(int(i)) for i in np.flatnonzero(done))
+    return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
+
+
+def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
+    """The arrays that have a chunk per region: unit, title and what stands in it before."""
+    found: dict[str, tuple[str, str, Any]] = {
+        name: (unit, title, False if name == "succeeded" else np.nan) for name, (unit, title) in QUANTITIES.items()
+    }
+    if not isinstance(sweep.points, Grid):
+        known = sweep.known()
+        found |= {name: (known[name].unit, known[name].title, np.nan) for name in sweep.points.names}
+    return found
+
+
+def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
+    """Make the empty arrays, and last the marks: without them the folder counts as not yet made."""
+    shutil.rmtree(path / RESULTS, ignore_errors=True)
+    setup = {"robot": sweep.robot.name, "gait": sweep.gait.kind, "environment": sweep.where.name}
+    attributes: dict[str, Any] = {
+        "title": "Sweep",
+        **setup,
+        "duration": sweep.duration,
+        "joints": sweep.joints,
+        "laticauda": sweep.definition()["laticauda"],
+    }
+    if not isinstance(sweep.points, Grid):
+        attributes["coordinates"] = " ".join(sweep.points.names)
+    group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
+    for name, (unit, title, empty) in _by_region(sweep).items():
+        group.create_array(
+            name,
+            shape=regions.shape,
+            chunks=regions.block,
+            dtype=bool if empty is False else float,
+            fill_value=empty,
+            dimension_names=sweep.points.dims,
+            attributes={"long_name": title} | ({"units": unit} if unit else {}),
+        )
+    if isinstance(sweep.points, Grid):
+        known = sweep.known()
+        for name, values in sweep.points.values.items():
+            about = {"long_name": known[name].title, "units": known[name].unit or "1"}
+            group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=about)
+    with (path / (DONE + NEW)).open("wb") as file:
+        file.write(bytes(regions.count))
+        file.flush()
+        os.fsync(file.fileno())  # the disk has room for the marks, and says so now
+    os.replace(path / (DONE + NEW), path / DONE)
+
+
+@contextmanager
+def spoken(path: Path, left: str) -> Generator[None]:
+    """Turn what the system says about a folder into a sentence with advice.
+
+    Args:
+        path: The folder.
+        left: What is stored there by now, in words.
+
+    Raises:
+        StorageFailed: In place of an OSError.
+    """
+    try:
+        yield
+    except StorageFailed:
+        raise
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        reason = "the disk is full" if full else (error.strerror or str(error)).lower()
+        advice = "make room" if full else "put that right"
+        raise StorageFailed(
+            f"{path}: {reason}. Nothing that was stored is lost: {left}; {advice} and run the same again to go on."
+        ) from error
+
+
+@contextmanager
+def locked(path: Path) -> Generator[None]:
+    """Keep a second process from doing the same work; the lock goes with the process, however it ends.
+
+    Args:
+        path: The folder.
+
+    Raises:
+        ValueError: If another process has it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # pragma: no cover - Windows: both would write the same bits
+        yield
+        return
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(folder)
+        raise ValueError(f"`folder` must be one that no other process writes to now, got {path}.") from error
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
+        os.close(folder)
+
+
+def _zarr() -> Any:
+    try:
+        import zarr
+    except ImportError as error:
+        raise MissingExtra("A sweep", "zarr", "scale") from error
+    return zarr

@@ -1,0 +1,149 @@
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.studies import optimize, problem
+
+SHORT = "--duration 1 --budget 24 --population 12 --output a"
+
+
+def test_the_command_writes_the_front_and_prints_some_of_it(run, folder: Path):
+    done = run(f"optimize --seed 1 {SHORT}")
+    assert (done.status, done.err) == (0, "")
+    assert "lateral-undulation, robot mamba, forward velocity against mechanical power: 24 points tried" in done.out
+    names = ["checkpoint.npz", "front.csv", "front.nc", "front.pdf", "front.png"]
+    assert sorted(path.name for path in (folder / "a").iterdir()) == names
+    rows = [row.split() for row in done.out.splitlines() if re.match(r"\s+\d", row)]
+    powers = [float(row[4]) for row in rows]
+    assert powers == sorted(powers) and 2 < len(powers) <= 8
+    table = np.loadtxt(folder / "a" / "front.csv", delimiter=",", skiprows=1)
+    assert powers[-1] == pytest.approx(table[-1, 5], rel=1e-3)
+    assert float(rows[-1][0]) == pytest.approx(np.degrees(table[-1, 0]), rel=1e-3)
+
+    # Run again it has nothing to do, and says the same.
+    assert run(f"optimize --seed 1 {SHORT}").out == done.out
+    as_json = json.loads(run(f"optimize --seed 1 {SHORT} --json").out)
+    assert (as_json["n_trials"], as_json["n_points"]) == (24, len(table))
+    assert as_json["points"][-1]["mechanical_power"] == table[-1, 5]
+    assert as_json["points"][-1]["steady_velocity"] is None
+    assert as_json["files"][:2] == ["a/front.csv", "a/front.nc"]
+
+
+def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
+    words = "--vary amplitude-deg=10:60 robot.caudal-fin.length=0.2:0.5 --objective cost-of-transport"
+    done = run(f"optimize --robot mamba-fin --gait eel-like {words} {SHORT} --json --joint-rate-limit-deg-s 100")
+    assert done.status == 0
+    front = optimize(
+        problem.Problem(
+            robot=lc.load_robot("mamba-fin"),
+            gait=lc.eel_like(
+                amplitude=np.radians(30), frequency=float(np.radians(130)), phase_shift=float(np.radians(40))
+            ),
+            duration=1.0,
+            bounds={
+                "gait.amplitude": (np.radians(1.0) * 10, np.radians(1.0) * 60),
+                "robot.caudal_fin.length": (0.2, 0.5),
+            },
+            objectives="cost_of_transport",
+            joint_rate_limit=float(np.radians(100)),
+        ),
+        budget=24,
+        population=12,
+    )
+    (point,) = json.loads(done.out)["points"]
+    assert point["gait.amplitude"] == pytest.approx(front.values[0, 0], rel=1e-12)
+    assert point["cost_of_transport"] == pytest.approx(front.figures["cost_of_transport"][0], rel=1e-9)
+    assert not (folder / "a" / "front.png").exists()
+
+
+def test_both_gaits_go_into_one_figure(run, folder: Path):
+    done = run(f"optimize --both-gaits {SHORT} --json")
+    assert done.status == 0
+    assert [found["gait"] for found in json.loads(done.out)["gaits"]] == ["lateral_undulation", "eel_like"]
+    assert sorted(path.name for path in (folder / "a").iterdir()) == [
+        "eel_like",
+        "front.pdf",
+        "front.png",
+        "lateral_undulation",
+    ]
+    assert (folder / "a" / "eel_like" / "front.csv").exists()
+
+
+def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    swim_points, calls = problem.swim_points, []
+
+    def stop(*args):
+        calls.append(args)
+        if len(calls) > 1:
+            raise KeyboardInterrupt
+        return swim_points(*args)
+
+    with monkeypatch.context() as context:
+        context.setattr(problem, "swim_points", stop)
+        done = run(f"optimize {SHORT}")
+    assert (done.status, done.out) == (130, "")
+    assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to go on.\n"
+    resumed = run(f"optimize {SHORT}")
+    assert resumed.out == run(f"optimize {SHORT.replace(' a', ' b')}").out.replace("b/", "a/")
+
+
+def test_where_nothing_is_feasible_it_ends_with_status_1(run):
+    done = run(f"optimize --objective steady-velocity {SHORT}")
+    assert done.status == 1
+    assert "24 points tried, 24 of them not feasible; none is left" in done.out
+
+
+def test_the_names_are_listed(run):
+    done = run("optimize --robot mamba-fin --names")
+    assert done.status == 0
+    assert "robot.caudal-fin.length" in done.out and "amplitude-deg" in done.out
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("--vary amplitude-deg=1:2:3", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'ampl.*3'"),
+        ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH, as amplitude-deg=10:50, got 'amplitude-deg'"),
+        ("--vary amplitud-deg=1:2", "got 'amplitud-deg'; the nearest are amplitude-deg"),
+        ("--vary amplitude-deg=2:1", "--vary must have low < high"),
+        ("--vary amplitude-deg=-3:3", "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl"),
+        ("--vary n-links=5.5:8", "robot.n_links. must be a whole number, got 5.5"),
+        ("--objective speed", "--objective must be one of `speed-power`, .* got 'speed'; did you mean `speed-power`"),
+        ("--objective mean-power mean-power", "--objective must be one, or two that differ, got mean_power, m"),
+        ("--budget 10", "--budget must be a whole number >= 100, got 10"),
+        ("--population 2", "--population must be a whole number >= 4, got 2"),
+        ("--threads 0", "--threads must be a whole number >= 1, got 0"),
+        ("--joint-rate-limit-deg-s -5", "--joint-rate-limit-deg-s must be > 0 deg/s, got -5"),
+        ("--output file", "--output must be a folder, got the file file"),
+        ("--output full", "--output must be empty, or hold this optimization, got full with thesis"),
+        ("--both-gaits --gait custom --envelope 1 1 1 1 1 1 1 1 1", "--both-gaits must not be given with the gait cus"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_said_in_the_words_of_the_command(run, folder: Path, line: str, message: str):
+    (folder / "file").write_text("")
+    (folder / "full").mkdir()
+    (folder / "full" / "thesis.tex").write_text("")
+    done = run(f"optimize {line}")
+    assert (done.status, done.out) == (2, "")
+    assert re.search(message, done.err), done.err
+
+
+def test_the_folder_of_another_optimization_is_refused(run):
+    assert run(f"optimize {SHORT}").status == 0
+    done = run(f"optimize {SHORT} --normal-drag 2")
+    assert done.status == 2
+    assert "--output must be empty, or hold this optimization, got a with another one: environment.name is" in done.err
+
+
+def test_without_the_extra_it_says_what_to_install(folder: Path):
+    code = "import sys; sys.modules['pymoo'] = None; from laticauda.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = ["optimize", "--duration", "1"]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr == 'laticauda: An optimization needs pymoo; run `pip install "laticauda[scale]"`.\n'

@@ -1,0 +1,190 @@
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.cli import vary
+from laticauda.studies import open_sweep, parameters, trials
+
+KNOWN = parameters(
+    lc.load_robot("mamba-fin"),
+    lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+    lc.load_water("paper-lateral"),
+)
+SHORT = "--duration 1 --output a"
+POINTS = "--vary amplitude-deg=10:50:3 normal-drag=1,2"
+
+
+def test_the_command_fills_a_folder_and_prints_the_best(run, folder: Path):
+    done = run(f"sweep {POINTS} {SHORT}")
+    assert (done.status, done.err) == (0, "")
+    assert "All 6 trials reached their end. The best in forward velocity:" in done.out
+    assert "All results: a/results.zarr" in done.out
+    found = open_sweep(folder / "a")
+    assert found["gait.amplitude"].to_numpy() == pytest.approx(np.radians([10.0, 30.0, 50.0]))
+    # The table begins with the best.
+    speeds = [float(row.split()[2]) for row in done.out.splitlines() if re.match(r"\s+\d", row)]
+    assert speeds == sorted(speeds, reverse=True) and len(speeds) == 5
+    assert speeds[0] == pytest.approx(float(found.forward_velocity.max()), rel=1e-3)
+
+    # Run again it has nothing to do, and says the same.
+    assert run(f"sweep {POINTS} {SHORT}").out == done.out
+    as_json = json.loads(run(f"sweep {POINTS} {SHORT} --json --best mechanical-power").out)
+    assert (as_json["n_trials"], as_json["n_failed"], as_json["best_in"]) == (6, 0, "mechanical_power")
+    assert as_json["best"][0]["mechanical_power"] == float(found.mechanical_power.min())
+    assert as_json["best"][0]["steady_velocity"] is None
+    assert as_json["status"] and as_json["robot"] == "mamba"
+
+
+def test_what_is_varied_may_be_given_in_pieces(run, folder: Path):
+    assert run(f"sweep --vary amplitude-deg=10:50:3 --vary normal-drag=1,2 {SHORT}").status == 0
+    assert open_sweep(folder / "a").sizes == {"gait.amplitude": 3, "water.normal_drag": 2}
+
+
+def test_samples_fill_the_ranges(run, folder: Path):
+    done = run(f"sweep --samples 6 --seed 2 --vary amplitude-deg=10:50 n-links=5:9 {SHORT}")
+    assert (done.status, done.err) == (0, "")
+    found = open_sweep(folder / "a")
+    assert found.sizes == {"trial": 6}
+    assert set(found["robot.n_links"].to_numpy()) <= {5, 6, 7, 8, 9}
+
+
+def test_points_can_come_from_a_file(run, folder: Path):
+    (folder / "points.csv").write_text("amplitude-deg,gait.frequency\n30,2.0\n\n40,2.5\n")
+    assert run(f"sweep --list points.csv {SHORT}").status == 0
+    found = open_sweep(folder / "a")
+    assert found["gait.amplitude"].to_numpy() == pytest.approx(np.radians([30.0, 40.0]))
+    assert found["gait.frequency"].to_numpy().tolist() == [2.0, 2.5]
+
+
+def test_the_names_are_those_of_the_options_where_there_is_one(run):
+    out = run("sweep --robot mamba-fin --names").out
+    assert re.search(r"^frequency-deg-s +deg/s +omega", out, re.MULTILINE)
+    assert re.search(r"^robot.caudal-fin.length +m +Length from the root", out, re.MULTILINE)
+    help = run("swim --help").out
+    plain = [vary.spelled(parameter) for parameter in KNOWN.values() if "." not in vary.spelled(parameter)]
+    plain = [word for word in plain if not word.startswith("current")]
+    assert len(plain) > 10 and all(f"--{word} " in help for word in plain)
+
+
+def test_every_name_that_is_listed_can_be_varied():
+    for parameter in KNOWN.values():
+        assert list(vary.grid([f"{vary.spelled(parameter)}=1"], KNOWN).values) == [parameter.name]
+        (value,) = vary.grid([f"{parameter.name}=1"], KNOWN).values[parameter.name]
+        assert value == 1.0  # with dots it is as in Python: SI
+
+
+def test_degrees_are_in_the_name():
+    values = vary.grid(["amplitude-deg=10,20", "gait.frequency-deg-s=90", "gait.phase_shift=0.5"], KNOWN).values
+    assert values["gait.amplitude"].tolist() == [radians(10), radians(20)]
+    assert values["gait.frequency"].tolist() == [radians(90)]
+    assert values["gait.phase_shift"].tolist() == [0.5]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("", "--vary must be given, or --list: NAME=LOW:HIGH:COUNT"),
+        ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH:COUNT or .* got 'amplitude-deg'"),
+        ("--vary amplitude-deg=", "--vary must be NAME=LOW:HIGH:COUNT"),
+        ("--vary amplitude-deg=1:2", "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2'"),
+        ("--vary amplitude-deg=1:2:x", "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2:x'"),
+        (
+            "--vary amplitude-deg=1:2:0",
+            "--vary must have a COUNT that is a whole number >= 1, got 'ampl",
+        ),
+        ("--vary amplitude-deg=1,", "--vary must be NAME=LOW:HIGH:COUNT"),
+        ("--vary amplitud-deg=1:2:3", "got 'amplitud-deg'; the nearest are amplitude-deg"),
+        ("--vary amplitude-deg=1 gait.amplitude=2", "--vary must name a parameter once, got 'gait.amplitude' again"),
+        (
+            "--vary amplitude-deg=-3:3:5",
+            "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl",
+        ),
+        ("--vary amplitude-deg=1:2 --samples 0", "--samples|n_points.* must be a whole number >= 1, got 0"),
+        ("--vary amplitude-deg=1:2:3 --samples 4", "--vary must be NAME=LOW:HIGH with --samples"),
+        ("--vary amplitude-deg=1:2:3 --seed 4", "--seed must be given with --samples"),
+        ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
+        ("--list nothing.csv", "nothing.csv: no such file or directory"),
+        ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
+        ("--list ragged.csv", "--list must have 2 numbers in every line, got 1 in ragged.csv, line 3"),
+        ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
+        ("--list words.csv --samples 3", "--list must not be given together with --vary or --samples"),
+        ("--vary amplitude-deg=1 --output file", "--output must be a folder, got the file file"),
+        (
+            "--vary amplitude-deg=1 --output full",
+            "--output must be empty, or hold this sweep, got full with thesis",
+        ),
+        ("--vary amplitude-deg=1 --scheduler nowhere", "no Dask scheduler answers at nowhere"),
+    ],
+)
+def test_bad_input_is_said_in_the_words_of_the_command(run, folder: Path, line: str, message: str):
+    (folder / "empty.csv").write_text("")
+    (folder / "ragged.csv").write_text("amplitude-deg,offset-deg\n1,2\n3\n")
+    (folder / "words.csv").write_text("amplitude-deg\nx\n")
+    (folder / "file").write_text("")
+    (folder / "full").mkdir()
+    (folder / "full" / "thesis.tex").write_text("")
+    done = run(f"sweep {line}")
+    assert (done.status, done.out) == (2, "")
+    assert re.search(message, done.err), done.err
+
+
+def test_the_folder_of_another_sweep_is_refused(run):
+    assert run(f"sweep {POINTS} {SHORT}").status == 0
+    done = run(f"sweep {POINTS} --duration 2 --output a")
+    assert done.status == 2
+    assert (
+        "--output must be empty, or hold this sweep, got a with another one: duration is 1.0 there and 2.0" in done.err
+    )
+
+
+def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as context:
+        context.setattr(trials, "swim_many", stop)
+        done = run(f"sweep {POINTS} {SHORT}")
+    assert (done.status, done.out) == (130, "")
+    assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to go on.\n"
+    assert run(f"sweep {POINTS} {SHORT}").status == 0
+    assert open_sweep(folder / "a").n_finished == 6
+
+
+def test_a_sweep_in_which_every_trial_blows_up_ends_with_status_1(run):
+    done = run(f"sweep --vary normal-drag=1e3,2e3 --dt 0.1 {SHORT}")
+    assert done.status == 1
+    assert "2 of 2 trials blew up" in done.out
+
+
+@contextmanager
+def dask() -> Iterator[str]:
+    """The address of a scheduler with a worker in this process."""
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0") as it:
+        yield it.scheduler_address
+
+
+def test_a_sweep_runs_on_a_cluster(run, folder: Path):
+    with dask() as address:
+        done = run(f"sweep {POINTS} --scheduler {address} {SHORT}")
+    assert (done.status, done.err) == (0, "")
+    assert run(f"sweep {POINTS} --duration 1 --output b").status == 0
+    assert open_sweep(folder / "a").identical(open_sweep(folder / "b"))
+
+
+def test_without_the_extra_it_says_what_to_install(folder: Path):
+    code = "import sys; sys.modules['zarr'] = None; from laticauda.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = ["sweep", "--vary", "amplitude-deg=30", "--duration", "1"]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr == 'laticauda: A sweep needs zarr; run `pip install "laticauda[scale]"`.\n'

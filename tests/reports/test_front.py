@@ -1,0 +1,59 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.reports.front import front_figure, paper_points, write_front, write_front_figure
+from laticauda.studies import Front, Problem, efficiency_settings, optimize
+
+PROBLEM = Problem(
+    robot=lc.load_robot("mamba"),
+    gait=lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7),
+    duration=2.0,
+    bounds={"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 12)},
+)
+
+
+@pytest.fixture(scope="module")
+def found() -> Front:
+    return optimize(PROBLEM, budget=48, population=12, seed=1)
+
+
+def test_the_folder_gets_the_numbers_and_the_figure(found: Front, tmp_path: Path):
+    files = write_front(found, tmp_path) + write_front_figure([found], tmp_path)
+    assert [file.name for file in files] == ["front.csv", "front.nc", "front.png", "front.pdf"]
+    assert sorted(tmp_path.iterdir()) == sorted(files)
+
+
+def test_without_a_front_there_is_no_figure(tmp_path: Path):
+    single = optimize(replace(PROBLEM, objectives="forward_velocity"), budget=12, population=12)
+    assert write_front_figure([single], tmp_path) == []
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
+    figure = front_figure([found])
+    ax, column = figure.axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("mechanical power [W]", "forward velocity [m/s]")
+    last = column.texts[-1].get_text()
+    amplitude, shift, links = found.values[-1]
+    assert (
+        last == f"$\\alpha$ = {np.degrees(amplitude):.0f}°, $\\delta$ = {np.degrees(shift):.0f}°, n links = {links:.0f}"
+    )
+
+
+def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Front):
+    points = paper_points(found)
+    group = next(
+        one for one in efficiency_settings().groups if (one.gait, one.robot) == ("lateral_undulation", "mamba")
+    )
+    assert len(points) == len(group.cases)
+    trial = lc.swim(PROBLEM.robot, group.cases[2], 2.0)
+    assert points[2] == pytest.approx([trial.mechanical_power, trial.forward_velocity], rel=1e-10)
+
+
+def test_another_robot_has_none_of_them(found: Front):
+    other = replace(found, problem=replace(PROBLEM, robot=replace(PROBLEM.robot, name="eel")))
+    assert paper_points(other).shape == (0, 2)

@@ -1,0 +1,90 @@
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import laticauda as lc
+from laticauda.studies import Front, Problem, hypervolume, unbeaten
+from laticauda.studies.trials import QUANTITIES
+
+PROBLEM = Problem(
+    robot=lc.load_robot("mamba-fin"),
+    gait=lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+    bounds={"gait.amplitude": (0.2, 0.9), "robot.caudal_fin.length": (0.2, 0.5), "robot.n_links": (8, 10)},
+)
+
+
+def a_front(n: int) -> Front:
+    """A front whose points crowd at the slow end."""
+    power = np.linspace(0.0, 1.0, n) ** 3
+    figures = {name: np.full(n, 0.5) for name in QUANTITIES if name != "succeeded"}
+    figures |= {"forward_velocity": power**0.5, "mechanical_power": 10.0 * power}
+    values = np.stack((np.linspace(0.2, 0.9, n), np.linspace(0.2, 0.5, n), np.full(n, 9.0)), axis=1)
+    return Front(problem=PROBLEM, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1)
+
+
+@pytest.mark.parametrize("levels", [4, 1000])
+def test_a_point_is_kept_exactly_if_no_other_one_beats_it(levels: int):
+    losses = np.random.default_rng(3).integers(0, levels, (60, 2)).astype(float)
+    kept = unbeaten(losses)
+    for i, point in enumerate(losses):
+        beats = np.all(losses <= point, axis=1) & np.any(losses < point, axis=1)
+        first = np.flatnonzero(np.all(losses == point, axis=1))[0] == i
+        assert kept[i] == (not beats.any() and first)
+
+
+def test_of_one_objective_the_first_best_point_is_kept():
+    assert unbeaten(np.array([[3.0], [1.0], [1.0]])).tolist() == [False, True, False]
+    assert unbeaten(np.empty((0, 2))).size == 0
+
+
+def test_the_hypervolume_is_the_area_of_the_stairs():
+    losses = np.array([[1.0, 3.0], [2.0, 1.0], [2.5, 2.5], [0.0, 9.0]])
+    assert hypervolume(losses, (4.0, 4.0)) == pytest.approx(1.0 * 1.0 + 2.0 * 3.0)
+    assert hypervolume(losses[:0], (4.0, 4.0)) == 0.0
+
+
+def test_a_point_more_never_makes_the_hypervolume_smaller():
+    points = np.random.default_rng(1).uniform(0.0, 1.0, (30, 2))
+    areas = [hypervolume(points[:n], (1.0, 1.0)) for n in range(31)]
+    assert np.all(np.diff(areas) >= 0.0)
+    grid = np.stack(np.meshgrid(*[(np.arange(400) + 0.5) / 400] * 2), axis=-1).reshape(-1, 1, 2)
+    assert areas[-1] == pytest.approx(np.mean(np.any(np.all(points <= grid, axis=2), axis=1)), abs=0.01)
+
+
+def test_chosen_points_lie_evenly_along_the_front_with_its_ends():
+    front = a_front(400)
+    chosen = front.spread(6)
+    assert (chosen[0], chosen[-1], len(chosen)) == (0, 399, 6)
+    steps = np.hypot(
+        np.diff(front.figures["forward_velocity"][chosen]), np.diff(front.figures["mechanical_power"][chosen]) / 10
+    )
+    assert steps == pytest.approx(np.full(5, steps.mean()), rel=0.05)
+    assert a_front(3).spread(6).tolist() == [0, 1, 2]
+
+
+def test_a_point_is_a_robot_and_a_gait():
+    robot, gait, _ = a_front(8).things(7)
+    assert (robot.n_links, robot.caudal_fin.length, gait.amplitude) == (9, 0.5, 0.9)
+
+
+def test_files_have_names_units_and_every_point(tmp_path: Path):
+    front = a_front(5)
+    front.write_csv(tmp_path / "front.csv")
+    front.write_netcdf(tmp_path / "front.nc")
+    with (tmp_path / "front.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0][:4] == [
+        "gait.amplitude [rad]",
+        "robot.caudal_fin.length [m]",
+        "robot.n_links [-]",
+        "forward_velocity [m/s]",
+    ]
+    assert [float(row[0]) for row in rows[1:]] == front.values[:, 0].tolist()
+    with xarray.open_dataset(tmp_path / "front.nc") as found:
+        assert np.array_equal(found["robot.caudal_fin.length"], front.values[:, 1])
+        assert np.array_equal(found["mechanical_power"], front.figures["mechanical_power"])
+        assert (found["gait.amplitude"].units, found.n_trials, found.seed) == ("rad", 100, 1)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["front.csv", "front.nc"]

@@ -1,0 +1,197 @@
+import re
+from dataclasses import replace
+from math import radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from studies.sweeps import campaign
+
+import laticauda as lc
+from laticauda.studies import Front, Problem, hypervolume, optimize
+from laticauda.studies.problem import evaluate, losses
+from laticauda.studies.search import Search
+
+kills = campaign("optimize_kills")
+BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}
+PROBLEM = Problem(
+    robot=lc.load_robot("mamba"),
+    gait=lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7),
+    duration=2.0,
+    bounds=BOUNDS,
+)
+
+
+def small(problem: Problem = PROBLEM, folder: Path | None = None, **how) -> Front:
+    return optimize(problem, folder, **{"budget": 60, "population": 12, "seed": 2, **how})
+
+
+def same(a: Front, b: Front) -> bool:
+    return kills.contents(a) == kills.contents(b)
+
+
+def test_no_point_of_the_front_beats_another_one_and_all_are_within_the_bounds():
+    front = small()
+    found = losses(front.problem.objectives, front.figures)
+    assert len(front) > 3
+    assert np.all(np.diff(found[:, 1]) > 0.0) and np.all(np.diff(found[:, 0]) < 0.0)
+    for column, (low, high) in zip(front.values.T, BOUNDS.values(), strict=True):
+        assert np.all((low <= column) & (column <= high))
+
+
+def test_the_figures_of_a_point_are_those_of_its_trial():
+    front = small()
+    trial = lc.swim(PROBLEM.robot, front.gait(-1 % len(front)), 2.0)
+    assert front.figures["forward_velocity"][-1] == pytest.approx(trial.forward_velocity, rel=1e-10)
+    assert front.figures["mechanical_power"][-1] == pytest.approx(trial.mechanical_power, rel=1e-10)
+
+
+def test_the_search_is_worth_more_than_as_many_random_points():
+    front = small(budget=240, population=24)
+    low, high = PROBLEM.box()
+    by_chance = losses(
+        PROBLEM.objectives, evaluate(PROBLEM, np.random.default_rng(0).uniform(low, high, (240, low.size)))
+    )
+    found = losses(PROBLEM.objectives, front.figures)
+    reference = (0.0, float(found[:, 1].max()))
+    assert hypervolume(found, reference) > hypervolume(by_chance, reference)
+
+
+def test_for_one_objective_it_finds_the_maximum_of_a_grid_or_better():
+    problem = replace(PROBLEM, objectives="forward_velocity")
+    front = small(problem, budget=320, population=16)
+    axes = np.meshgrid(*(np.linspace(*ends, 12) for ends in BOUNDS.values()))
+    table = np.stack([axis.ravel() for axis in axes], axis=1)
+    assert len(front) == 1
+    assert front.figures["forward_velocity"][0] >= evaluate(problem, table)["forward_velocity"].max()
+
+
+@pytest.mark.parametrize("n_objectives", [1, 2])
+def test_a_search_finds_what_is_known_and_keeps_off_what_is_not_feasible(n_objectives: int):
+    search = Search(np.array([-2.0, -2.0]), np.array([2.0, 3.0]), n_objectives=n_objectives, population=20, seed=1)
+    points = np.empty((0, 2))
+    for _ in range(40):
+        asked = search.ask()
+        points = np.concatenate((points, asked))
+        found = np.stack([np.sum((asked - at) ** 2, axis=1) for at in (0.0, 1.0)], axis=1)
+        search.tell(found[:, :n_objectives], np.maximum(0.5 - asked[:, 0], 0.0))
+    feasible = points[points[:, 0] >= 0.5]
+    # Of the allowed points this is the nearest to the origin.
+    assert np.min(np.linalg.norm(feasible - (0.5, 0.0), axis=1)) < 0.02
+
+
+def test_the_same_seed_gives_the_same_bits_and_another_one_does_not():
+    first = small()
+    np.random.seed(1)  # noqa: NPY002 - a global state must not matter
+    assert same(small(threads=1), first)
+    assert not same(small(seed=3), first)
+
+
+@pytest.mark.parametrize("objectives", [("forward_velocity", "mechanical_power"), ("cost_of_transport",)])
+def test_one_that_stops_anywhere_goes_on_to_the_same_bits(tmp_path: Path, objectives: tuple[str, ...]):
+    problem = replace(PROBLEM, objectives=objectives)
+    whole = small(problem)
+
+    def stop(done: int, total: int) -> None:
+        if done >= 24:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        small(problem, tmp_path / "a", progress=stop)
+    seen: list[int] = []
+    assert same(small(problem, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert seen == [24, 36, 48, 60]
+    # Once more there is nothing to do.
+    seen.clear()
+    assert same(small(problem, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert seen == [60]
+
+
+def test_a_greater_budget_goes_on_and_a_smaller_one_looks_back(tmp_path: Path):
+    small(folder=tmp_path / "a", budget=31)  # ends within a generation
+    assert same(small(folder=tmp_path / "a"), small())
+    assert same(small(folder=tmp_path / "a", budget=31), small(budget=31))
+
+
+def test_one_that_is_killed_comes_out_the_same_bit_for_bit(tmp_path: Path):
+    expected = kills.contents(kills.run(None, 2400))
+    assert kills.kill_at_moments(tmp_path / "a", 2400, kills=1, seed=1) == 1
+    assert 0 < len(list((tmp_path / "a").iterdir())) <= 2
+    assert kills.contents(kills.run(tmp_path / "a", 2400)) == expected
+
+
+def test_whole_numbers_stay_whole():
+    problem = replace(PROBLEM, bounds={**BOUNDS, "robot.n_links": (4, 6)})
+    front = small(problem)
+    assert set(front.values[:, 2]) <= {4.0, 5.0, 6.0}
+    low, high = problem.box()
+    assert problem.points(np.array([low, high]))[:, 2].tolist() == [4.0, 6.0]
+
+
+def test_where_nothing_is_feasible_the_front_is_empty():
+    robot = lc.load_robot("mamba")
+    stiff = replace(robot, joints=tuple(replace(joint, limit=radians(1)) for joint in robot.joints))
+    front = small(replace(PROBLEM, robot=stiff))
+    assert (len(front), front.n_trials, front.n_infeasible) == (0, 60, 60)
+    # Two seconds are too short for a steady velocity.
+    assert len(small(replace(PROBLEM, objectives="steady_velocity"))) == 0
+
+
+def test_a_folder_of_another_optimization_is_refused_with_the_difference(tmp_path: Path):
+    small(folder=tmp_path / "a")
+    before = (tmp_path / "a" / "checkpoint.npz").read_bytes()
+    other = replace(PROBLEM, bounds={**BOUNDS, "gait.amplitude": (0.2, 0.8)})
+    for problem, how, message in (
+        (other, {}, "bounds.gait.amplitude[1] is 0.9 there and 0.8 here"),
+        (PROBLEM, {"seed": 7}, "seed is 2 there and 7 here"),
+        (replace(PROBLEM, duration=3.0), {"population": 20}, "duration is 2.0 there and 3.0 here; population is 12"),
+    ):
+        with pytest.raises(ValueError, match="`folder` must be empty, or hold this opt.*" + re.escape(message)):
+            small(problem, tmp_path / "a", **how)
+    assert (tmp_path / "a" / "checkpoint.npz").read_bytes() == before
+
+
+def test_a_folder_with_files_of_somebody_else_is_refused(tmp_path: Path):
+    (tmp_path / "thesis.tex").write_text("")
+    with pytest.raises(ValueError, match=r"`folder` must be empty, or hold this optimization, got .* with thesis\.tex"):
+        small(folder=tmp_path)
+    with pytest.raises(ValueError, match="`folder` must be a folder, got the file"):
+        small(folder=tmp_path / "thesis.tex")
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize("damage", ["cut", "bit", "empty"])
+def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: str):
+    small(folder=tmp_path / "a", budget=12)
+    file = tmp_path / "a" / "checkpoint.npz"
+    content = bytearray(file.read_bytes())
+    if damage == "bit":
+        content[len(content) // 2] ^= 1
+    file.write_bytes({"cut": content[:-100], "bit": content, "empty": b""}[damage])
+    with pytest.raises(ValueError, match=r"`folder` must hold a readable `checkpoint\.npz`, got"):
+        small(folder=tmp_path / "a")
+
+
+def test_a_checkpoint_that_the_search_does_not_repeat_is_refused(tmp_path: Path):
+    small(folder=tmp_path / "a", budget=24)
+    file = tmp_path / "a" / "checkpoint.npz"
+    with np.load(file) as stored:
+        arrays = dict(stored)
+    arrays["points"][13] += 1e-9
+    np.savez(file, **arrays)
+    with pytest.raises(ValueError, match="went another way after 12 trials"):
+        small(folder=tmp_path / "a")
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"budget": 11}, "`budget` must be a whole number >= 12, got 11"),
+        ({"population": 3}, "`population` must be a whole number >= 4, got 3"),
+        ({"seed": -1}, "`seed` must be a whole number >= 0, got -1"),
+        ({"threads": 0}, "`threads` must be a whole number >= 1, got 0"),
+    ],
+)
+def test_bad_input_is_refused(how: dict[str, int], message: str):
+    with pytest.raises(ValueError, match=message):
+        small(**how)

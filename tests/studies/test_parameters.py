@@ -1,0 +1,98 @@
+from dataclasses import fields, replace
+
+import pytest
+
+import laticauda as lc
+from laticauda.robot import Water
+from laticauda.studies import parameters
+from laticauda.studies.parameters import changed, look_up
+
+ROBOT = lc.load_robot("mamba-fin")
+WATER = lc.load_water("paper-lateral")
+GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+KNOWN = parameters(ROBOT, GAIT, WATER)
+
+
+def test_every_number_of_the_water_can_be_swept():
+    numbers = {field.name for field in fields(Water) if field.type in ("float", float, "float | None")}
+    numbers |= {"depth"}
+    assert {f"water.{name}" for name in numbers} | {"water.current_x", "water.current_y"} == {
+        name for name in KNOWN if name.startswith("water.")
+    }
+
+
+def test_a_parameter_has_the_unit_and_the_words_of_its_field():
+    assert KNOWN["gait.frequency"].unit == "rad/s"
+    assert KNOWN["robot.module.section.half_width"].unit == "m"
+    assert KNOWN["water.normal_drag"].unit == ""
+    assert KNOWN["water.current_y"].title == "V, the velocity that the water moves to, in world axes: y"
+    assert KNOWN["robot.n_links"].is_whole and KNOWN["robot.caudal_fin.n_strips"].is_whole
+    assert not KNOWN["robot.caudal_fin.length"].is_whole
+
+
+def test_every_parameter_can_be_set_and_comes_out_where_it_belongs():
+    # Each is moved by a little from what it is; where it is None, from 1.
+    for name, parameter in KNOWN.items():
+        if name == "robot.n_links":
+            continue
+        before = _value(ROBOT, GAIT, WATER, name)
+        wanted = (1.0 if before is None else before) + (1 if parameter.is_whole else 1e-3)
+        after = changed(ROBOT, GAIT, WATER, {name: wanted})
+        assert _value(*after, name) == wanted
+        assert _value(*changed(*after, {name: before}), name) == before if before is not None else True
+
+
+def _value(robot, gait, water, name):
+    root, *way = name.split(".")
+    thing = {"robot": robot, "gait": gait, "water": water}[root]
+    for step in way:
+        if step in ("module", "joint"):
+            several = getattr(thing, step + "s")
+            assert len(set(several)) == 1
+            thing = several[0]
+        elif step.endswith(("_x", "_y")):
+            thing = getattr(thing, step[:-2])["xy".index(step[-1])]
+        else:
+            thing = getattr(thing, step)
+    return thing
+
+
+def test_values_that_bound_each_other_are_set_at_once():
+    values = {"robot.caudal_fin.length": 0.1, "robot.caudal_fin.opening_length": 0.05}
+    robot, _, _ = changed(ROBOT, GAIT, WATER, values)
+    assert (robot.caudal_fin.length, robot.caudal_fin.opening_length) == (0.1, 0.05)
+
+
+def test_both_ends_of_a_pair_can_be_set():
+    _, _, water = changed(ROBOT, GAIT, WATER, {"water.current_x": 0.1, "water.current_y": -0.2})
+    assert water == replace(WATER, current=(0.1, -0.2))
+
+
+def test_the_number_of_links_and_what_they_are_like_can_be_set_together():
+    robot, gait, water = changed(ROBOT, GAIT, WATER, {"robot.n_links": 5.0, "robot.module.mass": 2.0})
+    assert [module.mass for module in robot.modules] == [2.0] * 5
+    assert gait is GAIT and water is WATER
+
+
+def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
+    with pytest.raises(ValueError, match=r"got 'gait.amplitud'; the nearest are `gait.amplitude`\."):
+        look_up("gait.amplitud", KNOWN)
+    expected = r"the nearest are `water.normal_drag`, `robot.module.normal_drag`, `robot.caudal_fin.normal_drag`\."
+    with pytest.raises(ValueError, match=expected):
+        look_up("normal-drag", KNOWN)
+    with pytest.raises(ValueError, match=r"got 'xyzzy'\.$"):
+        look_up("xyzzy", KNOWN)
+    with pytest.raises(ValueError, match="`points` must name numbers of gait, water or robot"):
+        look_up("robot.name", KNOWN)
+
+
+def test_a_fin_can_be_swept_only_by_a_robot_that_has_one():
+    bare = parameters(lc.load_robot("mamba"), GAIT, WATER)
+    assert {name for name in KNOWN if name not in bare} == {name for name in KNOWN if "caudal_fin" in name}
+
+
+def test_on_the_ground_its_friction_can_be_swept():
+    known = parameters(ROBOT, GAIT, lc.load_ground("viscous"))
+    assert known["ground.normal"].title.startswith("Coefficient across a link")
+    with pytest.raises(ValueError, match="numbers of gait, ground or robot"):
+        look_up("water.normal_drag", known)
