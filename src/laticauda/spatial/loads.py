@@ -47,9 +47,6 @@ from laticauda.spatial.native import allocate, call_1, call_2, number_at, pointe
     ELEMENT_BODY,
     ELEMENTS,  # records of numbers, see below
     WATER,  # numbers: see below
-    GRAVITY,  # the model's own, 3 numbers
-    ARMATURE,  # the model's own
-    TIME_STEP,  # the model's own
     LAW,  # cfunc: ten numbers in, three out behind them
     CURRENT,  # cfunc: x, y, z, t in, three out behind them; 0: constant
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
@@ -58,6 +55,10 @@ from laticauda.spatial.native import allocate, call_1, call_2, number_at, pointe
     MARK_STACK,
     FREE_STACK,
     ALLOCATE,
+    # offsets in the model
+    AT_GRAVITY,
+    AT_TIME_STEP,
+    AT_ARMATURE,
     # offsets in the data
     AT_QVEL,
     AT_QACC,
@@ -95,8 +96,11 @@ QUADRATIC = 34
 ELEMENT_SIZE = 35
 OUT_SIZE = 12  # drag, added mass (its velocity part), buoyancy [N] in world axes, torque of all about the middle [N m]
 
-# --- The registry: previous callback, number of models, then the addresses of each model and of its table
-MOST_MODELS = 4096
+# --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
+# The mark is a number below 2^52 that stands in the model as a denormal, so that copies of the model have it too; its
+# last bits are the place in the registry.
+PLACE_BITS = 12
+MOST_MODELS = 1 << PLACE_BITS
 registry = np.zeros(2 + 2 * MOST_MODELS, dtype=np.int64)
 
 _SYMBOL = "laticauda_water_registry"
@@ -143,7 +147,7 @@ def field(data, offset, n):
 
 @kernel
 @no_type_check
-def element_load(E, o, T, P, S, body, data, law_io, step):
+def element_load(E, o, T, P, S, body, model, data, law_io, step):
     """Add one element's load and inertia to those of its body in the scratch `S`.
 
     `E` holds the elements' records, this one's from `o` on; `P` is the water's numbers; S is laid out as acceleration,
@@ -234,7 +238,7 @@ def element_load(E, o, T, P, S, body, data, law_io, step):
         i0, i1, i2 = i0 + step * secant(s0, w0), i1 + step * secant(s1, w1), i2 + step * secant(s2, w2)
     # Buoyancy, at the center of the displaced volume
     lift = -P[DENSITY] * wet * E[o + VOLUME]
-    gravity = numbers(T[GRAVITY], 3)
+    gravity = numbers(model + T[AT_GRAVITY], 3)
     bx, by, bz = lift * gravity[0], lift * gravity[1], lift * gravity[2]
     if T[OUT] != 0:
         out = numbers(T[OUT] + 8 * OUT_SIZE * ((o // ELEMENT_SIZE)), OUT_SIZE)
@@ -357,13 +361,13 @@ def gather(T, data, S):
 
 @kernel
 @no_type_check
-def write_inertia(T, data, S):
+def write_inertia(T, model, data, S):
     """M + A into MuJoCo's matrix, from MuJoCo's composite inertias, so that doing it twice does no harm."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
     body, above = integers(T[DOF_BODY], n_dofs), integers(T[DOF_PARENT], n_dofs)
     end, length = integers(T[ROW_END], n_dofs), integers(T[ROW_LENGTH], n_dofs)
     cdof, crb = field(data, T[AT_CDOF], 6 * n_dofs), field(data, T[AT_CRB], 10 * n_bodies)
-    armature = numbers(T[ARMATURE], n_dofs)
+    armature = field(model, T[AT_ARMATURE], n_dofs)
     M = field(data, T[AT_M], end[n_dofs - 1] + 1)
     for i in range(n_dofs):
         c, C, A = 6 * i, 10 * body[i], 12 * n_bodies + 21 * body[i]
@@ -417,12 +421,12 @@ def apply(model, data, table):
     velocity_accelerations(T, data, S)
     n = T[N_ELEMENTS]
     body, E, P = integers(T[ELEMENT_BODY], n), numbers(T[ELEMENTS], n * ELEMENT_SIZE), numbers(T[WATER], WATER_SIZE)
-    step = number_at(T[TIME_STEP])
+    step = number_at(model + T[AT_TIME_STEP])
     for e in range(n):
-        element_load(E, e * ELEMENT_SIZE, T, P, S, body[e], data, law_io, step)
+        element_load(E, e * ELEMENT_SIZE, T, P, S, body[e], model, data, law_io, step)
     gather(T, data, S)
     if T[HAS_INERTIA]:
-        write_inertia(T, data, S)
+        write_inertia(T, model, data, S)
         if T[HOLD] != 0:
             add_hold(T, data)
         call_2(T[FACTOR_M], model, data)
@@ -434,10 +438,10 @@ def _passive(model, data):
     R = integers(registry_address(), 2 + 2 * MOST_MODELS)
     if R[0] != 0:
         call_2(R[0], model, data)
-    for i in range(R[1]):
-        if R[2 + 2 * i] == model:
-            apply(model, data, R[3 + 2 * i])
-            return
+    mark = word_at(model + R[1])
+    place = 2 + 2 * (mark & (MOST_MODELS - 1))
+    if mark != 0 and R[place] == mark:
+        apply(model, data, R[place + 1])
 
 
 def _digest() -> str:

@@ -59,6 +59,9 @@ _PROBE = """
 """
 
 
+_RARE = 0.7310585786300049  # a number that stands nowhere else
+
+
 @cache
 def library() -> ctypes.CDLL:
     """The shared library that the module `mujoco` runs on."""
@@ -81,29 +84,41 @@ def offsets() -> dict[str, int]:
     mujoco = engine()
     model = mujoco.MjModel.from_xml_string(_PROBE)
     data = mujoco.MjData(model)
-    data.time = 0.7310585786300049  # a number that stands nowhere else
-    size = max(_end_of_struct(data), 1024)
-    words = np.frombuffer((ctypes.c_char * size).from_address(data._address), dtype=np.uint64)
+    data.time = _RARE
+    words = _words(data._address, np.uint64(data.signature), "data")  # stands behind all pointers
     found = {name: _last(words, np.uint64(getattr(data, name).ctypes.data), name) for name in ARRAYS}
-    found["time"] = _last(words, np.float64(data.time).view(np.uint64), "time")
+    found["time"] = _last(words, np.float64(_RARE).view(np.uint64), "time")
     return found
 
 
-def _end_of_struct(data: Any) -> int:
-    """A length that holds all pointers of `mjData`: they come before its signature, near its end."""
-    step, limit = 1024, 1 << 20
-    target = np.uint64(data.signature)
-    raw = (ctypes.c_char * step).from_address
-    for start in range(0, limit, step):
-        if np.any(np.frombuffer(raw(data._address + start), dtype=np.uint64) == target):
-            return start + step
-    raise OSError("the data of this build of MuJoCo is not laid out as expected")
+@cache
+def model_offsets() -> dict[str, int]:
+    """Offsets in `mjModel` [bytes]: of its gravity, time step and override of margins, and of its armature's address."""
+    model = engine().MjModel.from_xml_string(_PROBE)
+    model.opt.timestep, model.opt.o_margin = _RARE, 2.0 * _RARE
+    words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
+    return {
+        "gravity": model.opt.gravity.ctypes.data - model._address,
+        "timestep": _last(words, np.float64(_RARE).view(np.uint64), "timestep"),
+        "o_margin": _last(words, np.float64(2.0 * _RARE).view(np.uint64), "o_margin"),
+        "dof_armature": _last(words, np.uint64(model.dof_armature.ctypes.data), "dof_armature"),
+    }
+
+
+def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
+    """The words of a structure from its start to the one that holds `target`, which stands near its end."""
+    page, limit = 1024, 1 << 20
+    for length in range(page, limit, page):
+        words = np.frombuffer((ctypes.c_char * length).from_address(start), dtype=np.uint64)
+        if np.any(words[-page // 8 :] == target):
+            return words
+    raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
 
 
 def _last(words: np.ndarray, value: Any, name: str) -> int:
     places = np.flatnonzero(words == value)
     if places.size == 0:
-        raise OSError(f"`{name}` was not found in the data of this build of MuJoCo")
+        raise OSError(f"`{name}` was not found in this build of MuJoCo")
     return int(places[-1]) * 8  # empty arrays before it, and the buffer's own pointer, have the same address
 
 
@@ -205,21 +220,3 @@ def integrate_positions(typingctx, where, model, qpos, qvel, dt):
         typingctx, where, model, qpos, qvel, dt
     )
 
-
-@cache
-def _time_step_offset() -> int:
-    """Where a model's time step is, from its gravity on [bytes]; both are in its options."""
-    model = engine().MjModel.from_xml_string(_PROBE)
-    model.opt.timestep = 0.7310585786300049
-    reach = 64
-    start = model.opt.gravity.ctypes.data - reach * 8
-    words = np.frombuffer((ctypes.c_char * (2 * reach * 8)).from_address(start), dtype=np.float64)
-    places = np.flatnonzero(words == model.opt.timestep)
-    if places.size != 1:
-        raise OSError("`timestep` was not found in the model of this build of MuJoCo")
-    return (int(places[0]) - reach) * 8
-
-
-def time_step_address(model: Any) -> int:
-    """Where a model's time step is."""
-    return int(model.opt.gravity.ctypes.data) + _time_step_offset()

@@ -12,6 +12,7 @@ scratch memory is the data's own stack.
 
 import ctypes
 import math
+import secrets
 import warnings
 import weakref
 from collections.abc import Callable, Iterable, Sequence
@@ -48,10 +49,13 @@ class Water:
     """Addresses and offsets for the compiled code; see `loads`."""
     numbers: dict[str, np.ndarray]
     """What the table points to."""
+    mark: int
+    """By which the compiled code knows the model and its copies."""
 
     def detach(self) -> None:
-        """Take the water away."""
-        _forget(int(self.table.ctypes.data))
+        """Take the water away, from the model and from all copies of it."""
+        with _lock:
+            _forget(self.mark)
 
     @property
     def active(self) -> bool:
@@ -108,7 +112,7 @@ def attach(
     fluid_law: FluidLaw = laws.polynomial_drag,
     usual_speed: float = 1.0,
 ) -> Water:
-    """Put a model under water. What was attached to it before is replaced.
+    """Put a model under water. What was attached to it before is replaced; copies of the model have its water too.
 
     Args:
         model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it.
@@ -161,8 +165,8 @@ def attach(
         water[[loads.V_X, loads.V_Y, loads.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     positive("usual_speed", usual_speed, "m/s")
     _install()
-    _register(model, table, (arrays, keep))
-    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays)
+    mark = _register(model, table, (arrays, keep))
+    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, mark=mark)
     _warn(model, handle, elements, bodies, implicit_drag, usual_speed)
     return handle
 
@@ -317,6 +321,8 @@ def _check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
         raise ValueError(f"`model` must have one of the integrators {', '.join(INTEGRATORS)}, got {option.integrator}.")
     if implicit_drag and integrator not in ("Euler", "implicitfast"):
         raise ValueError(f"`implicit_drag` must go with the integrator Euler or implicitfast, got {integrator}.")
+    if option.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
+        raise ValueError("`model` must not override contact parameters: the mark of its water stands in `o_margin`.")
     if not heavy:
         return
     if option.solver == mujoco.mjtSolver.mjSOL_PGS:
@@ -370,9 +376,9 @@ def _table(
     table = np.zeros(loads.TABLE_SIZE, dtype=np.int64)
     table[[loads.N_BODIES, loads.N_DOFS, loads.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
     table[loads.PARENT : loads.WATER + 1] = [a.ctypes.data for a in arrays.values()]
-    table[loads.GRAVITY] = model.opt.gravity.ctypes.data
-    table[loads.ARMATURE] = model.dof_armature.ctypes.data
-    table[loads.TIME_STEP] = native.time_step_address(model)
+    inside = native.model_offsets()
+    names = ("gravity", "timestep", "dof_armature")
+    table[loads.AT_GRAVITY : loads.AT_ARMATURE + 1] = [inside[name] for name in names]
     names = ("mj_factorM", "mj_markStack", "mj_freeStack", "mj_stackAllocNum")
     table[loads.FACTOR_M : loads.ALLOCATE + 1] = [native.address(name) for name in names]
     where = native.offsets()
@@ -430,36 +436,38 @@ def _install() -> None:
 
 
 _previous: list[Any] = []
-_kept: dict[int, Any] = {}
+_kept: dict[int, Any] = {}  # what the compiled code reads, by the mark of its model
+_gone: list[int] = []  # marks of models that no longer exist; copies of them may
 
 
-def _register(model: Any, table: np.ndarray, keep: Any) -> None:
-    where, what = int(model._address), int(table.ctypes.data)
+def _register(model: Any, table: np.ndarray, keep: Any) -> int:
+    """Enter a table into the registry, and set its mark in the model."""
+    rows = loads.registry[2:].reshape(-1, 2)
     with _lock:
-        registry = loads.registry
-        rows = registry[2:].reshape(-1, 2)
-        taken = np.flatnonzero(rows[: registry[1], 0] == where)
-        row = int(taken[0]) if taken.size else int(registry[1])
-        if row >= loads.MOST_MODELS:
-            raise ValueError(f"`model` must be one of at most {loads.MOST_MODELS} models with water at a time.")
-        _kept.pop(int(rows[row, 1]), None)
-        rows[row] = where, what
-        registry[1] = max(int(registry[1]), row + 1)
-        _kept[what] = (table, keep)
-    weakref.finalize(model, _forget, what)
+        free = np.flatnonzero(rows[1:, 0] == 0) + 1
+        if not free.size and _gone:
+            _forget(_gone[0])
+            free = np.flatnonzero(rows[1:, 0] == 0) + 1
+        if not free.size:
+            raise ValueError(f"`model` must be one of less than {loads.MOST_MODELS} models with water at a time.")
+        place = int(free[0])
+        mark = secrets.randbits(52 - loads.PLACE_BITS) << loads.PLACE_BITS | place
+        rows[place] = mark, table.ctypes.data
+        _kept[mark] = (table, keep)
+        loads.registry[1] = native.model_offsets()["o_margin"]
+    # A margin of less than 1e-307 m is none, should anyone use it; it goes with every copy of the model.
+    model.opt.o_margin = np.int64(mark).view(np.float64)
+    weakref.finalize(model, _gone.append, mark)
+    return mark
 
 
-def _forget(table: int) -> None:
-    with _lock:
-        registry = loads.registry
-        rows = registry[2:].reshape(-1, 2)
-        found = np.flatnonzero(rows[: registry[1], 1] == table)
-        if found.size:
-            last = int(registry[1]) - 1
-            rows[found[0]] = rows[last]
-            rows[last] = 0
-            registry[1] = last
-        _kept.pop(table, None)
+def _forget(mark: int) -> None:
+    row = loads.registry[2:].reshape(-1, 2)[mark & (loads.MOST_MODELS - 1)]
+    if row[0] == mark:
+        row[:] = 0
+    _kept.pop(mark, None)
+    if mark in _gone:
+        _gone.remove(mark)
 
 
 def _warn(
