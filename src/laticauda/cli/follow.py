@@ -17,6 +17,7 @@ from laticauda.cli.groups import (
 from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
 from laticauda.cli.swim import PICTURES, OutputFlags, announced
+from laticauda.cli.view import check_film, write_film
 
 if TYPE_CHECKING:
     from laticauda.control import Guidance, Path, PathFollowing
@@ -134,6 +135,7 @@ class Follow:
         """Run, write, print, and return the exit status."""
         check_output("save", self.output.save, (".nc",))
         check_output("plot", self.output.plot, PICTURES)
+        check_film(self.output.video)
         from laticauda.cli.report import as_json, as_text, following_table
         from laticauda.interfaces import Start
         from laticauda.simulate import plant, run
@@ -153,6 +155,8 @@ class Follow:
             from laticauda.figures import follow_sheet, save_figure
 
             save_figure(follow_sheet(trial), self.output.plot)
+        if self.output.video is not None:
+            write_film(trial, self.output.video)
         print(as_json(trial) if self.output.json else f"{as_text(trial, origin)}\n\n{following_table(trial)}")
         if not trial.succeeded:
             print(in_flags(trial.status, self), file=sys.stderr)

@@ -17,6 +17,7 @@ from laticauda.cli.groups import (
 )
 from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
+from laticauda.cli.view import check_film, write_film
 from laticauda.robot import Environment
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ PICTURES = (".png", ".pdf")
 COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
 CLOCK = ("duration", "sample_interval")
 # All else is in the stored trial.
-WITH_RESUME = ("resume", *CLOCK, "json", "save", "plot")
+WITH_RESUME = ("resume", *CLOCK, "json", "save", "plot", "video")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +57,8 @@ class OutputFlags:
     """Write the trial to this netCDF file (.nc)."""
     plot: File = None
     """Draw path, speed, joint angles and torques into this picture (.png or .pdf)."""
+    video: File = None
+    """Show the run in 3D in this film (.mp4)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +82,7 @@ class Swim:
         """Run, write, print, and return the exit status."""
         check_output("save", self.output.save, (".nc",))
         check_output("plot", self.output.plot, PICTURES)
+        check_film(self.output.video)
         trial, origin = self._swim() if self.run.resume is None else self._go_on(self.run.resume)
         if self.output.save is not None:
             trial.save(self.output.save)
@@ -86,6 +90,8 @@ class Swim:
             from laticauda.figures import save_figure, swim_sheet
 
             save_figure(swim_sheet(trial), self.output.plot)
+        if self.output.video is not None:
+            write_film(trial, self.output.video)
         self._print(trial, origin)
         return 0 if trial.succeeded else 1
 

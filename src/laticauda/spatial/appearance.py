@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.robot import CaudalFin, Module, Robot
 from laticauda.spatial.door import engine
-from laticauda.spatial.meshes import Mesh, loft
+from laticauda.spatial.meshes import Mesh, joined, loft
 
 SEEN, HULL = 1, 3  # groups
 # Modules touch the world and not each other: their joint limits keep them apart.
@@ -20,7 +20,7 @@ UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": SEEN, "mas
 SUFFIXES = (".stl", ".obj")
 PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
 GAP = 0.012  # between two housings, filled by the bellows [m]
-CORE, BELLOWS = 0.86, 0.87  # sizes of what is inside, to that of the housing
+CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
 NOSE = 1.5  # length of the rounded front, in half heights
 # Red, green, blue, opacity; how much it shines.
 MATERIALS = {
@@ -28,8 +28,8 @@ MATERIALS = {
     "band": ((1.0, 0.62, 0.05, 1.0), 0.25),
     "bellows": ((0.16, 0.17, 0.18, 1.0), 0.05),
     "head": ((0.95, 0.30, 0.04, 1.0), 0.45),
-    "window": ((0.02, 0.03, 0.05, 1.0), 0.9),
-    "fin": ((0.05, 0.055, 0.065, 1.0), 0.30),
+    "collar": ((0.03, 0.035, 0.045, 1.0), 0.45),
+    "fin": ((0.13, 0.15, 0.17, 1.0), 0.40),
 }
 
 
@@ -106,7 +106,7 @@ def _add_module(library: _Library, body: Any, module: Module, *, is_head: bool, 
     """Housings with their bands, and the bellows in front of the joint on the tail side."""
     if is_head:
         _seen(body, library.made("head", module, head), "head")
-        _seen(body, library.made("window", module, window), "window")
+        _seen(body, library.made("collar", module, collar), "collar")
     else:
         _seen(body, library.made("housing", module, housing), "housing")
         _seen(body, library.made("band", module, bands), "band")
@@ -123,52 +123,43 @@ def hull(module: Module) -> Mesh:
 
 def housing(module: Module) -> Mesh:
     """A row of housings with beveled ends, and the core that holds them together."""
-    a, b = module.section.half_height, module.section.half_width
-    stations: list[tuple[float, float, float]] = []
+    rings: list[tuple[float, float]] = []
     for start, stop in _housings(module):
         bevel = 0.08 * (stop - start)
-        for x, scale in (
-            (start, 0.0),
-            (start, 0.9),
-            (start + bevel, 1.0),
-            (stop - bevel, 1.0),
-            (stop, 0.9),
-            (stop, 0.0),
-        ):
-            stations.append((x, scale * a, scale * b))
-    core = CORE
-    inner = [station if station[1] else (station[0], core * a, core * b) for station in stations[1:-1]]
-    return loft(inner)
+        rings += [(start, CORE), (start, 0.9), (start + bevel, 1.0), (stop - bevel, 1.0), (stop, 0.9), (stop, CORE)]
+    return _around(module, rings)
 
 
 def bands(module: Module) -> Mesh:
     """A band around every housing."""
-    a, b = module.section.half_height, module.section.half_width
-    stations: list[tuple[float, float, float]] = []
-    for start, stop in _housings(module):
-        low, high = start + 0.42 * (stop - start), start + 0.60 * (stop - start)
-        for x, scale in ((low, CORE), (low, 1.015), (high, 1.015), (high, CORE)):
-            stations.append((x, scale * a, scale * b))
-    return loft(stations)
+    return joined(
+        *(
+            _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
+            for start, stop in _housings(module)
+            for low, high in [(start + 0.40 * (stop - start), start + 0.62 * (stop - start))]
+        )
+    )
 
 
 def head(module: Module) -> Mesh:
     """A housing whose front is rounded."""
-    a, b, length = module.section.half_height, module.section.half_width, module.length
-    start = 0.5 * GAP
-    nose = min(NOSE * a, 0.75 * (length - start))
-    stations = [(start, 0.9 * a, 0.9 * b), (start + 0.05 * length, a, b)]
-    for turn in np.linspace(0.0, 0.5 * np.pi, 14)[:-1]:
-        scale = float(np.cos(turn)) ** 0.8
-        stations.append((length - nose * (1.0 - float(np.sin(turn))), scale * a, scale * b))
-    return loft([*stations, (length, 0.0, 0.0)])
+    start, stop = 0.5 * min(GAP, 0.2 * module.length), module.length
+    nose = min(NOSE * module.section.half_height, 0.75 * (stop - start))
+    turns = np.linspace(0.0, 0.5 * np.pi, 15)
+    front = [(stop - nose * (1.0 - float(np.sin(turn))), max(float(np.cos(turn)), 0.0) ** 0.8) for turn in turns]
+    return _around(module, [(start, 0.9), (start + 0.06 * (stop - start), 1.0), *front])
 
 
-def window(module: Module) -> Mesh:
+def collar(module: Module) -> Mesh:
     """The dark band around the head's neck."""
+    low, high = 0.16 * module.length, 0.26 * module.length
+    return _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
+
+
+def _around(module: Module, rings: list[tuple[float, float]]) -> Mesh:
+    """A surface through sections at these places [m], each the module's own times a factor."""
     a, b = module.section.half_height, module.section.half_width
-    low, high = 0.5 * GAP + 0.10 * module.length, 0.5 * GAP + 0.17 * module.length
-    return loft([(x, scale * a, scale * b) for x, scale in ((low, CORE), (low, 1.015), (high, 1.015), (high, CORE))])
+    return loft([(x, scale * a, scale * b) for x, scale in rings])
 
 
 def _housings(module: Module) -> list[tuple[float, float]]:

@@ -42,3 +42,10 @@ def loft(stations: Sequence[tuple[float, float, float]], *, around: int = AROUND
     faces.append(np.stack((np.full(around, n), second, first), axis=1))
     faces.append(np.stack((np.full(around, n + 1), last + first, last + second), axis=1))
     return Mesh(vertices=np.vstack([*rings, ends]), faces=np.vstack(faces))
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several surfaces as one."""
+    shifts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + shift for mesh, shift in zip(meshes, shifts, strict=True)]
+    return Mesh(vertices=np.vstack([mesh.vertices for mesh in meshes]), faces=np.vstack(faces))

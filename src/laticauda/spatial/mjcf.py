@@ -94,6 +94,16 @@ def start_height(robot: Robot, environment: Environment) -> float:
     return -(DEPTH if environment.depth is None else environment.depth)
 
 
+def inertia_of(piece: Module | CaudalFin) -> tuple[float, tuple[float, float, float]]:
+    """Where a piece has its center of mass on the x axis of its body [m], and its moments of inertia there [kg m^2]."""
+    m = piece.mass
+    if isinstance(piece, CaudalFin):
+        rod = m * piece.length**2 / 12.0  # as the planar model has it
+        return -0.5 * piece.length, moments(rod, m * piece.thickness**2 / 12.0, m * piece.height**2 / 12.0)
+    a, b = piece.section.half_height, piece.section.half_width
+    return piece.half_length + piece.center, moments(piece.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
+
+
 def moments(vertical: float, across: float, above: float) -> tuple[float, float, float]:
     """Moments of inertia of a body about its x, y and z axis, of which z has to be exact [kg m^2].
 
@@ -167,22 +177,19 @@ def _add_joint(body: Any, index: int, joint: Joint) -> None:
 
 
 def _set_module(body: Any, index: int, module: Module) -> None:
-    a, b = module.section.half_height, module.section.half_width
-    body.mass = module.mass
-    body.ipos = (module.half_length + module.center, 0.0, 0.0)
-    body.inertia = moments(module.moment_of_inertia, 0.25 * module.mass * b**2, 0.25 * module.mass * a**2)
-    body.explicitinertial = True
+    _set_inertia(body, module)
     body.add_site(name=f"module_{index}_center", pos=(module.half_length, 0.0, 0.0))
     body.add_site(name=f"module_{index}_tail")
 
 
 def _add_fin(tail: Any, fin: CaudalFin) -> None:
     """The fin's body has the frame of module 0 and extends to -x."""
-    body = tail.add_body(name="caudal_fin")
-    thickness, height = fin.mass * fin.thickness**2 / 12.0, fin.mass * fin.height**2 / 12.0
-    body.mass = fin.mass
-    body.ipos = (-0.5 * fin.length, 0.0, 0.0)
-    body.inertia = moments(fin.mass * fin.length**2 / 12.0, thickness, height)
+    _set_inertia(tail.add_body(name="caudal_fin"), fin)
+
+
+def _set_inertia(body: Any, piece: Module | CaudalFin) -> None:
+    center, inertia = inertia_of(piece)
+    body.mass, body.inertia, body.ipos = piece.mass, inertia, (center, 0.0, 0.0)
     body.explicitinertial = True
 
 
