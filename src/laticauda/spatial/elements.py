@@ -48,6 +48,8 @@ class Element:
     """Along x, y and z, not negative [kg]."""
     added_inertia: Three = _NONE
     """About x, y and z through the middle, not negative [kg m^2]."""
+    thrust: Three = _NONE
+    """A constant force along x, y and z, of a thruster say [N]."""
     volume: float = 0.0
     """Of the water that it displaces when covered [m^3]."""
     shape: Literal["ellipsoid", "cylinder", "box"] = "ellipsoid"
@@ -64,6 +66,7 @@ class Element:
         if not isinstance(self.body, str):  # pyright: ignore[reportUnnecessaryIsInstance]  # users need not use pyright
             raise ValueError(f"`body` must be the name of a body, got {self.body!r}.")
         self._settle("position", finite, "m")
+        self._settle("thrust", finite, "N")
         for name, unit in (
             ("drag", "N s^2/m^2"),
             ("torque_linear", "N s^2"),

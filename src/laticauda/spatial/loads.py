@@ -93,7 +93,8 @@ HALF = 29  # 3
 REFERENCE_SPEED = 32
 LINEAR = 33
 QUADRATIC = 34
-ELEMENT_SIZE = 35
+THRUST = 35  # 3
+ELEMENT_SIZE = 38
 OUT_SIZE = 12  # drag, added mass (its velocity part), buoyancy [N] in world axes, torque of all about the middle [N m]
 
 # --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
@@ -248,6 +249,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         out[5] = r20 * f0 + r21 * f1 + r22 * f2
         out[6], out[7], out[8] = bx, by, bz
     f0, f1, f2, t0, t1, t2 = f0 + q0, f1 + q1, f2 + q2, t0 + s0, t1 + s1, t2 + s2
+    f0, f1, f2 = f0 + E[o + THRUST], f1 + E[o + THRUST + 1], f2 + E[o + THRUST + 2]
     fx, fy, fz = r00 * f0 + r01 * f1 + r02 * f2, r10 * f0 + r11 * f1 + r12 * f2, r20 * f0 + r21 * f1 + r22 * f2
     fx, fy, fz = fx + bx, fy + by, fz + bz
     cx, cy, cz = r00 * c0 + r01 * c1 + r02 * c2, r10 * c0 + r11 * c1 + r12 * c2, r20 * c0 + r21 * c1 + r22 * c2

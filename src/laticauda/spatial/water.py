@@ -399,6 +399,7 @@ def _record(element: Element) -> np.ndarray:
         (loads.MASS, element.added_mass),
         (loads.INERTIA, element.added_inertia),
         (loads.HALF, element.half_size),
+        (loads.THRUST, element.thrust),
     ):
         record[at : at + len(values)] = values
     record[loads.VOLUME], record[loads.SHAPE] = element.volume, element.shape_number
