@@ -9,7 +9,8 @@ from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.trial import Trial
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
-MODELS = ("planar",)
+MODELS = ("planar", "spatial")
+ROOTS = ("free", "planar")
 
 
 def plant(
@@ -22,13 +23,15 @@ def plant(
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
     fluid_law: FluidLaw | None = None,
+    root: str | None = None,
+    gravity: bool | None = None,
 ) -> Plant[Any]:
     """A robot in its environment as something that can be stepped.
 
     Args:
         robot: What swims.
         environment: The water it swims in or the ground it crawls on.
-        model: planar.
+        model: planar (closed form), or spatial (MuJoCo; it needs the extra `spatial`).
         joints: How the joints follow the gait: prescribed (exactly), pd (the published simulations' law) or servo
             (the real robot's).
         dt: Largest time step [s]; None takes a converged one.
@@ -36,30 +39,45 @@ def plant(
         ramp: Duration of the smooth start [s]; None takes 1 s for prescribed joints and none for the others.
         fluid_law: Loads on one element, with the signature of `laticauda.fluid.laws.polynomial_drag`; None takes the
             environment's own.
+        root: Spatial only: `free`, or `planar` for a tail module whose height and tilt are fixed. None: `planar` for a
+            robot whose joints all turn about the vertical axis, else `free`.
+        gravity: Spatial only: whether there is weight and buoyancy; None: yes. They do nothing to a planar root.
 
     Returns:
         The plant.
 
     Raises:
         ValueError: If an argument is out of its range, or robot and environment do not fit together.
+        MissingExtra: If the model needs a package that is not installed.
     """
     instance("robot", robot, Robot)
     instance("environment", environment, Water, Ground)
     one_of("model", model, MODELS)
+    if model == "planar":
+        for name, value in (("root", root), ("gravity", gravity)):
+            if value is not None:
+                raise ValueError(f"`{name}` must be left out unless `model` is `spatial`, got {value!r}.")
     from laticauda.planar.model import PlanarPlant
     from laticauda.planar.specialize import check_law
 
     if fluid_law is not None:
         check_law(fluid_law)
-    return PlanarPlant(
-        robot=robot,
-        environment=environment,
-        joints=joints,
-        dt=dt,
-        offset_bandwidth=offset_bandwidth,
-        ramp=ramp,
-        fluid_law=fluid_law,
-    )
+    settings: dict[str, Any] = {
+        "robot": robot,
+        "environment": environment,
+        "joints": joints,
+        "dt": dt,
+        "offset_bandwidth": offset_bandwidth,
+        "ramp": ramp,
+        "fluid_law": fluid_law,
+    }
+    if model == "planar":
+        return PlanarPlant(**settings)
+    from laticauda.spatial.model import SpatialPlant
+
+    if root is None:
+        root = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
+    return SpatialPlant(**settings, root=one_of("root", root, ROOTS), gravity=gravity is None or bool(gravity))
 
 
 def plant_of(trial: Trial) -> Plant[Any]:
@@ -74,7 +92,7 @@ def plant_of(trial: Trial) -> Plant[Any]:
     settings: Any = trial.settings
     if settings.get("fluid_law", "built-in") != "built-in":
         raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
-    names = ("model", "joints", "dt", "offset_bandwidth", "ramp")
+    names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
     return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
 
 

@@ -49,6 +49,8 @@ class Water:
     """Addresses and offsets for the compiled code; see `loads`."""
     numbers: dict[str, np.ndarray]
     """What the table points to."""
+    fluid_law: FluidLaw
+    """Drag on one element in one plane."""
     mark: int
     """By which the compiled code knows the model and its copies."""
 
@@ -166,7 +168,7 @@ def attach(
     positive("usual_speed", usual_speed, "m/s")
     _install()
     mark = _register(model, table, (arrays, keep))
-    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, mark=mark)
+    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, fluid_law=fluid_law, mark=mark)
     _warn(model, handle, elements, bodies, implicit_drag, usual_speed)
     return handle
 
@@ -283,15 +285,29 @@ def stable_step(model: Any, handle: Water, speed: float) -> float:
         R = data.xmat[body].reshape(3, 3) @ element.rotation
         at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ np.array(element.position)
         mujoco.mj_jac(model, data, linear, turning, at, body)
-        steep = element.reference_speed + 2.0 * speed * element.quadratic
-        spin = speed / max(element.half_size)
-        slope = np.array(element.drag) * steep
-        slope_2 = np.array(element.torque_linear) * element.reference_speed
-        slope_2 += 2.0 * spin * element.quadratic * np.array(element.torque_quadratic)
+        slope, slope_2 = _slopes(handle.fluid_law, element, speed)
         J, K = R.T @ linear, R.T @ turning
         D += J.T @ (slope[:, np.newaxis] * J) + K.T @ (slope_2[:, np.newaxis] * K)
     fastest = float(np.max(np.real(np.linalg.eigvals(np.linalg.solve(M, D))))) if model.nv else 0.0
     return 2.0 / fastest if fastest > 0.0 else math.inf
+
+
+def _slopes(law: FluidLaw, element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Steepest slope of the drag between rest and a speed, along and about the element's axes."""
+    water = (element.reference_speed, float(element.reference_speed > 0.0), float(element.quadratic))
+    spin = speed / max(element.half_size)
+    near = 1e-6
+
+    def slope(v: float, c: float) -> float:
+        return (law(v - near, 0.0, 0.0, c, 0.0, 0.0, 0.0, *water)[0] - law(v + near, 0.0, 0.0, c, 0.0, 0.0, 0.0, *water)[0])
+
+    def slope_2(w: float, a: float, b: float) -> float:
+        return law(0.0, 0.0, w - near, 0.0, 0.0, a, b, *water)[2] - law(0.0, 0.0, w + near, 0.0, 0.0, a, b, *water)[2]
+
+    along = [max(slope(0.0, c), slope(speed, c)) for c in element.drag]
+    pairs = zip(element.torque_linear, element.torque_quadratic, strict=True)
+    about = [max(slope_2(0.0, a, b), slope_2(spin, a, b)) for a, b in pairs]
+    return np.array(along) / (2.0 * near), np.array(about) / (2.0 * near)
 
 
 def _body(model: Any, element: Element) -> int:
