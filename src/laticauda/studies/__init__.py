@@ -11,6 +11,7 @@ from laticauda.studies.paper import (
     SweepSettings,
     efficiency_settings,
 )
+from laticauda.studies.parity import Parity, ParityCase, parity, parity_cases
 from laticauda.studies.scores import Score, mape, scores
 from laticauda.studies.table1 import FinGain, Maximum, fin_gains, maxima
 
@@ -24,6 +25,8 @@ __all__ = [
     "FinGain",
     "Group",
     "Maximum",
+    "Parity",
+    "ParityCase",
     "Score",
     "SweepResult",
     "SweepSettings",
@@ -31,6 +34,8 @@ __all__ = [
     "fin_gains",
     "mape",
     "maxima",
+    "parity",
+    "parity_cases",
     "run_efficiency",
     "scores",
     "to_dataset",

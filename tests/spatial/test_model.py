@@ -1,0 +1,141 @@
+"""The spatial plant: a state is a value, joints follow, bad settings are refused, and it floats where it should."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.interfaces import Command, OpenLoop, Plant, Start
+from laticauda.robot import PectoralFin, Tether
+from laticauda.simulate import plant, plant_of, resume, run
+from laticauda.spatial.model import SpatialPlant
+from laticauda.spatial.water_robot import robot_elements
+
+pytestmark = pytest.mark.filterwarnings("ignore:body .* floats freely")
+ROBOT = lc.load_robot("mamba")
+WATER = lc.load_water("paper-lateral")
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+
+
+def test_it_is_a_plant_whose_state_is_a_value():
+    body: Plant = plant(ROBOT, WATER, model="spatial", joints="pd")
+    command = Command(gait=GAIT)
+    start = body.init(Start(), command)
+    kept = start.values.copy()
+    once, twice = (body.march(start, command, 0.5, 0.1)[0].values for _ in range(2))
+    np.testing.assert_array_equal(once, twice)
+    np.testing.assert_array_equal(start.values, kept)
+    in_steps = start
+    for _ in range(5):
+        in_steps = body.step(in_steps, command, 0.1)
+    np.testing.assert_allclose(in_steps.values[15:], once[15:], atol=1e-9)
+    np.testing.assert_array_equal(body.unpack(body.pack(in_steps)).values, in_steps.values)
+
+
+def test_it_starts_straight_at_the_start_that_is_asked_for():
+    for root in ("planar", "free"):
+        body = plant(ROBOT, WATER, model="spatial", root=root)
+        seen = body.observe(body.init(Start(center_of_mass=(1.0, -2.0), heading=2.5), Command(gait=GAIT)))
+        np.testing.assert_allclose(seen.center_of_mass[:2], (1.0, -2.0), atol=1e-12)
+        np.testing.assert_allclose(seen.link_angle, 2.5)
+        assert seen.heading == pytest.approx(2.5)
+        np.testing.assert_array_equal(seen.joint_angle, 0.0)
+
+
+def test_a_run_goes_on_from_where_it_ended():
+    body = plant(ROBOT, WATER, model="spatial", root="free", gravity=False)
+    whole = run(body, OpenLoop(command=Command(gait=GAIT)), 2.0)
+    first = run(body, OpenLoop(command=Command(gait=GAIT)), 1.0)
+    second = resume(plant_of(first), first, 1.0)
+    np.testing.assert_allclose(second.center_of_mass[-1], whole.center_of_mass[-1], atol=1e-9)
+    np.testing.assert_allclose(second.work[-1], whole.work[-1], rtol=1e-6)
+
+
+def test_prescribed_joints_are_on_the_reference_and_pitch_joints_straight():
+    robot = lc.load_robot("mamba-modules-fin")
+    trial = lc.swim(robot, GAIT, 3.0, model="spatial", gravity=False)
+    np.testing.assert_allclose(trial.joint_angle, trial.joint_angle_ref, atol=1e-12)
+    pitch = [joint.axis == "pitch" for joint in robot.joints]
+    assert trial.joint_angle.shape[1] == robot.n_joints
+    np.testing.assert_array_equal(trial.joint_angle[:, pitch], 0.0)
+    assert np.all(np.ptp(trial.joint_angle[:, ~np.array(pitch)], axis=0) > 0.5)
+    assert trial.center_of_mass.shape[1] == 3
+
+
+def test_without_gravity_a_free_root_stays_in_the_plane_and_equals_the_planar_root():
+    free, held = (lc.swim(ROBOT, GAIT, 4.0, model="spatial", root=root, gravity=False) for root in ("free", "planar"))
+    np.testing.assert_allclose(free.center_of_mass[:, 2], free.center_of_mass[0, 2], atol=1e-9)
+    np.testing.assert_allclose(free.center_of_mass[:, :2], held.center_of_mass[:, :2], atol=1e-6)
+    np.testing.assert_allclose(free.heading, held.heading, atol=1e-6)
+
+
+def test_the_heading_is_unwrapped_through_full_turns():
+    gait = replace(GAIT, offset=0.3)
+    free, held = (lc.swim(ROBOT, gait, 25.0, model="spatial", root=root, gravity=False) for root in ("free", "planar"))
+    assert held.heading[-1] > 2.0 * np.pi
+    np.testing.assert_allclose(free.heading, held.heading, atol=1e-4)
+
+
+def test_a_light_robot_floats_up_to_archimedes_depth():
+    still = replace(GAIT, amplitude=0.0)
+    robot = lc.load_robot("mamba")
+    trial = lc.swim(robot, still, 60.0, model="spatial", root="free")
+    a = robot.modules[0].section.half_height
+    s = np.linspace(-1.0, 1.0, 100001)
+    covered = 1.0 - (np.arccos(s) - s * np.sqrt(1.0 - s**2)) / np.pi
+    share = robot.mass / (WATER.density * robot.volume)
+    assert trial.center_of_mass[-1, 2] == pytest.approx(-a * np.interp(share, covered, s), abs=1e-3)
+
+
+def test_elements_have_the_planar_model_s_numbers_in_the_plane_and_the_turned_ellipse_s_across_it():
+    from laticauda.fluid import link_coefficients
+
+    robot = lc.load_robot("mamba-fin")
+    c, elements = link_coefficients(robot, WATER), robot_elements(robot, WATER)
+    section = robot.modules[0].section
+    for i in range(robot.n_links):
+        e = elements[i]
+        assert e.drag[:2] == (c.c_t[i], c.c_n[i])
+        assert e.added_mass[:2] == (c.mu_t[i], c.mu_n[i])
+        assert e.drag[2] == pytest.approx(c.c_n[i] * section.half_width / section.half_height)
+        assert e.added_mass[2] == pytest.approx(c.mu_n[i] * (section.half_width / section.half_height) ** 2)
+    assert sum(e.volume for e in elements) == pytest.approx(robot.volume)
+    assert sum(e.added_mass[1] for e in elements[robot.n_links :]) == pytest.approx(np.sum(c.fin.mu_n))
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"tether": Tether(drag=1.0)}, "`tether` of robot `mamba` must be left out"),
+        (
+            {"pectoral_fins": (PectoralFin(link=0, area=0.01, lift_slope=2.0, stall_angle=0.3),)},
+            "`pectoral_fins` of robot `mamba` must be left out",
+        ),
+    ],
+)
+def test_effectors_that_it_does_not_know_are_refused(changes: dict[str, object], says: str):
+    with pytest.raises(ValueError, match=says):
+        plant(replace(ROBOT, **changes), WATER, model="spatial")
+
+
+def test_bad_settings_are_refused_by_name():
+    with pytest.raises(ValueError, match="`root` must be one of `free`, `planar`, got 'held'"):
+        plant(ROBOT, WATER, model="spatial", root="held")
+    with pytest.raises(ValueError, match="`root` must be left out unless `model` is `spatial`, got 'free'"):
+        plant(ROBOT, WATER, root="free")
+    with pytest.raises(ValueError, match="`dt` must be between"):
+        SpatialPlant(robot=ROBOT, environment=WATER, dt=0.0)
+    with pytest.raises(ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"):
+        plant(ROBOT, WATER, model="spatial").unpack({})
+    with pytest.raises(ValueError, match="`root` must be `planar` on the ground"):
+        plant(ROBOT, lc.load_ground("viscous"), model="spatial", root="free")
+
+
+@pytest.mark.filterwarnings("ignore:`timestep`")
+def test_a_run_that_blows_up_is_a_trial_that_says_so():
+    water = replace(WATER, normal_drag=1e4)
+    trial = lc.swim(ROBOT, GAIT, 2.0, environment=water, model="spatial", dt=0.02)
+    assert not trial.succeeded
+    assert "diverged" in trial.status
+    assert np.all(np.isfinite(trial.center_of_mass))
