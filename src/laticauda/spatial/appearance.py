@@ -17,6 +17,7 @@ SEEN, HULL = 1, 3  # groups
 # Modules touch the world and not each other: their joint limits keep them apart.
 TOUCHES_WORLD: dict[str, Any] = {"contype": 1, "conaffinity": 0}
 UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": SEEN, "mass": 0.0}
+SHORTEST = 1e-3  # of a shape [m]
 SUFFIXES = (".stl", ".obj")
 PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
 GAP = 0.012  # between two housings, filled by the bellows [m]
@@ -170,9 +171,14 @@ def _housings(module: Module) -> list[tuple[float, float]]:
     return [(k * pitch + 0.5 * gap, (k + 1) * pitch - 0.5 * gap) for k in range(n)]
 
 
+def seen_opening(fin: CaudalFin) -> float:
+    """Length of the opening that is seen [m]: none if it is closed, or too short for a shape."""
+    return 0.0 if fin.opening == "closed" or fin.opening_length < SHORTEST else fin.opening_length
+
+
 def _add_fin(body: Any, fin: CaudalFin, *, visuals: bool) -> None:
     """A plate, open near its root: there two rods hold it."""
-    inner = 0.0 if fin.opening == "closed" else fin.opening_length
+    inner = seen_opening(fin)
     t, h = 0.5 * fin.thickness, 0.5 * fin.height
     box = engine().mjtGeom.mjGEOM_BOX
     plate = {"type": box, "size": (0.5 * (fin.length - inner), t, h), "pos": (-0.5 * (fin.length + inner), 0.0, 0.0)}

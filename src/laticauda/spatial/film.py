@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from laticauda.errors import LaticaudaError, MissingProgram
@@ -53,12 +54,10 @@ def write_video(
         process = subprocess.Popen([*words, str(unfinished)], stdin=subprocess.PIPE, stderr=complaints)
         assert process.stdin is not None
         try:
-            try:
+            with suppress(BrokenPipeError):  # then it has ended already; its status says why
                 for picture in pictures:
                     process.stdin.write(picture.tobytes())
                 process.stdin.close()
-            except BrokenPipeError:
-                pass  # it has ended already; its status says why
             if process.wait() != 0:
                 complaints.seek(0)
                 said = complaints.read().decode(errors="replace").strip().splitlines()
@@ -68,4 +67,6 @@ def write_video(
             if process.poll() is None:
                 process.kill()
                 process.wait()
+            with suppress(BrokenPipeError):
+                process.stdin.close()
             unfinished.unlink(missing_ok=True)

@@ -64,7 +64,7 @@ def put(model: Any, data: Any, robot: Robot, pose: Pose) -> None:
 def _between(trial: Trial, before: int, time: float, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """The cubic through the values and rates of the two samples around a time."""
     if trial.time.size == 1:
-        return values[0]
+        return np.asarray(values[0])
     start, stop = trial.time[before], trial.time[before + 1]
     h = stop - start
     s = float(np.clip((time - start) / h, 0.0, 1.0))

@@ -1,16 +1,17 @@
 """Films and stills of trials: the robot in the water with its trail, a clock and its speed."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.errors import positive, whole, within
 from laticauda.spatial import pool
-from laticauda.spatial.camera import VIEW_DEG, View, ripple_period, view
+from laticauda.spatial.camera import VIEW_DEG, View, middle, reach, ripple_period, view
 from laticauda.spatial.door import engine
 from laticauda.spatial.film import ffmpeg, write_video
 from laticauda.spatial.offscreen import Offscreen, Picture, check_offscreen
@@ -18,12 +19,14 @@ from laticauda.spatial.overlay import write_words
 from laticauda.spatial.puppet import Puppet
 from laticauda.trial import Trial
 
+Points = Float[np.ndarray, "n_points n_axes"]
+
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
 TRAIL_STEP, TRAIL_PIECES, TRAIL_WIDTH = 0.2, 400, 0.006  # [s], [-], [m]
 WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like", "custom": "own envelope"}
 TRAIL_COLOR = (1.0, 0.80, 0.35)
-TRAIL_BEGINS = 0.4  # behind the center of mass, in lengths of the body [-]
+TRAIL_FADE = 0.2  # over which it begins [m]
 
 
 def video(
@@ -142,10 +145,11 @@ class _Studio:
             if not light.headlight:
                 light.pos = seen.target + np.array([0.0, 0.0, 2.0])
         trail = self._trail(time)
-        behind = np.linalg.norm(trail - trail[-1], axis=1) / self._trial.robot.length
+        robot = self._trial.robot
+        behind = np.linalg.norm(trail - trail[-1], axis=1) - (0.5 * reach(robot) - middle(robot))
         for k, (one, other) in enumerate(pairwise(trail)):
-            # Where the body is there is none: a line through it would look like a part of it.
-            opacity = float(np.clip(4.0 * (behind[k] - TRAIL_BEGINS), 0.0, 0.85)) * (k + 1) / len(trail)
+            # It begins at the trailing edge: a line through the body would look like a part of it.
+            opacity = float(np.clip(behind[k] / TRAIL_FADE, 0.0, 0.85)) * (k + 1) / len(trail)
             if opacity > 0.02:
                 _add_line(scene, one, other, TRAIL_WIDTH, (*TRAIL_COLOR, opacity))
 
@@ -156,8 +160,7 @@ class _Studio:
         # Always at the same moments, or the corners of the line would move along it.
         moments = [k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)] + [time]
         points = np.full((len(moments), 3), self._puppet.height)
-        for axis, column in enumerate(trial.center_of_mass.T):
-            points[:, axis] = np.interp(moments, trial.time, column)
+        points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
         return points
 
     def close(self) -> None:
@@ -176,8 +179,14 @@ def speed_at(trial: Trial, time: float) -> float:
     moments = max(time - ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
-    way = [float(np.diff(np.interp(moments, trial.time, column))[0]) for column in trial.center_of_mass.T]
-    return math.hypot(*way) / (moments[1] - moments[0])
+    start, stop = centers(trial, moments)
+    return float(np.linalg.norm(stop - start)) / (moments[1] - moments[0])
+
+
+def centers(trial: Trial, moments: Sequence[float]) -> Points:
+    """Where the center of mass is at these times, in as many axes as the trial has [m]."""
+    columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
+    return np.stack(columns, axis=1)
 
 
 def words(trial: Trial, speed: float = 1.0) -> list[str]:

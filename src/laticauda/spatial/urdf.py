@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from laticauda.errors import instance
 from laticauda.robot import Joint, Module, Robot
 from laticauda.spatial import mjcf
-from laticauda.spatial.appearance import MATERIALS
+from laticauda.spatial.appearance import MATERIALS, seen_opening
 
 # MuJoCo would otherwise merge links that cannot move against each other, and forget what is only to be seen.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
@@ -98,7 +98,7 @@ def _add_fin(root: ET.Element, robot: Robot) -> None:
     link = _fix(root, "caudal_fin", "module_0", (0.0, 0.0, 0.0), 0.0)
     center, inertia = mjcf.inertia_of(fin)
     _add_inertial(link, fin.mass, center, inertia)
-    inner = 0.0 if fin.opening == "closed" else fin.opening_length
+    inner = seen_opening(fin)
     for use in ("visual", "collision"):
         shape = ET.SubElement(link, use)
         ET.SubElement(shape, "origin", xyz=_numbers(-0.5 * (fin.length + inner), 0.0, 0.0))
