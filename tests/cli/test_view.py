@@ -1,6 +1,7 @@
 import json
 import sys
 import types
+from functools import partial
 
 import numpy as np
 import pytest
@@ -25,10 +26,9 @@ def small(monkeypatch):
     skip_without_rendering()
     from laticauda.spatial import render
 
-    for function in (render.still, render.video):
-        monkeypatch.setitem(function.__kwdefaults__, "width", 128)
-        monkeypatch.setitem(function.__kwdefaults__, "height", 72)
-    monkeypatch.setitem(render.video.__kwdefaults__, "frames_per_second", 3.0)
+    size = {"width": 128, "height": 72}
+    monkeypatch.setattr(render, "still", partial(render.still, **size))
+    monkeypatch.setattr(render, "video", partial(render.video, **size, frames_per_second=3.0))
 
 
 def test_a_stored_trial_becomes_a_film_and_a_picture(stored, folder, small):

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 
 from laticauda.robot import Environment, Ground
-from laticauda.spatial.caustics import light
+from laticauda.spatial.caustics import PERIOD, light
 from laticauda.spatial.door import engine
 
 TILE, LINES = 1.5, 3  # side of the floor's repeating tile [m], and grid lines in it
 SIZE = 240  # pixels of the tile
+SURFACE, SURFACE_DARK = (0.75, 0.97, 1.0), 0.30  # color of ripples, and how bright it is between them
+SURFACE_TILE, SURFACE_OPACITY = 2.3, 0.15  # [m], [-]
 SUN = (0.14, 0.10, -1.0)
 SHADOW = 1.35  # how far from the robot's middle there are shadows [m]
 Color = tuple[float, float, float]
@@ -81,7 +83,8 @@ def add_surroundings(model: Any, environment: Environment, floor: float, *, surf
     _add_light(model, look)
     _add_floor(model, look, floor)
     if surface:
-        model.add_material(name="surface", rgba=(0.55, 0.85, 0.88, 0.16), specular=0.6, shininess=0.7)
+        _add_picture(model, "surface", surface_picture(0.0), SURFACE_TILE)
+        model.material("surface").rgba = (1.0, 1.0, 1.0, SURFACE_OPACITY)
         _add_plane(model, "surface", 0.0)
 
 
@@ -95,6 +98,12 @@ def floor_picture(look: Look, time: float) -> np.ndarray:
     shine[:, ::step] *= look.line
     color = np.array(look.floor) * shine[..., np.newaxis]
     return (255.0 * np.minimum(color, 1.0)).astype(np.uint8)
+
+
+def surface_picture(time: float) -> np.ndarray:
+    """The surface's tile, seen from above: ripples, of the same kind as the net of light, at another moment."""
+    shine = SURFACE_DARK + (1.0 - SURFACE_DARK) * (1.0 - np.exp(-0.5 * light(SIZE, time + 0.4 * PERIOD)))
+    return (255.0 * np.array(SURFACE) * shine[..., np.newaxis]).astype(np.uint8)
 
 
 def _add_light(model: Any, look: Look) -> None:
@@ -118,16 +127,22 @@ def _add_light(model: Any, look: Look) -> None:
 
 def _add_floor(model: Any, look: Look, height: float) -> None:
     """A plane without end; on land it is the one that the robot lies on."""
-    kind = engine()
-    texture = model.add_texture(name="floor", type=kind.mjtTexture.mjTEXTURE_2D, width=SIZE, height=SIZE, nchannel=3)
-    texture.data = floor_picture(look, 0.0).tobytes()
-    material = model.add_material(name="floor", texuniform=True, texrepeat=(1.0 / TILE, 1.0 / TILE), specular=0.0)
-    material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    _add_picture(model, "floor", floor_picture(look, 0.0), TILE)
     ground = model.geom("ground")
     if ground is None:
         ground = _add_plane(model, "floor", height)
     ground.material = "floor"
     ground.castshadow = False
+
+
+def _add_picture(model: Any, name: str, pixels: np.ndarray, tile: float) -> None:
+    """A material that repeats a picture every `tile` meters."""
+    kind = engine()
+    height, width, channels = pixels.shape
+    texture = model.add_texture(name=name, type=kind.mjtTexture.mjTEXTURE_2D)
+    texture.width, texture.height, texture.nchannel, texture.data = width, height, channels, pixels.tobytes()
+    material = model.add_material(name=name, texuniform=True, texrepeat=(1.0 / tile, 1.0 / tile), specular=0.0)
+    material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
 def _add_plane(model: Any, material: str, height: float) -> Any:

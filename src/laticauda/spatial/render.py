@@ -112,14 +112,14 @@ class _Studio:
         self._look = pool.look_of(trial.environment)
         self._puppet.model.vis.global_.fovy = VIEW_DEG
         self._camera = engine().MjvCamera()
-        self._floor = int(self._puppet.model.texture("floor").id)
+        self._ripples = self._moving_textures()
         self._screen = Offscreen(self._puppet.model)
 
     def picture(self, time: float, speed: float = 1.0) -> Picture:
         """The picture of a moment, words included."""
         trial, screen = self._trial, self._screen
         self._puppet.take(time)
-        self._light_floor(time)
+        self._move_textures(time)
         seen = view(trial, time, self._puppet.height, screen.width / screen.height)
         camera = self._camera
         camera.lookat, camera.distance = seen.target, seen.distance
@@ -128,14 +128,23 @@ class _Studio:
         figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
         return write_words(picture, figures, words(trial, speed))
 
-    def _light_floor(self, time: float) -> None:
-        """The net of light moves."""
-        if self._look.focused > 0.0:
-            model = self._puppet.model
-            pixels = pool.floor_picture(self._look, time)
-            start = model.tex_adr[self._floor]
-            model.tex_data[start : start + pixels.size] = pixels.ravel()
-            self._screen.upload(self._floor)
+    def _moving_textures(self) -> dict[int, Callable[[float], np.ndarray]]:
+        """The textures that change with time, and what they show then."""
+        model, look = self._puppet.model, self._look
+        pictures: dict[str, Callable[[float], np.ndarray]] = {"surface": pool.surface_picture}
+        if look.focused > 0.0:
+            pictures["floor"] = lambda time: pool.floor_picture(look, time)
+        names = [model.texture(i).name for i in range(model.ntex)]
+        return {i: pictures[name] for i, name in enumerate(names) if name in pictures}
+
+    def _move_textures(self, time: float) -> None:
+        """The net of light and the ripples move."""
+        model = self._puppet.model
+        for texture, picture in self._ripples.items():
+            pixels = picture(time).ravel()
+            start = model.tex_adr[texture]
+            model.tex_data[start : start + pixels.size] = pixels
+            self._screen.upload(texture)
 
     def _decorate(self, scene: Any, time: float, seen: View) -> None:
         """Fog, shadows where the robot is, and the trail of its center of mass."""
