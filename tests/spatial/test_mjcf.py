@@ -246,6 +246,37 @@ def test_a_robot_let_go_rests_on_the_floor_of_the_tank():
     assert not any(warning.number for warning in data.warning)
 
 
+def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor():
+    model, data = compiled(lc.load_robot("mamba-fin"), ground="ramp")
+    mujoco.mj_forward(model, data)
+    assert data.body("module_0").xpos[2] == pytest.approx(0.10 + 0.055)
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+    heights = [data.body(f"module_{i}").xipos[2] for i in range(9)]
+    np.testing.assert_allclose(heights, 0.155, atol=2e-3)
+
+    seen = np.zeros(1, dtype=np.int32)
+    surface = {}
+    for x in (0.0, 2.4, 2.6, 6.0, 9.9, 12.0):
+        distance = mujoco.mj_ray(model, data, np.array([x, 1.0, 2.0]), np.array([0.0, 0.0, -1.0]), None, 1, -1, seen)
+        names = model.geom(int(seen[0])).name
+        if names == "water":
+            start = np.array([x, 1.0, -1e-6])
+            distance = 2.0 + mujoco.mj_ray(model, data, start, np.array([0.0, 0.0, -1.0]), None, 1, -1, seen)
+        surface[x] = 2.0 - distance
+    assert surface[0.0] == surface[2.4] == pytest.approx(0.10)
+    slope = math.tan(math.radians(12.0))
+    assert surface[2.6] == pytest.approx(0.10 - 0.1 * slope, abs=1e-5)
+    assert surface[6.0] == pytest.approx(0.10 - 3.5 * slope, abs=1e-5)
+    assert surface[12.0] == pytest.approx(-1.5, abs=1e-5)
+
+
+def test_places_that_exclude_each_other_are_refused():
+    for options in ({"environment": lc.load_ground("coulomb")}, {"environment": WATER, "tank": True}):
+        with pytest.raises(ValueError, match="`ground` must not be `ramp` in the tank or without water"):
+            mjcf.spec(lc.load_robot("mamba"), ground="ramp", **options)
+
+
 def test_modules_do_not_touch_each_other():
     robot = lc.load_robot("mamba-modules")
     model, data = compiled(robot)

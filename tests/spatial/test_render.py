@@ -97,6 +97,14 @@ def test_the_water_has_its_depth_and_the_ground_its_height(trial):
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
+def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
+    model = Puppet(replace(trial, settings={**trial.settings, "ground": "ramp"})).model
+    names = [model.geom(i).name for i in range(model.ngeom)]
+    assert names.count("floor") == names.count("ramp") == 1
+    assert model.nlight == 1
+    assert model.geom("water").rgba[3] == 0.0
+
+
 # ---- the camera ---------------------------------------------------------------------------------------------------
 
 

@@ -5,7 +5,8 @@ head, y to the left and z up. `joint_i` is at the head end of module i and turns
 (pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
 positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0.
 
-World axes: in water z = 0 is the surface, on ground z = 0 is the ground.
+World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In both the robot begins straight along x with
+its tail end at x = y = 0.
 """
 
 import math
@@ -53,8 +54,8 @@ def spec(
             and `force_i` and `torque_i` between it and the module on its tail side.
         visuals: Shapes and colors of the robot and the light on it. Without them it has its collision shapes only.
         tank: The tank of the experiments around the water: 40 m x 6.45 m, 1.5 m deep, with its floor and walls.
-        ground: Solid ground: `flat` at z = 0, or a `ramp` that leads down into the water along x. None: flat where
-            the environment is ground, else none.
+        ground: Solid ground: `flat` at z = 0, or a `ramp` from a shore down into the water along x, with the robot on
+            the shore. None: flat where the environment is ground, else none.
         meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters, to see and, as its
             convex hull, to collide with; none takes the shapes that come with laticauda.
 
@@ -75,7 +76,7 @@ def spec(
     if visuals:
         appearance.add_materials(model)
     scene.add(model, environment, tank=tank, ground=ground, visuals=visuals)
-    _add_chain(model, robot, start_height(robot, environment), root)
+    _add_chain(model, robot, start_height(robot, environment, ground), root)
     appearance.add_shapes(model, robot, files, visuals=visuals)
     if sensors:
         _add_sensors(model, robot)
@@ -85,13 +86,20 @@ def spec(
     return model
 
 
-def start_height(robot: Robot, environment: Environment) -> float:
-    """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground."""
-    if isinstance(environment, Ground):
-        fin = robot.caudal_fin
-        heights = [module.section.half_height for module in robot.modules]
-        return max([*heights, 0.5 * fin.height] if fin else heights)
-    return -(DEPTH if environment.depth is None else environment.depth)
+def start_height(robot: Robot, environment: Environment, ground: str | None = None) -> float:
+    """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground.
+
+    Args:
+        robot: What swims.
+        environment: The water it swims in or the ground it crawls on.
+        ground: As for `spec`.
+    """
+    if ground is None and isinstance(environment, Water):
+        return -(DEPTH if environment.depth is None else environment.depth)
+    heights = [module.section.half_height for module in robot.modules]
+    fin = robot.caudal_fin
+    highest = max([*heights, 0.5 * fin.height] if fin else heights)
+    return highest + (scene.SHORE_HEIGHT if ground == "ramp" else 0.0)
 
 
 def inertia_of(piece: Module | CaudalFin) -> tuple[float, tuple[float, float, float]]:

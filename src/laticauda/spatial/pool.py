@@ -80,6 +80,12 @@ def add_surroundings(model: Any, environment: Environment, floor: float, *, surf
         surface: Whether the surface of the water, at 0, is to be seen.
     """
     look = look_of(environment)
+    for bare in [*model.lights, *(texture for texture in model.textures if texture.name == "sky")]:
+        model.delete(bare)  # a scene's own light is for other programs
+    for geom in model.worldbody.geoms:
+        geom.castshadow = False  # on itself it would only flicker
+        if geom.name == "water":
+            geom.rgba, geom.material = (0.0, 0.0, 0.0, 0.0), ""
     _add_light(model, look)
     _add_floor(model, look, floor)
     if surface:
@@ -128,11 +134,9 @@ def _add_light(model: Any, look: Look) -> None:
 def _add_floor(model: Any, look: Look, height: float) -> None:
     """A plane without end; on land it is the one that the robot lies on."""
     _add_picture(model, "floor", floor_picture(look, 0.0), TILE)
-    ground = model.geom("ground")
-    if ground is None:
-        ground = _add_plane(model, "floor", height)
-    ground.material = "floor"
-    ground.castshadow = False
+    found = [geom for geom in model.geoms if geom.name in ("ground", "floor")]
+    for plane in found or [_add_plane(model, "floor", height)]:
+        plane.material, plane.castshadow = "floor", False
 
 
 def _add_picture(model: Any, name: str, pixels: np.ndarray, tile: float) -> None:

@@ -4,7 +4,7 @@ from typing import Any
 
 from laticauda.errors import instance
 from laticauda.robot import Ground
-from laticauda.spatial import mjcf, pool
+from laticauda.spatial import mjcf, pool, scene
 from laticauda.spatial.door import engine
 from laticauda.spatial.poses import pose, put
 from laticauda.trial import Trial
@@ -26,7 +26,8 @@ class Puppet:
         instance("trial", trial, Trial)
         self.trial = trial
         self.height = swimming_height(trial)
-        spec = mjcf.spec(trial.robot, trial.environment, sensors=False)
+        ground: Any = trial.settings.get("ground")
+        spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
         pool.add_surroundings(spec, trial.environment, floor_height(trial), surface=_is_near_the_surface(trial))
         spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
         self.model: Any = spec.compile()
@@ -49,6 +50,8 @@ def floor_height(trial: Trial) -> float:
     """Of the floor of the water, or of the ground [m]."""
     if isinstance(trial.environment, Ground):
         return 0.0
+    if trial.settings.get("ground") == "ramp":
+        return -scene.TANK_DEPTH
     lowest = float(trial.center_of_mass[:, 2].min()) if trial.center_of_mass.shape[1] == 3 else swimming_height(trial)
     return min(-FLOOR, lowest - CLEARANCE)
 
