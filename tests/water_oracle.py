@@ -1,7 +1,7 @@
 """The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.spatial.water`.
 
-Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the compiled code is used:
-velocities and their rates come from `mj_jac` and `mj_jacDot`, and the velocity terms from their textbook definitions.
+Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the compiled code is
+used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity terms from their textbook definitions.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The planar and the spatial model are one robot: the same paths and headings, and a difference that falls with the step."""
+"""The planar and the spatial model are one robot: same paths and headings, a difference that falls with the step."""
 
 from dataclasses import replace
 

@@ -12,8 +12,8 @@ import pytest
 import water_oracle as oracle
 
 from laticauda.spatial import water
-from laticauda.spatial.elements import lamb
 from laticauda.spatial.water import Element, GeomCoefficients
+from laticauda.spatial.water_geoms import lamb
 
 STILL = "ignore:body .* floats freely"
 
@@ -31,7 +31,7 @@ def body(shape: str, size: str, *, option: str = 'gravity="0 0 0"', density: flo
     )
 
 
-# ---- added mass -------------------------------------------------------------------------------------------------------
+# ---- added mass -----------------------------------------------------------------------------------------------------
 
 
 def test_an_ellipsoid_accelerates_with_its_added_mass():
@@ -137,7 +137,9 @@ def test_without_drag_energy_is_kept_to_the_integrator_s_order(form: str):
 
 
 def test_kirchhoff_keeps_momentum():
-    model = water.compiled(mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"')))
+    model = water.compiled(
+        mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"'))
+    )
     data = mujoco.MjData(model)
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element], form="kirchhoff")
@@ -155,7 +157,7 @@ def test_kirchhoff_keeps_momentum():
     np.testing.assert_allclose(momentum(), before, atol=1e-7 * np.linalg.norm(before))
 
 
-# ---- contacts -----------------------------------------------------------------------------------------------------------
+# ---- contacts -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("solver", ["Newton", "CG"])
@@ -189,7 +191,7 @@ def test_a_heavy_chain_rests_on_the_floor_with_its_weight_in_water(solver: str, 
     assert total == pytest.approx(weight, rel=0.01)
 
 
-# ---- buoyancy and drag -----------------------------------------------------------------------------------------------
+# ---- buoyancy and drag ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.filterwarnings(STILL)
@@ -302,7 +304,7 @@ def test_drag_only_takes_energy():
         assert np.all(np.sum(force * np.array(velocity), axis=1) <= 0.0)
 
 
-# ---- several models, threads ------------------------------------------------------------------------------------------
+# ---- several models, threads ----------------------------------------------------------------------------------------
 
 
 def test_models_of_one_process_are_kept_apart():
@@ -369,7 +371,7 @@ def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
     np.testing.assert_array_equal(states[:, -1, 1 : 1 + wet.nq], loop)
 
 
-# ---- bad input -----------------------------------------------------------------------------------------------------------
+# ---- bad input ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -432,7 +434,7 @@ def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
     element = Element(body="b", drag=(2000.0,) * 3, reference_speed=1.0)
     with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s it is stable up to"):
         handle = water.attach(model, [element])
-    limit = water.stable_step(model, handle, 0.0)
+    limit = water.stable_step(model, handle.elements, handle.fluid_law, 0.0)
     for factor, grows in ((0.9, False), (1.1, True)):
         model.opt.timestep = factor * limit
         data = mujoco.MjData(model)

@@ -11,9 +11,10 @@ from typing import no_type_check
 
 import numpy as np
 
+from laticauda.compiling import compiled, kernel
 from laticauda.fluid import laws
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, compiled, kernel
+from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 W = _names["WIDTH"]

@@ -16,8 +16,9 @@ the lanes. No function allocates.
 
 from typing import no_type_check
 
+from laticauda.compiling import kernel
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, kernel
+from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 W = _names["WIDTH"]

@@ -19,7 +19,7 @@ from typing import Any, cast
 from numba import njit
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import OPTIONS, compiled, fingerprint, kernel
+from laticauda.compiling import OPTIONS, compiled, fingerprint
 from laticauda.fluid import laws
 
 FluidLaw = Callable[..., tuple[float, float, float]]

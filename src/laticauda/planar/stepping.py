@@ -15,8 +15,9 @@ from typing import no_type_check
 
 import numpy as np
 
+from laticauda.compiling import kernel
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, entry, kernel
+from laticauda.planar.specialize import bindings, entry
 
 _names = bindings(__name__)
 W = _names["WIDTH"]

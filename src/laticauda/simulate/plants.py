@@ -77,7 +77,8 @@ def plant(
 
     if root is None:
         root = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
-    return SpatialPlant(**settings, root=one_of("root", root, ROOTS), gravity=gravity is None or bool(gravity))
+    settings |= {"root": one_of("root", root, ROOTS), "gravity": gravity is None or bool(gravity)}
+    return SpatialPlant(**settings)
 
 
 def plant_of(trial: Trial) -> Plant[Any]:

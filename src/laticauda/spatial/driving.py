@@ -16,7 +16,7 @@ A state is one flat array: the rows below, then qpos, qvel and the links' angles
 
 import hashlib
 from pathlib import Path
-from typing import no_type_check
+from typing import Any, no_type_check
 
 import numpy as np
 from numba import njit
@@ -322,7 +322,10 @@ def follow_links(N, order, qpos, links):
 @kernel
 @no_type_check
 def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
-    """One sample of the log. `mass` is that of every body, 0 of those that are not the robot's; `order` each link's body."""
+    """One sample of the log.
+
+    `mass` is that of every body, 0 of those that are not the robot's; `order` holds the body of each link.
+    """
     n, bodies = N[N_LINKS], N[N_BODIES]
     com, cvel = field(N[DATA], N[AT_SUBTREE_COM], 3 * bodies), field(N[DATA], N[AT_CVEL], 6 * bodies)
     xipos, xmat = field(N[DATA], N[AT_XIPOS], 3 * bodies), field(N[DATA], N[AT_XMAT], 9 * bodies)
@@ -430,7 +433,7 @@ def _digest() -> str:
 
 # Numba files compiled code under the function's qualified name and looks at this file only.
 _run.__qualname__ = f"_run_{_digest()}"
-run = njit(cache=True, **OPTIONS)(_run)
+run: Any = njit(cache=True, **OPTIONS)(_run)
 """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 
 Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work

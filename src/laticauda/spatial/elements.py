@@ -1,9 +1,8 @@
 """A piece of a body as the water sees it: drag, added mass and displaced volume, in axes of its own."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from laticauda.errors import finite, not_negative, one_of, positive
 from laticauda.spatial import hydrostatics
 
 SHAPES = ("ellipsoid", "cylinder", "box")
-Three = tuple[float, float, float]
+Three: TypeAlias = tuple[float, float, float]
+Shape: TypeAlias = Literal["ellipsoid", "cylinder", "box"]
 _NONE: Three = (0.0, 0.0, 0.0)
 _NAMES_OF_SHAPES = {
     "ellipsoid": hydrostatics.ELLIPSOID,
@@ -52,7 +52,7 @@ class Element:
     """A constant force along x, y and z, of a thruster say [N]."""
     volume: float = 0.0
     """Of the water that it displaces when covered [m^3]."""
-    shape: Literal["ellipsoid", "cylinder", "box"] = "ellipsoid"
+    shape: Shape = "ellipsoid"
     """What the surface cuts; a cylinder is elliptic, with its axis along x."""
     half_size: Three = (0.1, 0.1, 0.1)
     """Half the length, width and height of the shape; without a surface it plays no part [m]."""
@@ -88,9 +88,9 @@ class Element:
 
     def _settle(self, name: str, check: Any, unit: str, length: int = 3) -> None:
         value: Any = getattr(self, name)
-        if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray) or len(value) != length:
+        if np.shape(value) != (length,):
             raise ValueError(f"`{name}` must hold {length} numbers, got {value!r}.")
-        clean = tuple(check(f"{name}[{i}]", x, unit) for i, x in enumerate(value))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+        clean = tuple(check(f"{name}[{i}]", x, unit) for i, x in enumerate(value))
         object.__setattr__(self, name, clean)
 
     @property
@@ -109,48 +109,3 @@ class Element:
                 [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
             ]
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class GeomCoefficients:
-    """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections."""
-
-    drag: Three = (0.2, 1.0, 1.0)
-    """C_D along the geom's axes, on the area that it shows in that direction [-]."""
-    rotational_drag: float = 0.0
-    """Share of what the normal drag, spread along the geom, sets against rotation about y and z [-]."""
-    added_mass: float = 1.0
-    """Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115) [-]."""
-    reference_speed: float = field(default=0.0)
-    """U_ref [m/s]."""
-
-
-def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Added mass and inertia of an ellipsoid in unbounded water, as shares of what it displaces.
-
-    Args:
-        half_size: Half-axes [m].
-
-    Returns:
-        k_i = alpha_i / (2 - alpha_i) [-], and the added inertia over the displaced mass [m^2], per axis.
-
-    References:
-        H. Lamb, Hydrodynamics, 6th ed., Cambridge 1932, art. 114 and 115.
-    """
-    a = np.asarray(half_size, dtype=float)
-    # alpha_i = abc int_0^inf dt / ((a_i^2 + t) Delta), substituted t = s^2 x^2 / (1 - x)^2 for Gauss' rule on (0, 1)
-    node, weight = np.polynomial.legendre.leggauss(200)
-    x = 0.5 * (node + 1.0)
-    scale = float(np.prod(a)) ** (2.0 / 3.0)
-    t = scale * (x / (1.0 - x)) ** 2
-    dt = scale * 2.0 * x / (1.0 - x) ** 3 * 0.5 * weight
-    delta = np.sqrt(np.prod(a[:, np.newaxis] ** 2 + t, axis=0))
-    alpha = np.prod(a) * np.sum(dt / ((a[:, np.newaxis] ** 2 + t) * delta), axis=1)
-    inertia = np.zeros(3)
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        b, c = a[j] ** 2, a[k] ** 2
-        if abs(b - c) > 1e-12 * (b + c):
-            gap = alpha[k] - alpha[j]
-            inertia[i] = 0.2 * (b - c) ** 2 * gap / (2.0 * (b - c) + (b + c) * -gap)
-    return alpha / (2.0 - alpha), inertia

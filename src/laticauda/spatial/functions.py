@@ -9,7 +9,11 @@ from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from numba import carray, cfunc, types
+from numba import (
+    carray,  # pyright: ignore[reportPrivateImportUsage]
+    cfunc,
+    types,
+)
 from numba.core.errors import NumbaError
 
 from laticauda.compiling import OPTIONS, compiled

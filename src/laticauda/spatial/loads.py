@@ -16,12 +16,16 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 
 import hashlib
 from pathlib import Path
-from typing import no_type_check
+from typing import Any, no_type_check
 
 import llvmlite.binding
 import numpy as np
 from llvmlite import ir
-from numba import carray, cfunc, types
+from numba import (
+    carray,  # pyright: ignore[reportPrivateImportUsage]
+    cfunc,
+    types,
+)
 from numba.extending import intrinsic
 
 from laticauda.compiling import OPTIONS, compiled, kernel
@@ -242,7 +246,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     gravity = numbers(model + T[AT_GRAVITY], 3)
     bx, by, bz = lift * gravity[0], lift * gravity[1], lift * gravity[2]
     if T[OUT] != 0:
-        out = numbers(T[OUT] + 8 * OUT_SIZE * ((o // ELEMENT_SIZE)), OUT_SIZE)
+        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
         out[0], out[1], out[2] = r00 * q0 + r01 * q1 + r02 * q2, r10 * q0 + r11 * q1 + r12 * q2, 0.0
         out[2] = r20 * q0 + r21 * q1 + r22 * q2
         out[3], out[4] = r00 * f0 + r01 * f1 + r02 * f2, r10 * f0 + r11 * f1 + r12 * f2
@@ -257,7 +261,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     ty = r10 * t0 + r11 * t1 + r12 * t2 + cz * bx - cx * bz
     tz = r20 * t0 + r21 * t1 + r22 * t2 + cx * by - cy * bx
     if T[OUT] != 0:
-        out = numbers(T[OUT] + 8 * OUT_SIZE * ((o // ELEMENT_SIZE)), OUT_SIZE)
+        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
         out[9], out[10], out[11] = tx, ty, tz
     F = 6 * n_bodies + 6 * body
     S[F] += tx + ry * fz - rz * fy
@@ -454,7 +458,7 @@ def _digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def callback():
+def callback() -> Any:
     """The passive callback for all models with water: a compiled function of the addresses of model and data."""
     # Numba files compiled code under the function's qualified name and looks at this file only.
     _passive.__qualname__ = f"_passive_{_digest()}"

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -14,7 +14,7 @@ from jaxtyping import Float
 from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.fluid import laws
 from laticauda.interfaces import Command, Log, Observation, Start
-from laticauda.robot import Actuator, Environment, Ground, Robot, Water, check_fits
+from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
 from laticauda.spatial import driving, loads, mjcf, native, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
@@ -59,7 +59,7 @@ class SpatialPlant:
     """Drag on one element in one plane; None takes the environment's own (`laticauda.fluid.laws`)."""
     gravity: bool = True
     """Weight and buoyancy."""
-    root: str = "free"
+    root: Literal["free", "planar"] = "free"
     """`free`, or `planar`: height and tilt of the tail module fixed."""
     tank: bool = False
     """Whether the tank's floor and walls are there."""
@@ -71,8 +71,6 @@ class SpatialPlant:
         check_fits(self.robot, self.environment)
         if isinstance(self.environment, Ground) and self.root == "free":
             raise ValueError("`root` must be `planar` on the ground, got 'free'.")
-        if self.root == "planar" and any(joint.axis == "pitch" for joint in self.robot.joints):
-            pass  # pitch joints are held straight, so the robot stays in its plane
         if self.dt is not None:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
@@ -82,7 +80,9 @@ class SpatialPlant:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 # A step at which the drag is well resolved, not only stable.
-                limit = 0.5 * water.stable_step(self._twin.model, self._twin.water, 0.5)
+                limit = 0.5 * water.stable_step(
+                    self._twin.model, self._twin.water.elements, self._twin.water.fluid_law, 0.5
+                )
             object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
 
     @property
@@ -267,10 +267,14 @@ class _Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = _center_of_mass(robot)
-        self.joints = np.array([_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints])
+        self.joints = np.array(
+            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
+        )
         self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
         self.water = self._attach(plant)
-        self._hold = np.zeros(2 * self.model.nv)
+        # Among the water's own numbers, so that it lives as long as the compiled code may read it.
+        self._hold = np.zeros(2 * int(self.model.nv))
+        self.water.numbers["hold"] = self._hold
         self.water.table[loads.HOLD] = self._hold.ctypes.data
         self.water.table[loads.HAS_INERTIA] = 1
         self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
@@ -335,9 +339,8 @@ class _Twin:
             self.model.opt.timestep = dt
             if not self.water.active:
                 raise RuntimeError("MuJoCo's passive callback was taken by another package; the water would not act")
-            return int(
-                driving.run(self._setup, values, *rows, self._mass, self._order, self._hold, steps, dt, every, log)
-            )
+            robot = (self._mass, self._order, self._hold)
+            return int(driving.run(self._setup, values, *rows, *robot, steps, dt, every, log))
 
 
 def _center_of_mass(robot: Robot) -> float:
@@ -379,6 +382,3 @@ def _what_went_wrong(time: float, joints: str, dt: float) -> str:
         f"The run diverged at t = {time:.3g} s with dt = {dt:g} s (a position, angle, rate or torque went beyond all "
         f"bounds); try {remedy}."
     )
-
-
-__all__ = ["SpatialPlant", "SpatialState", "Water"]

@@ -93,7 +93,7 @@ def offsets() -> dict[str, int]:
 
 @cache
 def model_offsets() -> dict[str, int]:
-    """Offsets in `mjModel` [bytes]: of its gravity, time step and override of margins, and of its armature's address."""
+    """Offsets in `mjModel` [bytes]: of gravity, time step, override of margins, and of the armature's address."""
     model = engine().MjModel.from_xml_string(_PROBE)
     model.opt.timestep, model.opt.o_margin = _RARE, 2.0 * _RARE
     words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
@@ -109,7 +109,7 @@ def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
     """The words of a structure from its start to the one that holds `target`, which stands near its end."""
     page, limit = 1024, 1 << 20
     for length in range(page, limit, page):
-        words = np.frombuffer((ctypes.c_char * length).from_address(start), dtype=np.uint64)
+        words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
         if np.any(words[-page // 8 :] == target):
             return words
     raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
@@ -219,4 +219,3 @@ def integrate_positions(typingctx, where, model, qpos, qvel, dt):
     return _call(types.void, [types.int64, types.int64, types.int64, types.float64])(
         typingctx, where, model, qpos, qvel, dt
     )
-

@@ -13,6 +13,7 @@ drag spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, and the added 
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,9 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
         ("tether", robot.tether.drag > 0.0 or any(robot.tether.force)),
     ):
         if there:
-            raise ValueError(f"`{name}` of robot `{robot.name}` must be left out: the spatial model does not know it yet.")
+            raise ValueError(
+                f"`{name}` of robot `{robot.name}` must be left out: the spatial model does not know it yet."
+            )
     if isinstance(environment, Water) and environment.trailing_edge != "none":
         raise ValueError("`trailing_edge` must be `none`: the spatial model does not know it yet, got 'elongated'.")
     c = link_coefficients(robot, environment)
@@ -111,7 +114,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
     return found
 
 
-def _law(environment: Environment) -> dict[str, float | bool]:
+def _law(environment: Environment) -> dict[str, Any]:
     if isinstance(environment, Ground):
         dry = environment.friction == "coulomb"
         return {"reference_speed": environment.regularization_speed if dry else 1.0, "quadratic": dry}

@@ -42,7 +42,7 @@ class Parity:
     dt: float
     """Step of the spatial model [s]."""
     path: float
-    """Largest distance between the paths, the best rotation about the start taken out, over the distance traveled [-]."""
+    """Largest distance between the paths after the best rotation about the start, over the distance traveled [-]."""
     rotation: float
     """That rotation [rad]."""
     heading: float
@@ -62,14 +62,17 @@ def parity_cases() -> tuple[ParityCase, ...]:
         ParityCase(name="eel-like", robot=body, gait=eel, environment=eel_water),
         ParityCase(name="turning", robot=body, gait=replace(lateral, offset=_rad(5)), environment=lateral_water),
         ParityCase(name="fin", robot=fin, gait=lateral, environment=lateral_water),
-        ParityCase(
-            name="current", robot=body, gait=lateral, environment=replace(lateral_water, current=(0.05, -0.08))
-        ),
+        ParityCase(name="current", robot=body, gait=lateral, environment=replace(lateral_water, current=(0.05, -0.08))),
     )
 
 
 def parity(
-    case: ParityCase, joints: str, steps: Sequence[float], *, duration: float = 30.0, reference_step: float | None = None
+    case: ParityCase,
+    joints: str,
+    steps: Sequence[float],
+    *,
+    duration: float = 30.0,
+    reference_step: float | None = None,
 ) -> Iterator[Parity]:
     """Compare the models at several steps of the spatial one, planar root and no gravity.
 
