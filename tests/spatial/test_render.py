@@ -12,7 +12,7 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.spatial import film, offscreen, pool, render
+from laticauda.spatial import film, lines, offscreen, pool, render
 from laticauda.spatial.camera import VIEW_DEG, calm, view
 from laticauda.spatial.caustics import PERIOD, light
 from laticauda.spatial.overlay import write_words
@@ -138,6 +138,36 @@ def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
     ripple = np.sin(2.0 * np.pi * time)
     assert abs(float(calm(time, ripple, 5.2, 1.0))) < 1e-3
     assert float(calm(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
+
+
+# ---- lines --------------------------------------------------------------------------------------------------------
+
+
+def test_the_path_that_was_followed_is_seen_as_dashes():
+    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
+    controller = lc.PathFollowing(
+        gait=gait,
+        path=lc.Polyline(waypoints=((0.0, 0.5), (50.0, 0.5))),
+        guidance=lc.LineOfSight(look_ahead_distance=0.5),
+        heading=lc.HeadingController(gain=0.4, max_offset=0.3),
+    )
+    followed = lc.run(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0)
+    dashes = lines.path_dashes(followed, -1.0)
+    ends = np.array(dashes).reshape(-1, 3)
+    assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * lines.DASH), abs=1.0)
+    np.testing.assert_allclose(ends[:, 1], 0.5, atol=1e-3)
+    np.testing.assert_allclose(np.diff(ends[:, 0])[:-1], lines.DASH, atol=1e-3)
+    assert np.all(ends[:, 2] < -1.0 - 0.055)
+
+
+def test_a_run_without_a_path_has_none(trial):
+    assert lines.path_dashes(trial, -1.0) == []
+
+
+def test_the_trail_keeps_its_corners_where_they_were(trial):
+    early, late = lines.trail_points(trial, 3.03, -1.0), lines.trail_points(trial, 5.98, -1.0)
+    np.testing.assert_array_equal(early[:-1], late[: len(early) - 1])
+    np.testing.assert_allclose(late[-1], [*lines.centers(trial, [5.98])[0], -1.0])
 
 
 # ---- pictures -----------------------------------------------------------------------------------------------------

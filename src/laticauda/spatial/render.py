@@ -1,17 +1,15 @@
 """Films and stills of trials: the robot in the water with its trail, a clock and its speed."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from laticauda.errors import positive, whole, within
-from laticauda.spatial import pool
-from laticauda.spatial.camera import VIEW_DEG, View, middle, reach, ripple_period, view
+from laticauda.spatial import lines, pool
+from laticauda.spatial.camera import VIEW_DEG, View, ripple_period, view
 from laticauda.spatial.door import engine
 from laticauda.spatial.film import ffmpeg, write_video
 from laticauda.spatial.offscreen import Offscreen, Picture, check_offscreen
@@ -19,14 +17,9 @@ from laticauda.spatial.overlay import write_words
 from laticauda.spatial.puppet import Puppet
 from laticauda.trial import Trial
 
-Points = Float[np.ndarray, "n_points n_axes"]
-
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
-TRAIL_STEP, TRAIL_PIECES, TRAIL_WIDTH = 0.2, 400, 0.006  # [s], [-], [m]
 WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like", "custom": "own envelope"}
-TRAIL_COLOR = (1.0, 0.80, 0.35)
-TRAIL_FADE = 0.2  # over which it begins [m]
 
 
 def video(
@@ -113,6 +106,7 @@ class _Studio:
         self._puppet.model.vis.global_.fovy = VIEW_DEG
         self._camera = engine().MjvCamera()
         self._ripples = self._moving_textures()
+        self._path = lines.path_dashes(trial, self._puppet.height)
         self._screen = Offscreen(self._puppet.model)
 
     def picture(self, time: float, speed: float = 1.0) -> Picture:
@@ -147,30 +141,14 @@ class _Studio:
             self._screen.upload(texture)
 
     def _decorate(self, scene: Any, time: float, seen: View) -> None:
-        """Fog, shadows where the robot is, and the trail of its center of mass."""
+        """Fog, shadows where the robot is, its trail, and the path that it followed."""
         flags = engine().mjtRndFlag
         scene.flags[flags.mjRND_FOG], scene.flags[flags.mjRND_HAZE] = True, False
         for light in scene.lights[: scene.nlight]:
             if not light.headlight:
                 light.pos = seen.target + np.array([0.0, 0.0, 2.0])
-        trail = self._trail(time)
-        robot = self._trial.robot
-        behind = np.linalg.norm(trail - trail[-1], axis=1) - (0.5 * reach(robot) - middle(robot))
-        for k, (one, other) in enumerate(pairwise(trail)):
-            # It begins at the trailing edge: a line through the body would look like a part of it.
-            opacity = float(np.clip(behind[k] / TRAIL_FADE, 0.0, 0.85)) * (k + 1) / len(trail)
-            if opacity > 0.02:
-                _add_line(scene, one, other, TRAIL_WIDTH, (*TRAIL_COLOR, opacity))
-
-    def _trail(self, time: float) -> np.ndarray:
-        """Points of the center of mass's way up to now, the newest last."""
-        trial = self._trial
-        first = max(math.ceil(trial.time[0] / TRAIL_STEP), math.floor(time / TRAIL_STEP) - TRAIL_PIECES)
-        # Always at the same moments, or the corners of the line would move along it.
-        moments = [k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)] + [time]
-        points = np.full((len(moments), 3), self._puppet.height)
-        points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
-        return points
+        lines.draw_path(scene, self._path)
+        lines.draw_trail(scene, self._trial, time, self._puppet.height)
 
     def close(self) -> None:
         """Give back the graphics memory."""
@@ -188,14 +166,8 @@ def speed_at(trial: Trial, time: float) -> float:
     moments = max(time - ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
-    start, stop = centers(trial, moments)
+    start, stop = lines.centers(trial, moments)
     return float(np.linalg.norm(stop - start)) / (moments[1] - moments[0])
-
-
-def centers(trial: Trial, moments: Sequence[float]) -> Points:
-    """Where the center of mass is at these times, in as many axes as the trial has [m]."""
-    columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
-    return np.stack(columns, axis=1)
 
 
 def words(trial: Trial, speed: float = 1.0) -> list[str]:
@@ -216,17 +188,3 @@ def _pixels(name: str, value: int) -> int:
     if number > MOST_PIXELS:
         raise ValueError(f"`{name}` must be at most {MOST_PIXELS} pixels, got {number}.")
     return number
-
-
-def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: tuple[float, ...]) -> None:
-    """A piece of a line into a scene that is about to be drawn."""
-    if scene.ngeom >= scene.maxgeom:
-        return
-    mujoco = engine()
-    geom = scene.geoms[scene.ngeom]
-    zero = np.zeros(3)
-    kind = mujoco.mjtGeom.mjGEOM_CYLINDER  # round ends would overlap, which shows as they are transparent
-    mujoco.mjv_initGeom(geom, kind, zero, zero, np.eye(3).ravel(), np.array(color, np.float32))
-    mujoco.mjv_connector(geom, kind, width, one, other)
-    geom.emission, geom.castshadow = 0.6, False
-    scene.ngeom += 1
