@@ -1,6 +1,7 @@
 """The only place where names become plants."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 from laticauda.errors import instance, one_of
@@ -94,7 +95,9 @@ def plant_of(trial: Trial) -> Plant[Any]:
     if settings.get("fluid_law", "built-in") != "built-in":
         raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
     names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
-    return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
+    body: Any = plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
+    rest = {name: settings[name] for name in ("ballast_depth", "tank") if name in settings}
+    return replace(body, **rest) if rest else body
 
 
 def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None) -> bool:

@@ -11,13 +11,14 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, one_of, positive, within
+from laticauda.errors import finite, not_negative, one_of, positive, within
 from laticauda.fluid import laws
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
 from laticauda.spatial import driving, loads, mjcf, native, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
+from laticauda.spatial.poses import ORIENTATION
 from laticauda.spatial.water_robot import robot_elements
 
 JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
@@ -61,6 +62,9 @@ class SpatialPlant:
     """Weight and buoyancy."""
     root: Literal["free", "planar"] = "free"
     """`free`, or `planar`: height and tilt of the tail module fixed."""
+    ballast_depth: float = 0.005
+    """How far the modules' centers of mass lie below their axes, for a free root with gravity: without it nothing keeps
+    a robot upright. Mamba's is not known; this is an assumption [m]."""
     tank: bool = False
     """Whether the tank's floor and walls are there."""
 
@@ -74,6 +78,7 @@ class SpatialPlant:
         if self.dt is not None:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
+        object.__setattr__(self, "ballast_depth", finite("ballast_depth", self.ballast_depth, "m"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
         if self.dt is None:
@@ -98,6 +103,7 @@ class SpatialPlant:
             "fluid_law": "built-in" if law is None else law.__name__,
             "gravity": self.gravity,
             "root": self.root,
+            "ballast_depth": self.ballast_depth,
             "tank": self.tank,
         }
 
@@ -245,7 +251,8 @@ class SpatialPlant:
         log["work"] = samples[:, driving.WORK_ABSOLUTE : driving.WORK_ELECTRICAL]
         if self.joints == "servo":
             log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
-        return log
+        at = driving.STATE_ROWS + driving.ORIENTATION
+        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate(ORIENTATION)}
 
 
 class _Twin:
@@ -260,6 +267,10 @@ class _Twin:
         )
         if not plant.gravity or plant.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
+        else:
+            for i in range(robot.n_links):
+                body = spec.body(f"module_{i}")
+                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
         self.model = water.compiled(spec)
         if plant.dt is not None:
             self.model.opt.timestep = plant.dt
