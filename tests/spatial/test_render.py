@@ -314,3 +314,15 @@ def test_rendering_is_loaded_only_when_it_is_used():
         "import sys, laticauda.cli.view, laticauda.cli.swim; sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
+    turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
+    puppet = Puppet(trial)
+    puppet.take(2.0)
+    for i, angle in enumerate(trial.link_angle[-1]):
+        forward = puppet.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
+        assert math.atan2(forward[1], forward[0]) == pytest.approx(angle, abs=1e-6)

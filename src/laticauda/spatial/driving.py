@@ -80,7 +80,7 @@ PRESCRIBED, PD, SERVO = range(3)
 (ENVELOPE, IS_DRIVEN, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the joints
-(COM, COM_RATE, HEADING, HEADING_RATE, SAMPLE_HEADER) = (0, 3, 6, 7, 8)
+(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12)
 
 GAMMA = 1.0 - 0.5**0.5
 HOLD = 1e8  # kg m^2
@@ -356,6 +356,12 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
         sample[at + i] = links[i]
     sample[o + HEADING] = heading / n
     sample[o + HEADING_RATE] = heading_rate / n
+    if N[IS_PLANAR]:
+        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = np.cos(0.5 * links[0]), np.sin(0.5 * links[0])
+        sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
+    else:
+        for k in range(4):
+            sample[o + ORIENTATION + k] = qpos[3 + k]
     at += n
     for i in range(n - 1):
         sample[at + i] = qpos[N[N_BASE_QPOS] + i]

@@ -12,7 +12,7 @@ from laticauda.robot import Robot
 from laticauda.spatial.door import engine
 from laticauda.trial import Trial
 
-# Signals of a spatial trial: which way module 0 is turned, as a quaternion.
+# Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them.
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 
 
