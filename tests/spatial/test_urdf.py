@@ -1,3 +1,4 @@
+import math
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -77,6 +78,25 @@ def test_a_urdf_file_opens_in_a_reader_of_urdf(preset):
         assert joint.limit.upper == pytest.approx(original.limit)
         assert joint.limit.effort == original.actuator.stall_torque
     assert found.get_chain("module_0", f"module_{robot.n_links - 1}", links=False) == [joint.name for joint in driven]
+
+
+@given(robots())
+@settings(max_examples=25)
+def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
+    """Bodies, their centers of mass and their inertia (whose axes MuJoCo sorts when it reads URDF)."""
+    models = mujoco.MjModel.from_xml_string(urdf(robot)), mjcf.spec(robot, WATER, visuals=False).compile()
+    found = []
+    for model in models:
+        data = mujoco.MjData(model)
+        for i, joint in enumerate(robot.joints):
+            data.joint(f"joint_{i}").qpos[:] = math.sin(i + 1.0) * joint.limit
+        mujoco.mj_kinematics(model, data)
+        names = [f"module_{i}" for i in range(robot.n_links)] + ["caudal_fin"] * (robot.caudal_fin is not None)
+        base = data.body("module_0").xpos
+        places = [(data.body(name).xpos - base, data.body(name).xipos - base) for name in names]
+        found.append((np.array(places), np.array([model.body(name).inertia for name in names])))
+    np.testing.assert_allclose(found[0][0], found[1][0], atol=1e-7)
+    np.testing.assert_allclose(np.sort(found[0][1]), np.sort(found[1][1]), rtol=1e-6, atol=1e-12)
 
 
 @given(robots())
