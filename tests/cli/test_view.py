@@ -69,10 +69,18 @@ def test_without_a_screen_the_message_says_what_to_do_instead(stored, monkeypatc
 
 def test_without_glfw_the_message_says_what_to_install(stored, monkeypatch):
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setitem(sys.modules, "mujoco.viewer", None)
+    monkeypatch.setitem(sys.modules, "glfw", None)
     done = stored("view run.nc")
     assert done.status == 2
     assert "A window needs the package glfw; run `pip install glfw`, or write a film" in done.err
+
+
+def test_a_screen_that_cannot_be_used_is_no_crash(stored, monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setitem(sys.modules, "glfw", types.SimpleNamespace(init=lambda: False))
+    done = stored("view run.nc")
+    assert done.status == 2
+    assert "A window needs a screen, and the one that is named here cannot be used; write a film" in done.err
 
 
 def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, monkeypatch, folder):
@@ -82,7 +90,7 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, mo
 
     class Window:
         def __init__(self, model, data):
-            self.model, self.data = model, data
+            self.model, self.data, self.cam = model, data, types.SimpleNamespace()
 
         def is_running(self):
             return len(shown) < 3
@@ -94,10 +102,11 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, mo
             shown.append(self.data.qpos.copy())
 
     @contextlib.contextmanager
-    def launch_passive(model, data):
+    def launch_passive(model, data, *, show_left_ui, show_right_ui):
         yield Window(model, data)
 
     monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setitem(sys.modules, "glfw", types.SimpleNamespace(init=lambda: True))
     monkeypatch.setitem(sys.modules, "mujoco.viewer", types.SimpleNamespace(launch_passive=launch_passive))
     monkeypatch.setattr(window.time, "sleep", lambda seconds: None)
     ticks = iter([0.0, 0.25, 0.5, 1.25])

@@ -5,6 +5,7 @@ from typing import Any
 from laticauda.errors import instance
 from laticauda.robot import Ground
 from laticauda.spatial import mjcf, pool, scene
+from laticauda.spatial.camera import VIEW_DEG
 from laticauda.spatial.door import engine
 from laticauda.spatial.poses import pose, put
 from laticauda.trial import Trial
@@ -29,7 +30,8 @@ class Puppet:
         ground: Any = trial.settings.get("ground")
         spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
         pool.add_surroundings(spec, trial.environment, floor_height(trial), surface=_is_near_the_surface(trial))
-        spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+        picture = spec.visual.global_
+        picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG
         self.model: Any = spec.compile()
         self.data: Any = engine().MjData(self.model)
 

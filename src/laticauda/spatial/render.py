@@ -9,7 +9,7 @@ import numpy as np
 
 from laticauda.errors import positive, whole, within
 from laticauda.spatial import lines, pool
-from laticauda.spatial.camera import VIEW_DEG, View, ripple_period, view
+from laticauda.spatial.camera import View, ripple_period, view
 from laticauda.spatial.door import engine
 from laticauda.spatial.film import ffmpeg, write_video
 from laticauda.spatial.offscreen import Offscreen, Picture, check_offscreen
@@ -103,7 +103,6 @@ class _Studio:
         self._puppet = Puppet(trial, width, height)
         self._trial = trial
         self._look = pool.look_of(trial.environment)
-        self._puppet.model.vis.global_.fovy = VIEW_DEG
         self._camera = engine().MjvCamera()
         self._ripples = self._moving_textures()
         self._path = lines.path_dashes(trial, self._puppet.height)
