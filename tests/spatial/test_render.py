@@ -152,11 +152,11 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
     followed = lc.run(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0)
-    dashes = lines.path_dashes(followed, -1.0)
+    dashes, dash = lines.path_dashes(followed, -1.0), lines.DASH * followed.robot.length
     ends = np.array(dashes).reshape(-1, 3)
-    assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * lines.DASH), abs=1.0)
+    assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0)
     np.testing.assert_allclose(ends[:, 1], 0.5, atol=1e-3)
-    np.testing.assert_allclose(np.diff(ends[:, 0])[:-1], lines.DASH, atol=1e-3)
+    np.testing.assert_allclose(np.diff(ends[:, 0])[:-1], dash, atol=1e-3)
     assert np.all(ends[:, 2] < -1.0 - 0.055)
 
 

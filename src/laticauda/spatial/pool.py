@@ -17,7 +17,8 @@ SIZE = 240  # pixels of the tile
 SURFACE, SURFACE_DARK = (0.75, 0.97, 1.0), 0.30  # color of ripples, and how bright it is between them
 SURFACE_TILE, SURFACE_OPACITY = 2.3, 0.15  # [m], [-]
 SUN = (0.14, 0.10, -1.0)
-SHADOW = 1.35  # how far from the robot's middle there are shadows [m]
+SHADOW = 0.65  # how far from the robot's middle there are shadows, in its lengths
+CLEAR = 0.5  # the fog of `Look` is that for a robot of 2 m; it grows with longer ones [1/m]
 Color = tuple[float, float, float]
 
 
@@ -70,13 +71,14 @@ def look_of(environment: Environment) -> Look:
     return LAND if isinstance(environment, Ground) else WATER
 
 
-def add_surroundings(model: Any, environment: Environment, floor: float, *, surface: bool) -> None:
+def add_surroundings(model: Any, environment: Environment, *, floor: float, length: float, surface: bool) -> None:
     """Floor, light and all that is far away into a `MjSpec`.
 
     Args:
         model: With the robot in it.
         environment: Where it is.
         floor: Height of the floor [m].
+        length: Of the robot, which everything has to fit [m].
         surface: Whether the surface of the water, at 0, is to be seen.
     """
     look = look_of(environment)
@@ -86,7 +88,7 @@ def add_surroundings(model: Any, environment: Environment, floor: float, *, surf
         geom.castshadow = False  # on itself it would only flicker
         if geom.name == "water":
             geom.rgba, geom.material = (0.0, 0.0, 0.0, 0.0), ""
-    _add_light(model, look)
+    _add_light(model, look, length)
     _add_floor(model, look, floor)
     if surface:
         _add_picture(model, "surface", surface_picture(0.0), SURFACE_TILE)
@@ -112,14 +114,14 @@ def surface_picture(time: float) -> np.ndarray:
     return (255.0 * np.array(SURFACE) * shine[..., np.newaxis]).astype(np.uint8)
 
 
-def _add_light(model: Any, look: Look) -> None:
+def _add_light(model: Any, look: Look, length: float) -> None:
     """Sun, fog and background."""
     kind = engine()
     model.stat.extent = 1.0  # so that the lengths below are in meters
     visual = model.visual
-    visual.map.fogstart, visual.map.fogend = look.fog
-    visual.map.znear, visual.map.zfar = 0.05, 60.0
-    visual.map.shadowclip = SHADOW
+    visual.map.fogstart, visual.map.fogend = (max(1.0, CLEAR * length) * distance for distance in look.fog)
+    visual.map.znear, visual.map.zfar = 0.02 * length, 30.0 * max(length, 2.0)
+    visual.map.shadowclip = SHADOW * length
     visual.rgba.fog = (*look.far, 1.0)
     visual.quality.offsamples, visual.quality.shadowsize = 4, 2048
     visual.headlight.ambient = look.ambient

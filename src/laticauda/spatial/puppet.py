@@ -5,7 +5,7 @@ from typing import Any
 from laticauda.errors import instance
 from laticauda.robot import Ground
 from laticauda.spatial import mjcf, pool, scene
-from laticauda.spatial.camera import VIEW_DEG
+from laticauda.spatial.camera import VIEW_DEG, reach
 from laticauda.spatial.door import engine
 from laticauda.spatial.poses import pose, put
 from laticauda.trial import Trial
@@ -29,7 +29,13 @@ class Puppet:
         self.height = swimming_height(trial)
         ground: Any = trial.settings.get("ground")
         spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
-        pool.add_surroundings(spec, trial.environment, floor_height(trial), surface=_is_near_the_surface(trial))
+        pool.add_surroundings(
+            spec,
+            trial.environment,
+            floor=floor_height(trial),
+            length=reach(trial.robot),
+            surface=_is_near_the_surface(trial),
+        )
         picture = spec.visual.global_
         picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG
         self.model: Any = spec.compile()

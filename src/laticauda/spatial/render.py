@@ -146,7 +146,7 @@ class _Studio:
         for light in scene.lights[: scene.nlight]:
             if not light.headlight:
                 light.pos = seen.target + np.array([0.0, 0.0, 2.0])
-        lines.draw_path(scene, self._path)
+        lines.draw_path(scene, self._trial, self._path)
         lines.draw_trail(scene, self._trial, time, self._puppet.height)
 
     def close(self) -> None:
