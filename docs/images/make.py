@@ -84,7 +84,7 @@ def swim_3d(path: Path) -> None:
     still(
         lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=18.0), path, time=STILL_TIME, width=1920, height=1080
     )
-    Image.open(path).resize((960, 540), Image.Resampling.LANCZOS).save(path, optimize=True)
+    Image.open(path).resize((896, 504), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
 if __name__ == "__main__":
