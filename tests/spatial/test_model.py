@@ -7,7 +7,6 @@ import pytest
 
 import laticauda as lc
 from laticauda.interfaces import Command, OpenLoop, Plant, Start
-from laticauda.robot import PectoralFin, Tether
 from laticauda.simulate import plant, plant_of, resume, run
 from laticauda.spatial.model import SpatialPlant
 from laticauda.spatial.water_robot import robot_elements
@@ -135,21 +134,6 @@ def test_elements_have_the_planar_model_s_numbers_in_the_plane_and_the_turned_el
         assert e.added_mass[2] == pytest.approx(c.mu_n[i] * (section.half_width / section.half_height) ** 2)
     assert sum(e.volume for e in elements) == pytest.approx(robot.volume)
     assert sum(e.added_mass[1] for e in elements[robot.n_links :]) == pytest.approx(np.sum(c.fin.mu_n))
-
-
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"tether": Tether(drag=1.0)}, "`tether` of robot `mamba` must be left out"),
-        (
-            {"pectoral_fins": (PectoralFin(link=0, area=0.01, lift_slope=2.0, stall_angle=0.3),)},
-            "`pectoral_fins` of robot `mamba` must be left out",
-        ),
-    ],
-)
-def test_effectors_that_it_does_not_know_are_refused(changes: dict[str, object], says: str):
-    with pytest.raises(ValueError, match=says):
-        plant(replace(ROBOT, **changes), WATER, model="spatial")
 
 
 def test_bad_settings_are_refused_by_name():

@@ -50,6 +50,14 @@ class Element:
     """About x, y and z through the middle, not negative [kg m^2]."""
     thrust: Three = _NONE
     """A constant force along x, y and z, of a thruster say [N]."""
+    pull: Three = _NONE
+    """A constant force in world axes, of a tether say [N]."""
+    tether_drag: float = 0.0
+    """k of a force -k |u| u, not negative [kg/m]."""
+    wake_mass: float = 0.0
+    """m' of Lighthill's force at a trailing edge, while u_x > 0: m'/2 u_y^2 along x, -m' u_x u_y along y [kg/m]."""
+    plate: tuple[float, float, float, float, float] | None = None
+    """An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`."""
     volume: float = 0.0
     """Of the water that it displaces when covered [m^3]."""
     shape: Shape = "ellipsoid"
@@ -67,6 +75,11 @@ class Element:
             raise ValueError(f"`body` must be the name of a body, got {self.body!r}.")
         self._settle("position", finite, "m")
         self._settle("thrust", finite, "N")
+        self._settle("pull", finite, "N")
+        object.__setattr__(self, "tether_drag", not_negative("tether_drag", self.tether_drag, "kg/m"))
+        object.__setattr__(self, "wake_mass", not_negative("wake_mass", self.wake_mass, "kg/m"))
+        if self.plate is not None:
+            self._settle("plate", not_negative, "", 5)
         for name, unit in (
             ("drag", "N s^2/m^2"),
             ("torque_linear", "N s^2"),

@@ -29,6 +29,7 @@ from numba import (
 from numba.extending import intrinsic
 
 from laticauda.compiling import OPTIONS, compiled, kernel
+from laticauda.fluid import laws
 from laticauda.spatial import hydrostatics
 from laticauda.spatial.native import allocate, call_1, call_2, number_at, pointer, word_at
 
@@ -98,8 +99,12 @@ REFERENCE_SPEED = 32
 LINEAR = 33
 QUADRATIC = 34
 THRUST = 35  # 3
-ELEMENT_SIZE = 38
-OUT_SIZE = 12  # drag, added mass (its velocity part), buoyancy [N] in world axes, torque of all about the middle [N m]
+PULL = 38  # 3
+TETHER_DRAG = 41
+WAKE_MASS = 42
+PLATE = 43  # 5, as in fluid.laws.plate
+ELEMENT_SIZE = 48
+OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]
 
 # --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
 # The mark is a number below 2^52 that stands in the model as a denormal, so that copies of the model have it too; its
@@ -111,6 +116,7 @@ registry = np.zeros(2 + 2 * MOST_MODELS, dtype=np.int64)
 _SYMBOL = "laticauda_water_registry"
 llvmlite.binding.add_symbol(_SYMBOL, registry.ctypes.data)
 wetted = compiled(hydrostatics.wetted)
+plate_law = compiled(laws.plate)
 
 
 @intrinsic
@@ -247,22 +253,26 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     bx, by, bz = lift * gravity[0], lift * gravity[1], lift * gravity[2]
     if T[OUT] != 0:
         out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
-        out[0], out[1], out[2] = r00 * q0 + r01 * q1 + r02 * q2, r10 * q0 + r11 * q1 + r12 * q2, 0.0
+        out[0], out[1] = r00 * q0 + r01 * q1 + r02 * q2, r10 * q0 + r11 * q1 + r12 * q2
         out[2] = r20 * q0 + r21 * q1 + r22 * q2
         out[3], out[4] = r00 * f0 + r01 * f1 + r02 * f2, r10 * f0 + r11 * f1 + r12 * f2
         out[5] = r20 * f0 + r21 * f1 + r22 * f2
         out[6], out[7], out[8] = bx, by, bz
     f0, f1, f2, t0, t1, t2 = f0 + q0, f1 + q1, f2 + q2, t0 + s0, t1 + s1, t2 + s2
-    f0, f1, f2 = f0 + E[o + THRUST], f1 + E[o + THRUST + 1], f2 + E[o + THRUST + 2]
+    e0, e1, e2 = effector(E, o, u0, u1, u2)
+    if T[OUT] != 0:
+        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+        out[9] = r00 * e0 + r01 * e1 + r02 * e2 + E[o + PULL]
+        out[10] = r10 * e0 + r11 * e1 + r12 * e2 + E[o + PULL + 1]
+        out[11] = r20 * e0 + r21 * e1 + r22 * e2 + E[o + PULL + 2]
+        out[12] = wet
+    f0, f1, f2 = f0 + e0, f1 + e1, f2 + e2
     fx, fy, fz = r00 * f0 + r01 * f1 + r02 * f2, r10 * f0 + r11 * f1 + r12 * f2, r20 * f0 + r21 * f1 + r22 * f2
-    fx, fy, fz = fx + bx, fy + by, fz + bz
+    fx, fy, fz = fx + bx + E[o + PULL], fy + by + E[o + PULL + 1], fz + bz + E[o + PULL + 2]
     cx, cy, cz = r00 * c0 + r01 * c1 + r02 * c2, r10 * c0 + r11 * c1 + r12 * c2, r20 * c0 + r21 * c1 + r22 * c2
     tx = r00 * t0 + r01 * t1 + r02 * t2 + cy * bz - cz * by
     ty = r10 * t0 + r11 * t1 + r12 * t2 + cz * bx - cx * bz
     tz = r20 * t0 + r21 * t1 + r22 * t2 + cx * by - cy * bx
-    if T[OUT] != 0:
-        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
-        out[9], out[10], out[11] = tx, ty, tz
     F = 6 * n_bodies + 6 * body
     S[F] += tx + ry * fz - rz * fy
     S[F + 1] += ty + rz * fx - rx * fz
@@ -315,6 +325,23 @@ def drag(T, E, o, law_io, v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3):
     law_io[7], law_io[8], law_io[9] = E[o + REFERENCE_SPEED], E[o + LINEAR], E[o + QUADRATIC]
     call_1(T[LAW], law_io.ctypes.data)
     return law_io[10], law_io[11], law_io[12]
+
+
+@kernel
+@no_type_check
+def effector(E, o, u0, u1, u2):
+    """Thrust, tether, wake and plate, in element axes: what only few elements have."""
+    f0, f1, f2 = E[o + THRUST], E[o + THRUST + 1], E[o + THRUST + 2]
+    if E[o + TETHER_DRAG] != 0.0:
+        slope = E[o + TETHER_DRAG] * (u0 * u0 + u1 * u1 + u2 * u2) ** 0.5
+        f0, f1, f2 = f0 - slope * u0, f1 - slope * u1, f2 - slope * u2
+    if E[o + WAKE_MASS] != 0.0 and u0 > 0.0:
+        f0, f1 = f0 + 0.5 * E[o + WAKE_MASS] * u1 * u1, f1 - E[o + WAKE_MASS] * u0 * u1
+    if E[o + PLATE] != 0.0:
+        k = o + PLATE
+        p0, p1 = plate_law(u0, u1, E[k], E[k + 1], E[k + 2], E[k + 3], E[k + 4])
+        f0, f1 = f0 + p0, f1 + p1
+    return f0, f1, f2
 
 
 @kernel
@@ -451,9 +478,9 @@ def _passive(model, data):
 
 
 def _digest() -> str:
-    folder = Path(__file__).parent
+    folder = Path(__file__).parent.parent
     digest = hashlib.sha256()
-    for source in ("loads.py", "native.py", "hydrostatics.py"):
+    for source in ("spatial/loads.py", "spatial/native.py", "spatial/hydrostatics.py", "fluid/laws.py", "compiling.py"):
         digest.update((folder / source).read_bytes())
     return digest.hexdigest()[:16]
 

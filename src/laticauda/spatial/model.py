@@ -22,6 +22,7 @@ from laticauda.spatial.poses import ORIENTATION
 from laticauda.spatial.water_robot import robot_elements
 
 JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
+FORCES = ("drag", "added_mass", "effector")
 LEAST_DT = 1e-6  # s
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 
@@ -162,8 +163,6 @@ class SpatialPlant:
     ) -> tuple[SpatialState, Log, str | None]:
         """Many steps at once under one command; see `Plant.march`."""
         assert self.dt is not None
-        if link_forces:
-            raise ValueError("`link_forces` must be off: the spatial model does not log them yet.")
         n_intervals = max(1, round(duration / sample_interval))
         every = max(1, math.ceil(duration / n_intervals / self.dt - 1e-9))
         dt = duration / n_intervals / every
@@ -173,7 +172,10 @@ class SpatialPlant:
             if not len(samples):
                 samples = self._go(state, self._rows(None), 0, 1.0, 1)[1]
             return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
-        return after, self._log(samples), None
+        log = self._log(samples)
+        if link_forces:
+            log |= self._link_forces(state, command, n_intervals, every, dt)
+        return after, log, None
 
     def pack(self, state: SpatialState) -> dict[str, np.ndarray]:
         """A state as arrays that can be stored."""
@@ -217,6 +219,20 @@ class SpatialPlant:
             driven = joints[:, driving.IS_DRIVEN] > 0.0
             joints[driven, driving.ENVELOPE] = gait.joint_envelope(int(driven.sum()) + 1)
         return rows, joints
+
+    def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
+        """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
+
+        The march is done once more, sample by sample, and stopped to look at each.
+        """
+        force = np.zeros((3, n + 1, self.robot.n_links, 3))
+        rows = self._rows(command)
+        for sample in range(n + 1):
+            if sample:
+                state, _ = self._go(state, rows, every, dt, every)
+            self._go(state, rows, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
+            force[:, sample] = self._twin.forces()
+        return {f"force_{name}": force[i] for i, name in enumerate(FORCES)}
 
     def _go(
         self, state: SpatialState, rows: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
@@ -352,6 +368,16 @@ class _Twin:
                 raise RuntimeError("MuJoCo's passive callback was taken by another package; the water would not act")
             robot = (self._mass, self._order, self._hold)
             return int(driving.run(self._setup, values, *rows, *robot, steps, dt, every, log))
+
+    def forces(self) -> np.ndarray:
+        """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
+        loads_on = self.water.forces(self._data)
+        total = np.zeros((len(FORCES), self._order.size, 3))
+        for i, element in enumerate(self.water.elements):
+            link = int(element.body.removeprefix("module_")) if element.body.startswith("module_") else 0
+            for k, name in enumerate(FORCES):
+                total[k, link] += loads_on[name][i]
+        return total
 
 
 def _center_of_mass(robot: Robot) -> float:

@@ -71,24 +71,37 @@ class Water:
     def forces(self, data: Any) -> dict[str, np.ndarray]:
         """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
 
-        The part of the added mass that goes with acceleration is not a force here: it is in the inertia.
-
         Args:
             data: A `mujoco.MjData` of the model.
 
         Returns:
-            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (its velocity part) and `buoyancy` [N],
-            and `torque` of all three about the element's middle [N m].
+            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass`, `buoyancy` and `effector` (thrust,
+            tether, wake, plate) [N]. The added mass is that of the accelerations in `data` afterward.
         """
         out = np.zeros((len(self.elements), loads.OUT_SIZE))
+        model = self._live()
         with _lock:
             self.table[loads.OUT] = out.ctypes.data
             try:
-                engine().mj_forward(self._live(), data)
+                engine().mj_forward(model, data)
             finally:
                 self.table[loads.OUT] = 0
-        names = ("drag", "added_mass", "buoyancy", "torque")
-        return {name: out[:, 3 * i : 3 * i + 3].copy() for i, name in enumerate(names)}
+        names = ("drag", "added_mass", "buoyancy", "effector")
+        found = {name: out[:, 3 * i : 3 * i + 3].copy() for i, name in enumerate(names)}
+        found["added_mass"] -= self._carried(model, data) * out[:, 12:]
+        return found
+
+    def _carried(self, model: Any, data: Any) -> np.ndarray:
+        """Added mass times what the accelerations of the joints do to the middle of every element [N]."""
+        mujoco = engine()
+        force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
+        for i, element in enumerate(self.elements):
+            body = body_of(model, element.body)
+            turned = data.xmat[body].reshape(3, 3)
+            mujoco.mj_jac(model, data, jacobian, None, data.xpos[body] + turned @ np.array(element.position), body)
+            axes = turned @ element.rotation
+            force[i] = axes @ (np.array(element.added_mass) * (axes.T @ (jacobian @ data.qacc)))
+        return force
 
     def _live(self) -> Any:
         model = self.model()
@@ -244,9 +257,12 @@ def _record(element: Element) -> np.ndarray:
         (loads.INERTIA, element.added_inertia),
         (loads.HALF, element.half_size),
         (loads.THRUST, element.thrust),
+        (loads.PULL, element.pull),
+        (loads.PLATE, element.plate or ()),
     ):
         record[at : at + len(values)] = values
     record[loads.VOLUME], record[loads.SHAPE] = element.volume, element.shape_number
     record[loads.REFERENCE_SPEED] = element.reference_speed
+    record[loads.TETHER_DRAG], record[loads.WAKE_MASS] = element.tether_drag, element.wake_mass
     record[loads.LINEAR], record[loads.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
     return record

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.fluid import Coefficients, link_coefficients
-from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
+from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
 from laticauda.spatial.elements import Element
 
 
@@ -29,34 +29,12 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
         robot: What swims.
         environment: The water it swims in, or the ground it crawls on in the plane.
         floats: Whether the elements have their volumes.
-
-    Raises:
-        ValueError: If the robot has an effector that the spatial model does not know yet.
     """
-    for name, there in (
-        ("pectoral_fins", bool(robot.pectoral_fins)),
-        ("tether", robot.tether.drag > 0.0 or any(robot.tether.force)),
-    ):
-        if there:
-            raise ValueError(
-                f"`{name}` of robot `{robot.name}` must be left out: the spatial model does not know it yet."
-            )
-    if isinstance(environment, Water) and environment.trailing_edge != "none":
-        raise ValueError("`trailing_edge` must be `none`: the spatial model does not know it yet, got 'elongated'.")
     c = link_coefficients(robot, environment)
     found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
     if robot.caudal_fin is not None and c.fin is not None:
         found += _fin(robot.caudal_fin, c.fin, environment)
-    for thruster in robot.thrusters:
-        half = 0.5 * thruster.angle
-        found.append(
-            Element(
-                body=f"module_{thruster.link}",
-                position=(robot.modules[thruster.link].half_length + thruster.x, thruster.y, 0.0),
-                orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
-                thrust=(thruster.thrust, 0.0, 0.0),
-            )
-        )
+    found += _effectors(robot, environment)
     return tuple(found) if floats else tuple(replace(e, volume=0.0) for e in found)
 
 
@@ -112,6 +90,36 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
         Element(body="caudal_fin", position=(-half[0], 0.0, 0.0), volume=fin.volume, shape="box", half_size=half)
     )
     return found
+
+
+def _effectors(robot: Robot, environment: Environment) -> list[Element]:
+    """Thrusters; in water pectoral fins, tether and trailing edge too, as in the planar model."""
+    found = [_mounted(robot, t, thrust=(t.thrust, 0.0, 0.0)) for t in robot.thrusters]
+    if isinstance(environment, Ground):
+        return found
+    for fin in robot.pectoral_fins:
+        area = 0.5 * environment.density * fin.area
+        law = (area, fin.lift_slope, fin.stall_angle, fin.stall_sharpness, fin.parasitic_drag)
+        found.append(_mounted(robot, fin, plate=law))
+    if robot.tether.drag > 0.0 or any(robot.tether.force):
+        x, y = robot.tether.force
+        found.append(Element(body="module_0", tether_drag=robot.tether.drag, pull=(x, y, 0.0)))
+    if environment.trailing_edge == "elongated":
+        fin = robot.caudal_fin
+        half_height = 0.5 * fin.height if fin else robot.modules[0].section.half_height
+        mass = environment.density * float(np.pi) * half_height**2
+        found.append(Element(body="module_0", position=(-fin.length if fin else 0.0, 0.0, 0.0), wake_mass=mass))
+    return found
+
+
+def _mounted(robot: Robot, effector: Thruster | PectoralFin, **loads: Any) -> Element:
+    half = 0.5 * effector.angle
+    return Element(
+        body=f"module_{effector.link}",
+        position=(robot.modules[effector.link].half_length + effector.x, effector.y, 0.0),
+        orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
+        **loads,
+    )
 
 
 def _law(environment: Environment) -> dict[str, Any]:
