@@ -191,6 +191,40 @@ def test_a_heavy_chain_rests_on_the_floor_with_its_weight_in_water(solver: str, 
     assert total == pytest.approx(weight, rel=0.01)
 
 
+@pytest.mark.parametrize("integrator", ["Euler", "RK4", "implicitfast"])
+def test_a_joint_at_its_limit_carries_the_weight_in_water(integrator: str):
+    text = f"""<mujoco><option timestep="0.002" integrator="{integrator}"/><worldbody><body name="b0">
+    <joint axis="0 1 0" range="-90 30" damping="0.1"/>
+    <geom name="g0" type="ellipsoid" size=".2 .05 .04" pos=".2 0 0" density="1500"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g0", GeomCoefficients(rotational_drag=1.0))
+    with pytest.warns(UserWarning, match="no free joint"):
+        water.attach(model, [element])
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    assert data.qpos[0] == pytest.approx(np.deg2rad(30), abs=0.01)
+    moment = (model.body_mass[1] - 1000.0 * element.volume) * 9.81 * 0.2 * np.cos(data.qpos[0])
+    assert data.qfrc_constraint[0] == pytest.approx(-moment, rel=0.01)
+
+
+def test_a_closed_loop_moves_with_m_plus_a():
+    text = oracle.snake(4, option='solver="Newton" tolerance="1e-14"')
+    text = text.replace("</mujoco>", '<equality><connect body1="b0" body2="b3" anchor="-.1 .1 0"/></equality></mujoco>')
+    wet, dry = (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
+    elements = oracle.elements(4)
+    water.attach(wet, elements, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    d.qvel[:] = e.qvel[:] = np.random.default_rng(0).normal(size=wet.nv)
+    mujoco.mj_forward(wet, d)
+    mujoco.mj_forward(dry, e)
+    M = np.zeros((wet.nv, wet.nv))
+    mujoco.mj_fullM(dry, e, M)
+    A, fluid = oracle.inertia_and_force(dry, e, elements)
+    assert np.max(np.abs(d.qfrc_constraint)) > 1.0
+    np.testing.assert_allclose((M + A) @ d.qacc, e.qfrc_smooth + fluid + d.qfrc_constraint, atol=1e-6)
+
+
 # ---- buoyancy and drag ----------------------------------------------------------------------------------------------
 
 
@@ -379,6 +413,7 @@ def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
     [
         ('density="1000"', "must have option density and viscosity 0"),
         ('solver="PGS"', "must have the solver Newton or CG"),
+        ('integrator="discrete"', "must have one of the integrators Euler, RK4, implicit, implicitfast"),
     ],
 )
 def test_what_added_mass_does_not_hold_for_is_refused(option: str, says: str):

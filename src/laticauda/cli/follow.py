@@ -148,7 +148,9 @@ class Follow:
         duration = DURATION if self.start.duration is None else self.start.duration
         body = plant(self.robot.chosen(), environment, **given(self.model))
         start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
-        trial = run(body, controller, duration, start=start, progress=announced(environment, duration))
+        trial = run(
+            body, controller, duration, start=start, progress=announced(environment, duration, model=self.model.model)
+        )
         if self.output.save is not None:
             trial.save(self.output.save)
         if self.output.plot is not None:

@@ -109,7 +109,7 @@ class Swim:
             environment=environment,
             start=Start(heading=radians(self.run.heading_deg, 0.0)),
             link_forces=self.run.link_forces,
-            progress=announced(environment, **self._clock()),
+            progress=announced(environment, model=self.model.model, **self._clock()),
             **given(self.model),
             **self._clock(),
         )
@@ -128,7 +128,7 @@ class Swim:
             plant_of(first),
             first,
             link_forces=first.link_force is not None,
-            progress=announced(first.environment, **self._clock()),
+            progress=announced(first.environment, model=str(first.settings.get("model")), **self._clock()),
             **self._clock(),
         )
         return joined(first, second), f"as stored in {path}"
@@ -145,16 +145,19 @@ class Swim:
             print(in_flags(trial.status, self), file=sys.stderr)
 
 
-def announced(environment: Environment, duration: float, **_: object) -> Callable[[float], None]:
+def announced(
+    environment: Environment, duration: float, *, model: str | None = None, **_: object
+) -> Callable[[float], None]:
     """Say that kernels will be compiled, if so, and return what shows the progress of the run.
 
     Args:
         environment: Where it will swim.
         duration: How long [s].
+        model: By which model; None: planar.
     """
     from laticauda.cli.progress import progress
     from laticauda.simulate import needs_compiling
 
-    if needs_compiling(environment):
+    if needs_compiling(environment, model=model):
         print(COMPILING, file=sys.stderr, flush=True)
     return progress(duration)

@@ -100,13 +100,23 @@ def plant_of(trial: Trial) -> Plant[Any]:
     return replace(body, **rest) if rest else body
 
 
-def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None) -> bool:
-    """Whether the first planar run in this environment will have to compile its kernels, which takes seconds.
+def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None, model: str | None = None) -> bool:
+    """Whether the first run in this environment will have to compile its kernels, which takes seconds.
 
     Args:
         environment: The water it swims in or the ground it crawls on.
         fluid_law: As for `plant`.
+        model: As for `plant`; None: planar.
+
+    Raises:
+        MissingExtra: If the model needs a package that is not installed.
     """
+    if model == "spatial":
+        from laticauda.spatial.door import engine
+        from laticauda.spatial.driving import is_compiled as is_spatial_compiled
+
+        engine()
+        return not is_spatial_compiled()
     from laticauda.planar.model import law_of
     from laticauda.planar.specialize import is_compiled
 

@@ -445,3 +445,8 @@ run: Any = njit(cache=True, **OPTIONS)(_run)
 Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
 goes on from the powers at the start of the call.
 """
+
+
+def is_compiled() -> bool:
+    """Whether the machine code is at hand or on disk; if not, the first run takes some ten seconds."""
+    return bool(run.signatures) or any(Path(run.stats.cache_path).glob(f"*{_run.__qualname__}-*.nbi"))
