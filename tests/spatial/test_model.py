@@ -106,6 +106,24 @@ def test_the_physical_robot_swims_upright_from_any_roll():
     assert log["center_of_mass"][-1, 0] > 1.5
 
 
+def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
+    robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
+    body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints="servo")
+    command = Command(gait=replace(GAIT, amplitude=0.0))
+    state, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
+    assert failure is None
+    height = robot.modules[0].section.half_height - body.ballast_depth
+    assert log["center_of_mass"][-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
+    assert np.max(np.abs(log["center_of_mass_velocity"][-1])) < 1e-3
+
+
+def test_joint_limits_do_not_hold_prescribed_joints_up():
+    far = replace(GAIT, amplitude=0.0, offset=0.6)
+    tight = replace(ROBOT, joints=tuple(replace(j, limit=0.3) for j in ROBOT.joints))
+    paths = [lc.swim(robot, far, 3.0, model="spatial").center_of_mass for robot in (ROBOT, tight)]
+    np.testing.assert_array_equal(*paths)
+
+
 def test_where_the_mass_is_above_the_middle_it_is_warned_of():
     robot = lc.load_robot("mamba-modules-fin")
     body = SpatialPlant(robot=robot, environment=WATER, ballast_depth=-0.002, dt=0.01)

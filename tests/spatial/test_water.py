@@ -101,6 +101,26 @@ def test_every_integrator_steps_with_m_plus_a(integrator: str):
     assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)  # of first order in the step: exact at its start
 
 
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
+def test_joint_damping_is_implicit_in_m_plus_a(integrator: str):
+    step, damping = 0.01, 50.0
+    wet, dry = pair(f'integrator="{integrator}"', f'damping="{damping}"')
+    wet.opt.timestep = step
+    elements = oracle.elements()
+    water.attach(wet, elements, usual_speed=0.001)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    oracle.random_state(wet, d)
+    oracle.random_state(dry, e)
+    before = d.qvel.copy()
+    mujoco.mj_step(wet, d)
+    mujoco.mj_forward(dry, e)
+    M = np.zeros((wet.nv, wet.nv))
+    mujoco.mj_fullM(dry, e, M)
+    A, fluid = oracle.inertia_and_force(dry, e, elements)
+    expected = np.linalg.solve(M + A + step * np.diag(wet.dof_damping), e.qfrc_smooth + fluid)
+    np.testing.assert_allclose((d.qvel - before) / step, expected, rtol=1e-8)
+
+
 def test_evaluating_twice_adds_the_water_once():
     (wet, _) = pair()
     water.attach(wet, oracle.elements(), usual_speed=0.01)

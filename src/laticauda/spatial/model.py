@@ -288,6 +288,8 @@ class _Twin:
                 body = spec.body(f"module_{i}")
                 body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
         self.model = water.compiled(spec)
+        if plant.joints == "prescribed":  # they go where the gait says; a stop would only push the rest of the body
+            self.model.jnt_limited[:] = 0
         if plant.dt is not None:
             self.model.opt.timestep = plant.dt
         self._data = mujoco.MjData(self.model)
