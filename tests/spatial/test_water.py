@@ -282,6 +282,21 @@ def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, de
 
 
 @pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_raft_floats_flat_again_after_a_heel(axis: int):
+    text = body("box", ".3 .2 .03", option='gravity="0 0 -9.81"', density=500.0)
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(1, 1, 1), rotational_drag=1.0, reference_speed=0.5))
+    water.attach(model, [element], surface=0.0)
+    data.qpos[3], data.qpos[4 + axis] = np.cos(0.15), np.sin(0.15)
+    for _ in range(4000):
+        mujoco.mj_step(model, data)
+    assert data.xmat[1, 8] > np.cos(np.deg2rad(0.5))
+    assert data.qpos[2] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.filterwarnings(STILL)
 def test_a_sinking_body_reaches_its_terminal_speed():
     text = body("sphere", ".1", option='gravity="0 0 -9.81"', density=2000.0)
     model = water.compiled(mujoco.MjSpec.from_string(text))
