@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from rendering import skip_without_rendering
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -77,8 +78,14 @@ def follow(page: Path) -> None:
                     run_in_shell(f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}")
 
 
+def renders(page: Path) -> bool:
+    return any("--video" in block.code or "spatial.render" in block.code for block in blocks(page))
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_the_code_of_the_page_runs_from_top_to_bottom(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    if renders(page):
+        skip_without_rendering()
     monkeypatch.chdir(tmp_path)
     follow(page)
 

@@ -132,6 +132,7 @@ def test_nearest_is_silent_when_nothing_comes_near():
     [
         (errors.SimulationFailed, RuntimeError),
         (errors.MissingExtra, ImportError),
+        (errors.MissingProgram, RuntimeError),
         (errors.TrialFileError, ValueError),
         (errors.RobotFileError, ValueError),
     ],
@@ -144,3 +145,8 @@ def test_an_error_is_ours_and_the_builtin(error, builtin):
 def test_a_missing_extra_says_what_to_install_also_after_crossing_processes():
     error = pickle.loads(pickle.dumps(errors.MissingExtra("The 3D model", "MuJoCo", "spatial")))
     assert str(error) == 'The 3D model needs MuJoCo; run `pip install "laticauda[spatial]"`.'
+
+
+def test_a_missing_program_says_what_to_install_also_after_crossing_processes():
+    error = pickle.loads(pickle.dumps(errors.MissingProgram("A video", "the program ffmpeg", "ffmpeg")))
+    assert str(error) == "A video needs the program ffmpeg; on Debian and Ubuntu run `apt-get install ffmpeg`."

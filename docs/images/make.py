@@ -7,9 +7,11 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
+from PIL import Image
 
 import laticauda as lc
 from laticauda.figures import save_figure, style, swim_sheet
+from laticauda.spatial.render import still
 
 FOLDER = Path(__file__).parent
 
@@ -23,6 +25,7 @@ BLOCKS = {
     "estimate": (4.75, 0.55, "heading estimate", "(6) or its cycle mean"),
 }
 HALF_WIDTH = {"generator": 0.62, "robot": 0.6, "estimate": 0.68}
+STILL_TIME = 15.4  # [s]
 HALF_HEIGHT, LEAST_HALF_WIDTH = 0.26, 0.45
 PAPER = ("path", "guidance", "heading", "generator", "robot")
 
@@ -75,7 +78,17 @@ def control_structure() -> Figure:
     return figure
 
 
+def swim_3d(path: Path) -> None:
+    """Mamba with its fin in the water, of twice the size and then made smaller, which is smoother."""
+    gait = lc.eel_like(amplitude=radians(48), frequency=radians(110), phase_shift=radians(40))
+    still(
+        lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=18.0), path, time=STILL_TIME, width=1920, height=1080
+    )
+    Image.open(path).resize((896, 504), Image.Resampling.LANCZOS).save(path, optimize=True)
+
+
 if __name__ == "__main__":
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
     save_figure(control_structure(), FOLDER / "path-following.png")
+    swim_3d(FOLDER / "swim-3d.png")

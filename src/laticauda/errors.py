@@ -53,6 +53,24 @@ class MissingExtra(LaticaudaError, ImportError):
         return f'{feature} needs {package}; run `pip install "laticauda[{extra}]"`.'
 
 
+class MissingProgram(LaticaudaError, RuntimeError):
+    """A feature needs something that the operating system does not have.
+
+    Args:
+        feature: What was asked for, in words.
+        thing: What it needs.
+        packages: The packages of Debian and Ubuntu that install it.
+    """
+
+    def __init__(self, feature: str, thing: str, packages: str) -> None:
+        super().__init__(feature, thing, packages)
+
+    def __str__(self) -> str:
+        """The sentence that the user reads."""
+        feature, thing, packages = self.args
+        return f"{feature} needs {thing}; on Debian and Ubuntu run `apt-get install {packages}`."
+
+
 def finite(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is one finite number.
 

@@ -15,7 +15,7 @@ from laticauda.robot import Environment, Robot
 State = TypeVar("State")
 Seen = TypeVar("Seen", contravariant=True)  # a state that is looked at only
 Log = dict[str, np.ndarray]
-"""Samples by the names of `Trial`'s fields, time first."""
+"""Samples by the names of `Trial`'s fields, time first; ``force_`` and ``signal_`` before those that have parts."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -164,7 +164,7 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         ({"ramp": -1.0}, "`ramp` must be >= 0 s, got -1.0."),
         ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
         ({"joints": "servos"}, "`joints` must be one of"),
-        ({"model": "spatial"}, "`model` must be"),
+        ({"model": "special"}, "`model` must be"),
         ({"environment": "paper-eel"}, "`environment` must be of class Water or Ground, got str."),
         ({"fluid_law": 3}, "`fluid_law` must be a function of the ten numbers"),
         ({"fluid_law": lambda v: v}, "`fluid_law` must be a function of the ten numbers"),

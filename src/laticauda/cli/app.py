@@ -28,12 +28,18 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("reproduce",): ("reproduce:Reproduce", "Repeat the paper's experiments, and write figures, tables and a report."),
     ("sweep",): ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
     ("optimize",): ("optimize:Optimize", "Search for the best gait, fin or number of links."),
+    ("view",): ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
+    ("export", "mjcf"): ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
+    ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
     ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
     ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
     ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),
     ("trial", "convert"): ("trial:Convert", "Write the time series of a stored trial to a CSV file."),
 }
-GROUPS = {"trial": "Show, compare and convert stored trials."}
+GROUPS = {
+    "export": "Write robots to files for other programs.",
+    "trial": "Show, compare and convert stored trials.",
+}
 
 Command = Callable[[], int]
 

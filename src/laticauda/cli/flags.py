@@ -57,6 +57,7 @@ Number = Annotated[float | None, _option(1, "NUMBER", lambda words: _number(word
 Numbers = Annotated[
     tuple[float, ...] | None, _option("*", "NUMBER ...", lambda words: tuple(_number(word) for word in words))
 ]
+Files = Annotated[tuple[str, ...] | None, _option("*", "FILE ...", lambda words: tuple(words))]
 Two = Annotated[tuple[float, ...] | None, _option(2, "X Y", lambda words: tuple(_number(word) for word in words))]
 Whole = Annotated[int | None, _option(1, "N", lambda words: _whole(words[0]))]
 Words = Annotated[tuple[str, ...], _option("*", "NAME=VALUES ...", tuple)]

@@ -17,6 +17,7 @@ from laticauda.cli.groups import (
 from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
 from laticauda.cli.swim import PICTURES, OutputFlags, announced
+from laticauda.cli.view import check_film, write_film
 
 if TYPE_CHECKING:
     from laticauda.control import Guidance, Path, PathFollowing
@@ -134,6 +135,7 @@ class Follow:
         """Run, write, print, and return the exit status."""
         check_output("save", self.output.save, (".nc",))
         check_output("plot", self.output.plot, PICTURES)
+        check_film(self.output.video)
         from laticauda.cli.report import as_json, as_text, following_table
         from laticauda.interfaces import Start
         from laticauda.simulate import plant, run
@@ -146,13 +148,17 @@ class Follow:
         duration = DURATION if self.start.duration is None else self.start.duration
         body = plant(self.robot.chosen(), environment, **given(self.model))
         start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
-        trial = run(body, controller, duration, start=start, progress=announced(environment, duration))
+        trial = run(
+            body, controller, duration, start=start, progress=announced(environment, duration, model=self.model.model)
+        )
         if self.output.save is not None:
             trial.save(self.output.save)
         if self.output.plot is not None:
             from laticauda.figures import follow_sheet, save_figure
 
             save_figure(follow_sheet(trial), self.output.plot)
+        if self.output.video is not None:
+            write_film(trial, self.output.video)
         print(as_json(trial) if self.output.json else f"{as_text(trial, origin)}\n\n{following_table(trial)}")
         if not trial.succeeded:
             print(in_flags(trial.status, self), file=sys.stderr)

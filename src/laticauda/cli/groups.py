@@ -115,8 +115,10 @@ class EnvironmentFlags:
 class ModelFlags:
     """How it is computed."""
 
-    model: Annotated[str | None, choice("planar"), default("planar")] = None
-    """The model of the body."""
+    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
+    """The model of the body: the closed form in the plane, or MuJoCo in space."""
+    root: Annotated[str | None, choice("free", "planar"), default("free where there are pitch joints")] = None
+    """Of the spatial model: nothing held, or height and tilt of the tail module fixed."""
     joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
     """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
     ramp: Annotated[Number, default("1 for prescribed joints, else 0")] = None

@@ -10,13 +10,14 @@ FORMAT = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
 COUNT_FORMAT = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
 
 
-def progress(duration: float) -> Callable[[float], None]:
+def progress(duration: float, *, done: str = "swam") -> Callable[[float], None]:
     """What a run calls now and then with the time it has reached [s].
 
     After a while, a bar appears on standard error, if that is a terminal.
 
     Args:
         duration: Simulated time of the whole run [s].
+        done: What the bar says before the time that has been reached.
     """
     began = time.monotonic()
     bar: Any = None
@@ -26,7 +27,7 @@ def progress(duration: float) -> Callable[[float], None]:
         if bar is None and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
             from tqdm import tqdm
 
-            bar = tqdm(total=duration, initial=reached, desc="swam", bar_format=FORMAT, leave=False, file=sys.stderr)
+            bar = tqdm(total=duration, initial=reached, desc=done, bar_format=FORMAT, leave=False, file=sys.stderr)
         if bar is not None:
             bar.n = reached
             bar.refresh()

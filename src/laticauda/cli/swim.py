@@ -17,6 +17,7 @@ from laticauda.cli.groups import (
 )
 from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
+from laticauda.cli.view import check_film, write_film
 from laticauda.robot import Environment
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ PICTURES = (".png", ".pdf")
 COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
 CLOCK = ("duration", "sample_interval")
 # All else is in the stored trial.
-WITH_RESUME = ("resume", *CLOCK, "json", "save", "plot")
+WITH_RESUME = ("resume", *CLOCK, "json", "save", "plot", "video")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +57,8 @@ class OutputFlags:
     """Write the trial to this netCDF file (.nc)."""
     plot: File = None
     """Draw path, speed, joint angles and torques into this picture (.png or .pdf)."""
+    video: File = None
+    """Show the run in 3D in this film (.mp4)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +82,7 @@ class Swim:
         """Run, write, print, and return the exit status."""
         check_output("save", self.output.save, (".nc",))
         check_output("plot", self.output.plot, PICTURES)
+        check_film(self.output.video)
         trial, origin = self._swim() if self.run.resume is None else self._go_on(self.run.resume)
         if self.output.save is not None:
             trial.save(self.output.save)
@@ -86,6 +90,8 @@ class Swim:
             from laticauda.figures import save_figure, swim_sheet
 
             save_figure(swim_sheet(trial), self.output.plot)
+        if self.output.video is not None:
+            write_film(trial, self.output.video)
         self._print(trial, origin)
         return 0 if trial.succeeded else 1
 
@@ -103,7 +109,7 @@ class Swim:
             environment=environment,
             start=Start(heading=radians(self.run.heading_deg, 0.0)),
             link_forces=self.run.link_forces,
-            progress=announced(environment, **self._clock()),
+            progress=announced(environment, model=self.model.model, **self._clock()),
             **given(self.model),
             **self._clock(),
         )
@@ -122,7 +128,7 @@ class Swim:
             plant_of(first),
             first,
             link_forces=first.link_force is not None,
-            progress=announced(first.environment, **self._clock()),
+            progress=announced(first.environment, model=str(first.settings.get("model")), **self._clock()),
             **self._clock(),
         )
         return joined(first, second), f"as stored in {path}"
@@ -139,16 +145,19 @@ class Swim:
             print(in_flags(trial.status, self), file=sys.stderr)
 
 
-def announced(environment: Environment, duration: float, **_: object) -> Callable[[float], None]:
+def announced(
+    environment: Environment, duration: float, *, model: str | None = None, **_: object
+) -> Callable[[float], None]:
     """Say that kernels will be compiled, if so, and return what shows the progress of the run.
 
     Args:
         environment: Where it will swim.
         duration: How long [s].
+        model: By which model; None: planar.
     """
     from laticauda.cli.progress import progress
     from laticauda.simulate import needs_compiling
 
-    if needs_compiling(environment):
+    if needs_compiling(environment, model=model):
         print(COMPILING, file=sys.stderr, flush=True)
     return progress(duration)

@@ -102,7 +102,7 @@ class PathFollowing:
         """One control instant: the `state` after the `observation`, and the command until the next one."""
         dt = 0.0 if state.time is None else observation.time - state.time
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
-        progress, frame = self.path.locate(state.progress, observation.center_of_mass)
+        progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
         guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, state.is_saturated)
         offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
         after = PathFollowingState(

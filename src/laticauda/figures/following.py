@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from laticauda.figures import style
 from laticauda.figures.path import extent, path_strip
 from laticauda.trial import Trial
+from laticauda.trial.following import nearest_points
 
 PANEL_HEIGHT = 1.8  # [in]
 LABELS = 0.55  # height that title and labels of a figure take [in]
@@ -25,10 +26,8 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
         trial: A run with the signals of path following.
         ax: Where to draw.
     """
-    angle, error = trial.signals["path_tangential_angle"], trial.signals["cross_track_error"]
-    nearest = trial.center_of_mass[:, :2] - error[:, np.newaxis] * np.stack((-np.sin(angle), np.cos(angle)), axis=1)
     path_strip(trial, ax)
-    ax.plot(*nearest.T, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), zorder=0.5)
+    ax.plot(*nearest_points(trial).T, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), zorder=0.5)
     return ax
 
 

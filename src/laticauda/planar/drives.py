@@ -10,11 +10,11 @@ A template (see `specialize`): `S` is the flat array of `rows`; the scalar laws 
 from typing import no_type_check
 
 from laticauda.actuation import laws
+from laticauda.compiling import compiled, kernel
+from laticauda.compiling.lanes import magnitude
 from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
-from laticauda.planar.lanes import magnitude
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import compiled, kernel
 
 filter_step = compiled(reference.filter_step)
 filter_acceleration = compiled(reference.filter_acceleration)

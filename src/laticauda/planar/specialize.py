@@ -14,27 +14,22 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import CellType, CodeType, FunctionType, ModuleType
+from types import ModuleType
 from typing import Any, cast, no_type_check
 
 from numba import njit
 from numba.core.errors import NumbaError
 from numba.extending import overload
 
-from laticauda import scalars
+from laticauda.compiling import compiled, fingerprint, lanes
+from laticauda.compiling.lanes import INLINED, OPTIONS
 from laticauda.fluid import laws
-from laticauda.planar import lanes
-from laticauda.planar.lanes import INLINED, OPTIONS
 
 FluidLaw = Callable[..., tuple[float, float, float]]
-
-# What the kernels compute with instead of these, for floats, complex steps and lanes.
-_INSTEAD: dict[Any, Any] = {scalars.where: cast(Any, lanes).where, scalars.magnitude: cast(Any, lanes).magnitude}
 
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
-    "planar/lanes.py",
     "planar/functions.py",
     "planar/loads.py",
     "planar/recursion.py",
@@ -42,6 +37,8 @@ _SOURCES = (
     "planar/stepping.py",
     "planar/specialize.py",
     "scalars.py",
+    "compiling/__init__.py",
+    "compiling/lanes.py",
     "fluid/laws.py",
     "actuation/laws.py",
     "gaits/reference.py",
@@ -106,32 +103,6 @@ def bindings(module_name: str) -> dict[str, Any]:
     return _loading[module_name]
 
 
-def kernel(function: Callable[..., Any]) -> Any:
-    """Decorator of a template's inner functions: compiled into whatever calls them."""
-    return njit(**INLINED)(function)
-
-
-def compiled(function: Callable[..., Any]) -> Any:
-    """Compile a plain scalar function together with the plain functions that it calls.
-
-    Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
-    """
-    function = getattr(function, "py_func", function)
-    code = function.__code__
-    names = dict(function.__globals__)
-    for name in code.co_names:
-        if isinstance(names.get(name), FunctionType):
-            names[name] = _compiled_inner(names[name])
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
-    closure = tuple(CellType(cell) for cell in cells)
-    return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
-
-
-def _compiled_inner(function: Callable[..., Any]) -> Any:
-    return _INSTEAD[function] if function in _INSTEAD else compiled(function)
-
-
 def in_lanes(function: Any) -> Any:
     """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
 
@@ -159,33 +130,6 @@ def entry(function: Callable[..., Any]) -> Any:
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
     return njit(cache=True, nogil=True, **OPTIONS)(function)
-
-
-def fingerprint(function: Callable[..., Any]) -> str:
-    """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to."""
-    digest = hashlib.sha256()
-    for part in _parts(function, set()):
-        digest.update(part.encode())
-    return digest.hexdigest()
-
-
-def _parts(value: Any, seen: set[int]) -> list[str]:
-    function = getattr(value, "py_func", value)
-    code = getattr(function, "__code__", None)
-    if not isinstance(code, CodeType):
-        # Modules and other objects count by their type: their text would hold an address.
-        return [f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__]
-    if id(code) in seen:
-        return []
-    seen.add(id(code))
-    constants = [c for c in code.co_consts if not isinstance(c, CodeType)]
-    parts = [code.co_code.hex(), repr(constants), repr(code.co_names), repr(function.__defaults__)]
-    for cell in function.__closure__ or ():
-        parts += _parts(cell.cell_contents, seen)
-    for name in code.co_names:
-        if name in function.__globals__:
-            parts += [name, *_parts(function.__globals__[name], seen)]
-    return parts
 
 
 @functools.cache

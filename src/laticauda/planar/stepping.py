@@ -15,10 +15,10 @@ A template (see `specialize`); its entry points are what Python calls.
 
 from typing import no_type_check
 
-from laticauda.planar import lanes
-from laticauda.planar.lanes import any_lane, magnitude, where
+from laticauda.compiling import kernel, lanes
+from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, entry, kernel
+from laticauda.planar.specialize import bindings, entry
 
 _names = bindings(__name__)
 rows_of = lanes.rows_of(_names["WIDTH"])

@@ -1,6 +1,7 @@
 """The only place where names become plants."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 from laticauda.errors import instance, one_of
@@ -9,7 +10,8 @@ from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.trial import Trial
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
-MODELS = ("planar",)
+MODELS = ("planar", "spatial")
+ROOTS = ("free", "planar")
 
 
 def plant(
@@ -22,13 +24,15 @@ def plant(
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
     fluid_law: FluidLaw | None = None,
+    root: str | None = None,
+    gravity: bool | None = None,
 ) -> Plant[Any]:
     """A robot in its environment as something that can be stepped.
 
     Args:
         robot: What swims.
         environment: The water it swims in or the ground it crawls on.
-        model: planar.
+        model: planar (closed form), or spatial (MuJoCo; it needs the extra `spatial`).
         joints: How the joints follow the gait: prescribed (exactly), pd (the published simulations' law) or servo
             (the real robot's).
         dt: Largest time step [s]; None takes a converged one.
@@ -36,30 +40,46 @@ def plant(
         ramp: Duration of the smooth start [s]; None takes 1 s for prescribed joints and none for the others.
         fluid_law: Loads on one element, with the signature of `laticauda.fluid.laws.polynomial_drag`; None takes the
             environment's own.
+        root: Spatial only: `free`, or `planar` for a tail module whose height and tilt are fixed. None: `planar` for a
+            robot whose joints all turn about the vertical axis, else `free`.
+        gravity: Spatial only: whether there is weight and buoyancy; None: yes. They do nothing to a planar root.
 
     Returns:
         The plant.
 
     Raises:
         ValueError: If an argument is out of its range, or robot and environment do not fit together.
+        MissingExtra: If the model needs a package that is not installed.
     """
     instance("robot", robot, Robot)
     instance("environment", environment, Water, Ground)
     one_of("model", model, MODELS)
+    if model == "planar":
+        for name, value in (("root", root), ("gravity", gravity)):
+            if value is not None:
+                raise ValueError(f"`{name}` must be left out unless `model` is `spatial`, got {value!r}.")
     from laticauda.planar.model import PlanarPlant
     from laticauda.planar.specialize import check_law
 
     if fluid_law is not None:
         check_law(fluid_law)
-    return PlanarPlant(
-        robot=robot,
-        environment=environment,
-        joints=joints,
-        dt=dt,
-        offset_bandwidth=offset_bandwidth,
-        ramp=ramp,
-        fluid_law=fluid_law,
-    )
+    settings: dict[str, Any] = {
+        "robot": robot,
+        "environment": environment,
+        "joints": joints,
+        "dt": dt,
+        "offset_bandwidth": offset_bandwidth,
+        "ramp": ramp,
+        "fluid_law": fluid_law,
+    }
+    if model == "planar":
+        return PlanarPlant(**settings)
+    from laticauda.spatial.model import SpatialPlant
+
+    if root is None:
+        root = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
+    settings |= {"root": one_of("root", root, ROOTS), "gravity": gravity is None or bool(gravity)}
+    return SpatialPlant(**settings)
 
 
 def plant_of(trial: Trial) -> Plant[Any]:
@@ -74,17 +94,29 @@ def plant_of(trial: Trial) -> Plant[Any]:
     settings: Any = trial.settings
     if settings.get("fluid_law", "built-in") != "built-in":
         raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
-    names = ("model", "joints", "dt", "offset_bandwidth", "ramp")
-    return plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
+    names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
+    body: Any = plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
+    rest = {name: settings[name] for name in ("ballast_depth", "tank") if name in settings}
+    return replace(body, **rest) if rest else body
 
 
-def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None) -> bool:
-    """Whether the first planar run in this environment will have to compile its kernels, which takes seconds.
+def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = None, model: str | None = None) -> bool:
+    """Whether the first run in this environment will have to compile its kernels, which takes seconds.
 
     Args:
         environment: The water it swims in or the ground it crawls on.
         fluid_law: As for `plant`.
+        model: As for `plant`; None: planar.
+
+    Raises:
+        MissingExtra: If the model needs a package that is not installed.
     """
+    if model == "spatial":
+        from laticauda.spatial.door import engine
+        from laticauda.spatial.driving import is_compiled as is_spatial_compiled
+
+        engine()
+        return not is_spatial_compiled()
     from laticauda.planar.model import law_of
     from laticauda.planar.specialize import is_compiled
 

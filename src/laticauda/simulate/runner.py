@@ -183,6 +183,7 @@ def _trial(
     state: Any,
 ) -> Trial:
     force = {name[len("force_") :]: log.pop(name) for name in list(log) if name.startswith("force_")}
+    own = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
     return Trial(
         **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
         link_force=force or None,
@@ -190,7 +191,7 @@ def _trial(
         gait=gait,
         environment=plant.environment,
         settings=settings,
-        signals=signals,
+        signals={**signals, **own},
         version=__version__,
         status=failure or "The run reached its end.",
         succeeded=failure is None,

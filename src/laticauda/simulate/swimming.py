@@ -31,6 +31,8 @@ def swim(
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
     fluid_law: FluidLaw | None = None,
+    root: str | None = None,
+    gravity: bool | None = None,
     start: Start | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,
@@ -50,6 +52,8 @@ def swim(
         offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
         ramp: See `laticauda.simulate.plant` [s].
         fluid_law: See `laticauda.simulate.plant`.
+        root: See `laticauda.simulate.plant`.
+        gravity: See `laticauda.simulate.plant`.
         start: See `laticauda.simulate.run`.
         sample_interval: See `laticauda.simulate.run` [s].
         link_forces: See `laticauda.simulate.run`.
@@ -80,6 +84,8 @@ def swim(
         offset_bandwidth=offset_bandwidth,
         ramp=ramp,
         fluid_law=fluid_law,
+        root=root,
+        gravity=gravity,
     )
     return run(
         body,

@@ -30,6 +30,7 @@ from laticauda.studies.paper import (
     group_name,
 )
 from laticauda.studies.parameters import Parameter, parameters
+from laticauda.studies.parity import Parity, ParityCase, parity, parity_cases
 from laticauda.studies.path_following import (
     FollowingCase,
     HeldOutRun,
@@ -94,6 +95,8 @@ __all__ = [
     "MeterCost",
     "Misprint",
     "Parameter",
+    "Parity",
+    "ParityCase",
     "PathFollowingSettings",
     "PathFollowingStudy",
     "Prediction",
@@ -134,6 +137,8 @@ __all__ = [
     "open_sweep",
     "optimize",
     "parameters",
+    "parity",
+    "parity_cases",
     "path_following_settings",
     "run_beyond",
     "run_efficiency",

@@ -164,6 +164,17 @@ def summary(trial: Trial) -> dict[str, float | None]:
     return found
 
 
+def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
+    """Point of the path beside the robot at every sample [m]: the path as far as the robot went along it.
+
+    Args:
+        trial: A run with the signals of `laticauda.control.PathFollowing`.
+    """
+    angle, error = trial.signals["path_tangential_angle"], trial.signals["cross_track_error"]
+    left = np.stack((-np.sin(angle), np.cos(angle)), axis=1)
+    return np.asarray(trial.center_of_mass[:, :2] - error[:, np.newaxis] * left)
+
+
 def _rate(time: Time, signal: Time) -> Time:
     if time.size < 3:
         raise ValueError(f"`time` must have at least 3 samples for a mean over a cycle, got {time.size}.")

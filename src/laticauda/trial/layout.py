@@ -95,8 +95,9 @@ SIGNALS = {
     "path_tangential_angle": ("rad", "direction of the path at the nearest point"),
     "offset": ("rad", "offset of all joints that steering asks for"),
     "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
+    **{f"orientation_{part}": ("1", f"quaternion of module 0 to the world axes, {part}") for part in "wxyz"},
 }
-"""Unit and meaning of the signals of `laticauda.control`; a controller of one's own may have others."""
+"""Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
 
 TEXTS = ("version", "created", "status")
 

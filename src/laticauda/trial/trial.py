@@ -71,7 +71,8 @@ class Trial:
     link_force: Mapping[str, Forces] | None = None
     """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
     signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
-    """What a controller had in mind, held between control instants (`control` says which); empty without one [SI]."""
+    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
+    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
     robot: Robot
     """What swam."""
     gait: Gait | None = None

@@ -1,0 +1,119 @@
+"""How fast is MuJoCo with water, exact added mass included, beside MuJoCo's own ellipsoid fluid model?
+
+Question: on the same chain of 20 ellipsoids, its joints alternating as Mamba's and driven by position servos, with the
+same step of 2 ms, is it at least 8 times as fast as the ellipsoid model under implicitfast, and how far is each from
+its own run with a fine step? In space both kinds of joints move; in the plane the pitch joints stand still, and MuJoCo
+skips what is zero in its derivative. Single thread, `mujoco.rollout`, processor time, best of three; error: distance of
+the end point from that of the fine run after 10 s, over the distance traveled.
+
+Last answer (2026-11-21), two cores shared with other work:
+    in space      MuJoCo's ellipsoids, implicitfast     5 900 steps/s    error 3.1e-03
+                  water, implicitfast                  81 000           13.8 x    1.5e-02
+                  water, Euler                         86 000           14.6 x    1.5e-02
+                  no water                            123 000
+    in the plane  MuJoCo's ellipsoids, implicitfast    15 700           error 2.0e-03
+                  water, implicitfast                  83 000            5.3 x    2.7e-03
+                  no water                            132 000
+    SpatialPlant  prescribed (RK4) 22 700, pd (ROS2) 44 600
+"""
+
+import time
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+
+import laticauda as lc
+from laticauda.interfaces import Command, OpenLoop
+from laticauda.simulate import plant, run
+from laticauda.spatial import water
+
+N, DURATION, STEP, FINE = 20, 10.0, 2e-3, 1e-4
+OWN = 'density="1000" viscosity="9e-4"'
+
+
+def chain(option: str, *, ellipsoid: bool) -> mujoco.MjSpec:
+    """A chain of neutrally buoyant ellipsoids with position servos."""
+    text = f'<mujoco><option gravity="0 0 0" {option}/><worldbody>'
+    shape = 'fluidshape="ellipsoid"' if ellipsoid else ""
+    for i in range(N):
+        joint = f'<joint name="j{i}" axis="0 {1 - i % 2} {i % 2}" damping="0.3"/>' if i else "<freejoint/>"
+        text += f'<body name="b{i}" pos="{0.09 * (i > 0)} 0 0">{joint}<geom name="g{i}" type="ellipsoid" '
+        text += f'size=".045 .04 .045" pos=".045 0 0" density="1000" contype="0" conaffinity="0" {shape}/>'
+    text += "</body>" * N + "</worldbody><actuator>"
+    text += "".join(f'<position joint="j{i}" kp="3"/>' for i in range(1, N))
+    return mujoco.MjSpec.from_string(text + "</actuator></mujoco>")
+
+
+def controls(step: float, motion: str) -> np.ndarray:
+    """A traveling wave along the yaw joints and another along the pitch joints, growing over the first second."""
+    t = np.arange(round(DURATION / step))[:, np.newaxis] * step
+    joint = np.arange(1, N)
+    amplitude = np.deg2rad(np.where(joint % 2, 30.0, 20.0 if motion == "in space" else 0.0))
+    phase = np.deg2rad(20.0) * joint + np.where(joint % 2, 0.0, np.pi / 2.0)
+    return amplitude * np.minimum(t, 1.0) * np.sin(np.deg2rad(130.0) * t + phase)
+
+
+def swum(model: mujoco.MjModel, step: float, repeats: int, motion: str) -> tuple[np.ndarray, float]:
+    """Path of the tail module, and steps per second."""
+    model.opt.timestep = step
+    data = mujoco.MjData(model)
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    start = np.zeros(mujoco.mj_stateSize(model, kind))
+    mujoco.mj_getState(model, data, start, kind)
+    control = controls(step, motion)
+    fastest = np.inf
+    for _ in range(repeats):
+        begin = time.process_time()
+        states, _ = mujoco.rollout.rollout(model, data, start, control)
+        fastest = min(fastest, time.process_time() - begin)
+    return states[0, :, 1:4], len(control) / fastest
+
+
+def wet(integrator: str, *, implicit_drag: bool = False) -> mujoco.MjModel:
+    """The chain with our water."""
+    model = water.compiled(chain(f'integrator="{integrator}"', ellipsoid=False))
+    elements = [water.geom_element(model, f"g{i}", water.GeomCoefficients(rotational_drag=1.0)) for i in range(N)]
+    water.attach(model, elements, form="kirchhoff", implicit_drag=implicit_drag)
+    return model
+
+
+def main() -> None:
+    """Print the table."""
+    print(f"{'model':<44}{'steps/s':>10}{'ratio':>8}{'error at 2 ms':>15}")
+    models = {
+        "bare (no water)": chain("", ellipsoid=False).compile(),
+        "MuJoCo's ellipsoids, implicitfast": chain(OWN + ' integrator="implicitfast"', ellipsoid=True).compile(),
+        "MuJoCo's ellipsoids, Euler": chain(OWN + ' integrator="Euler"', ellipsoid=True).compile(),
+        "water with exact added mass, implicitfast": wet("implicitfast"),
+        "water with exact added mass, Euler": wet("Euler"),
+        "water, implicit drag, Euler": wet("Euler", implicit_drag=True),
+    }
+    for motion in ("in space", "in the plane"):
+        own = 0.0
+        print(motion)
+        for name, model in models.items():
+            path, rate = swum(model, STEP, 3, motion)
+            if "ellipsoids, implicitfast" in name:
+                own = rate
+            fine, _ = swum(model, FINE, 1, motion)
+            traveled = float(np.sum(np.linalg.norm(np.diff(fine, axis=0), axis=1)))
+            apart = float(np.linalg.norm(path[-1] - fine[-1]))
+            error = f"{apart / traveled:.1e}" if "bare" not in name else "-"
+            print(f"{name:<44}{rate:>10,.0f}{f'{rate / own:.1f}' if own else '-':>8}{error:>15}", flush=True)
+    robot = lc.load_robot("mamba").with_links(N)
+    gait = lc.lateral_undulation(amplitude=0.26, frequency=2.27, phase_shift=0.35)
+    for joints in ("prescribed", "pd"):
+        body = plant(
+            robot, lc.load_water("paper-lateral"), model="spatial", joints=joints, dt=STEP, root="free", gravity=False
+        )
+        run(body, OpenLoop(command=Command(gait=gait)), 0.1)
+        begin = time.process_time()
+        run(body, OpenLoop(command=Command(gait=gait)), 10.0)
+        rate = 10.0 / STEP / (time.process_time() - begin)
+        name = f"SpatialPlant, {joints}, {4 if joints == 'prescribed' else 2} evaluations a step"
+        print(f"{name:<44}{rate:>10,.0f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,200 @@
+"""What a robot looks like, and what it collides with: the shapes on its bodies.
+
+Shapes have no mass; the bodies have their own. Collision shapes are in group 3, which MuJoCo's viewer hides at first.
+"""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from laticauda.robot import CaudalFin, Module, Robot
+from laticauda.spatial.door import engine
+from laticauda.spatial.meshes import Mesh, joined, loft
+
+SEEN, HULL = 1, 3  # groups
+# Modules touch the world and not each other: their joint limits keep them apart.
+TOUCHES_WORLD: dict[str, Any] = {"contype": 1, "conaffinity": 0}
+UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": SEEN, "mass": 0.0}
+SHORTEST = 1e-3  # of a shape [m]
+SUFFIXES = (".stl", ".obj")
+PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
+GAP = 0.012  # between two housings, filled by the bellows [m]
+CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
+NOSE = 1.5  # length of the rounded front, in half heights
+# Red, green, blue, opacity; how much it shines.
+MATERIALS = {
+    "housing": ((0.075, 0.085, 0.10, 1.0), 0.45),
+    "band": ((1.0, 0.62, 0.05, 1.0), 0.25),
+    "bellows": ((0.16, 0.17, 0.18, 1.0), 0.05),
+    "head": ((0.95, 0.30, 0.04, 1.0), 0.45),
+    "collar": ((0.03, 0.035, 0.045, 1.0), 0.45),
+    "fin": ((0.13, 0.15, 0.17, 1.0), 0.40),
+}
+
+
+def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
+    """The mesh files, if there are none or one per module and all can be read.
+
+    Raises:
+        ValueError: If not.
+    """
+    files = [Path(file) for file in meshes]
+    if files and len(files) != n_links:
+        raise ValueError(f"`meshes` must be one file per module, {n_links}, or none, got {len(files)}.")
+    for file in files:
+        if file.suffix.lower() not in SUFFIXES or not file.is_file():
+            raise ValueError(f"`meshes` must be files that exist and end in .stl or .obj, got {file}.")
+    return files
+
+
+def add_materials(model: Any) -> None:
+    """What the shapes are made of."""
+    for name, (color, shine) in MATERIALS.items():
+        model.add_material(name=name, rgba=color, specular=shine, shininess=0.5 * shine + 0.2)
+
+
+def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) -> None:
+    """Put shapes on the bodies of a model.
+
+    Args:
+        model: A `MjSpec` with the robot's bodies.
+        robot: Whose they are.
+        files: A mesh file per module, or none for the shapes made here.
+        visuals: Whether there are shapes to see, besides those to collide with.
+    """
+    library = _Library(model)
+    for i, module in enumerate(robot.modules):
+        body = model.body(f"module_{i}")
+        is_head = i == robot.n_links - 1
+        _hull(body, f"module_{i}_hull", library.file(files[i]) if files else library.made("hull", module, hull))
+        if visuals and files:
+            _seen(body, library.file(files[i]), "head" if is_head else "housing")
+        elif visuals:
+            _add_module(library, body, module, is_head=is_head, is_tail=i == 0)
+    if robot.caudal_fin is not None:
+        _add_fin(model.body("caudal_fin"), robot.caudal_fin, visuals=visuals)
+
+
+class _Library:
+    """The meshes of one model, each in it once."""
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
+        self._names: dict[object, str] = {}
+
+    def made(self, kind: str, module: Module, build: Callable[[Module], Mesh]) -> str:
+        """The name of a shape that all modules of the same size share."""
+        key = kind, module.length, module.section
+        if key not in self._names:
+            self._names[key] = f"{kind}_{sum(kind in name for name in self._names.values())}"
+            mesh = build(module)
+            vertices, faces = mesh.vertices.ravel().tolist(), mesh.faces.ravel().tolist()
+            self._model.add_mesh(name=self._names[key], uservert=vertices, userface=faces)
+        return self._names[key]
+
+    def file(self, path: Path) -> str:
+        """The name of the mesh in a file."""
+        key = path.resolve()
+        if key not in self._names:
+            self._names[key] = f"file_{len(self._names)}"
+            self._model.add_mesh(name=self._names[key], file=str(key))
+        return self._names[key]
+
+
+def _add_module(library: _Library, body: Any, module: Module, *, is_head: bool, is_tail: bool) -> None:
+    """Housings with their bands, and the bellows in front of the joint on the tail side."""
+    if is_head:
+        _seen(body, library.made("head", module, head), "head")
+        _seen(body, library.made("collar", module, collar), "collar")
+    else:
+        _seen(body, library.made("housing", module, housing), "housing")
+        _seen(body, library.made("band", module, bands), "band")
+    if not is_tail:
+        a, b = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
+        body.add_geom(type=engine().mjtGeom.mjGEOM_ELLIPSOID, size=(b, b, a), material="bellows", **UNTOUCHED)
+
+
+def hull(module: Module) -> Mesh:
+    """The module as the models see it: an elliptic cylinder."""
+    a, b = module.section.half_height, module.section.half_width
+    return loft([(0.0, a, b), (module.length, a, b)], around=24)
+
+
+def housing(module: Module) -> Mesh:
+    """A row of housings with beveled ends, and the core that holds them together."""
+    rings: list[tuple[float, float]] = []
+    for start, stop in _housings(module):
+        bevel = 0.08 * (stop - start)
+        rings += [(start, CORE), (start, 0.9), (start + bevel, 1.0), (stop - bevel, 1.0), (stop, 0.9), (stop, CORE)]
+    return _around(module, rings)
+
+
+def bands(module: Module) -> Mesh:
+    """A band around every housing."""
+    return joined(
+        *(
+            _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
+            for start, stop in _housings(module)
+            for low, high in [(start + 0.40 * (stop - start), start + 0.62 * (stop - start))]
+        )
+    )
+
+
+def head(module: Module) -> Mesh:
+    """A housing whose front is rounded."""
+    start, stop = 0.5 * min(GAP, 0.2 * module.length), module.length
+    nose = min(NOSE * module.section.half_height, 0.75 * (stop - start))
+    turns = np.linspace(0.0, 0.5 * np.pi, 15)
+    front = [(stop - nose * (1.0 - float(np.sin(turn))), max(float(np.cos(turn)), 0.0) ** 0.8) for turn in turns]
+    return _around(module, [(start, 0.9), (start + 0.06 * (stop - start), 1.0), *front])
+
+
+def collar(module: Module) -> Mesh:
+    """The dark band around the head's neck."""
+    low, high = 0.16 * module.length, 0.26 * module.length
+    return _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
+
+
+def _around(module: Module, rings: list[tuple[float, float]]) -> Mesh:
+    """A surface through sections at these places [m], each the module's own times a factor."""
+    a, b = module.section.half_height, module.section.half_width
+    return loft([(x, scale * a, scale * b) for x, scale in rings])
+
+
+def _housings(module: Module) -> list[tuple[float, float]]:
+    """Where the housings of a module begin and end [m]: as many as have Mamba's proportions."""
+    n = max(1, round(module.length / (PITCH * module.section.half_height)))
+    gap = min(GAP, 0.2 * module.length / n)
+    pitch = module.length / n
+    return [(k * pitch + 0.5 * gap, (k + 1) * pitch - 0.5 * gap) for k in range(n)]
+
+
+def seen_opening(fin: CaudalFin) -> float:
+    """Length of the opening that is seen [m]: none if it is closed, or too short for a shape."""
+    return 0.0 if fin.opening == "closed" or fin.opening_length < SHORTEST else fin.opening_length
+
+
+def _add_fin(body: Any, fin: CaudalFin, *, visuals: bool) -> None:
+    """A plate, open near its root: there two rods hold it."""
+    inner = seen_opening(fin)
+    t, h = 0.5 * fin.thickness, 0.5 * fin.height
+    box = engine().mjtGeom.mjGEOM_BOX
+    plate = {"type": box, "size": (0.5 * (fin.length - inner), t, h), "pos": (-0.5 * (fin.length + inner), 0.0, 0.0)}
+    body.add_geom(name="caudal_fin_hull", group=HULL, **TOUCHES_WORLD, **plate)
+    if not visuals:
+        return
+    body.add_geom(name="caudal_fin_shape", material="fin", **UNTOUCHED, **plate)
+    if inner > 0.0:
+        for sign in (-1.0, 1.0):
+            at = (-0.5 * inner, 0.0, sign * 0.8 * h)
+            body.add_geom(type=box, size=(0.5 * inner, t, 0.12 * h), pos=at, material="fin", **UNTOUCHED)
+
+
+def _hull(body: Any, name: str, mesh: str) -> None:
+    body.add_geom(name=name, type=engine().mjtGeom.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
+
+
+def _seen(body: Any, mesh: str, material: str) -> None:
+    body.add_geom(type=engine().mjtGeom.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)

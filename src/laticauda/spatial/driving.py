@@ -1,0 +1,453 @@
+"""March a robot in MuJoCo through time: the reference generator, the joints' drives, and two fixed-step integrators.
+
+MuJoCo evaluates (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations); the steps are
+those of the planar model, so that both bodies share their orders:
+
+- Prescribed joints: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is. Each
+  of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it; what it
+  would have been off by, times that inertia, is the joint's torque.
+- pd and servo: ROS2 (see `planar.stepping`): linearly implicit in the joint law, in M + A.
+
+A state is one flat array: the rows below, then qpos, qvel and the links' angles.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+
+import hashlib
+from pathlib import Path
+from typing import Any, no_type_check
+
+import numpy as np
+from numba import njit
+
+from laticauda.actuation import laws
+from laticauda.compiling import compiled, kernel
+from laticauda.compiling.lanes import OPTIONS
+from laticauda.fluid import laws as fluid_laws
+from laticauda.gaits import reference
+from laticauda.spatial.loads import field
+from laticauda.spatial.native import forward_skip, integrate_positions
+
+# --- Rows of a state
+(
+    TIME,
+    TIME_REST,
+    PHASE,
+    AMPLITUDE_NOW,
+    AMPLITUDE_RATE,
+    FREQUENCY_NOW,
+    FREQUENCY_RATE,
+    PHASE_SHIFT_NOW,
+    PHASE_SHIFT_RATE,
+    OFFSET_NOW,
+    OFFSET_RATE,
+    WORK_ABSOLUTE,
+    WORK_NET,
+    WORK_POSITIVE,
+    WORK_ELECTRICAL,
+    STATE_ROWS,
+) = range(16)
+
+# --- The command and the generator's settings
+(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, BANDWIDTH, RAMP, COMMAND_ROWS) = range(7)
+
+# --- Whole numbers that the kernels need
+(
+    MODEL,
+    DATA,
+    FORWARD_SKIP,
+    INTEGRATE_POS,
+    N_QPOS,
+    N_QVEL,
+    N_BASE_QPOS,  # of the root, before the joints
+    N_BASE_QVEL,
+    N_LINKS,
+    N_BODIES,
+    LAW,
+    IS_PLANAR,
+    AT_QPOS,
+    AT_QVEL,
+    AT_QACC,
+    AT_XMAT,
+    AT_XIPOS,
+    AT_SUBTREE_COM,
+    AT_CVEL,
+    SETUP_SIZE,
+) = range(20)
+PRESCRIBED, PD, SERVO = range(3)
+
+# --- One row of joint parameters: the gait's envelope, whether the gait moves it, the skin, the law
+(ENVELOPE, IS_DRIVEN, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
+
+# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the joints
+(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12)
+
+GAMMA = 1.0 - 0.5**0.5
+HOLD = 1e8  # kg m^2
+
+filter_step = compiled(reference.filter_step)
+filter_acceleration = compiled(reference.filter_acceleration)
+smooth_start = compiled(reference.smooth_start)
+ramped = compiled(reference.ramped)
+joint_reference = compiled(reference.joint_reference)
+magnitude = compiled(fluid_laws.magnitude)
+pd = compiled(laws.pd)
+servo = compiled(laws.servo)
+servo_power = compiled(laws.servo_power)
+
+
+@kernel
+@no_type_check
+def advance_reference(X, C, J, R, dt):
+    """Move the generator on by dt and set the reference there."""
+    w = C[BANDWIDTH]
+    decay = np.exp(-w * dt)
+    for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
+        y, rate, _ = filter_step(X[value], X[value + 1], C[target], w, decay, dt)
+        X[value] = y
+        X[value + 1] = rate
+    y, rate, turned = filter_step(X[FREQUENCY_NOW], X[FREQUENCY_RATE], C[FREQUENCY], w, decay, dt)
+    X[FREQUENCY_NOW] = y
+    X[FREQUENCY_RATE] = rate
+    X[PHASE] += turned
+    before, due = X[TIME], dt - X[TIME_REST]
+    X[TIME] = before + due
+    X[TIME_REST] = (X[TIME] - before) - due
+    set_reference(X, C, J, R)
+
+
+@kernel
+@no_type_check
+def set_reference(X, C, J, R):
+    """phi_ref of every joint and its derivatives, three rows of R; joints that the gait does not move stay straight."""
+    w = C[BANDWIDTH]
+    ramp, ramp_1, ramp_2 = smooth_start(X[TIME], C[RAMP])
+    second = filter_acceleration(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], C[AMPLITUDE], w)
+    a0, a1, a2 = ramped(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], second, ramp, ramp_1, ramp_2)
+    shift_2 = filter_acceleration(X[PHASE_SHIFT_NOW], X[PHASE_SHIFT_RATE], C[PHASE_SHIFT], w)
+    offset_2 = filter_acceleration(X[OFFSET_NOW], X[OFFSET_RATE], C[OFFSET], w)
+    k = 0.0
+    for i in range(J.shape[0]):
+        R[0, i], R[1, i], R[2, i] = 0.0, 0.0, 0.0
+        if J[i, IS_DRIVEN] != 0.0:
+            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW]
+            R[0, i], R[1, i], R[2, i] = joint_reference(
+                np.sin(psi),
+                np.cos(psi),
+                J[i, ENVELOPE],
+                a0,
+                a1,
+                a2,
+                X[FREQUENCY_NOW] + k * X[PHASE_SHIFT_RATE],
+                X[FREQUENCY_RATE] + k * shift_2,
+                X[OFFSET_NOW],
+                X[OFFSET_RATE],
+                offset_2,
+            )
+            k += 1.0
+
+
+@kernel
+@no_type_check
+def actuator(J, i, law, angle, rate, R):
+    """Torque of a joint's actuator, its slopes, and its electrical power."""
+    if law == PD:
+        torque, slope_p, slope_d = pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, LAW_0], J[i, LAW_1])
+        return torque, slope_p, slope_d, 0.0
+    torque, slope_p, slope_d, duty = servo(
+        angle, rate, R[0, i], J[i, LAW_0], J[i, LAW_1], J[i, LAW_2], J[i, LAW_3], J[i, LAW_4]
+    )
+    return torque, slope_p, slope_d, servo_power(duty, rate, J[i, LAW_2], J[i, LAW_5])
+
+
+@kernel
+@no_type_check
+def evaluate(N):
+    """Accelerations at the state in the data."""
+    forward_skip(N[FORWARD_SKIP], N[MODEL], N[DATA], 0, 1)
+
+
+@kernel
+@no_type_check
+def put_on_reference(N, qpos, qvel, R, hold):
+    """Prescribed joints: where the reference is, and held to its acceleration."""
+    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
+    for i in range(R.shape[1]):
+        qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
+        hold[nv + i] = HOLD
+        hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
+
+
+@kernel
+@no_type_check
+def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
+    """Accelerations with the joints on the reference, and the torque of every actuator."""
+    put_on_reference(N, qpos, qvel, R, hold)
+    evaluate(N)
+    nv = N[N_BASE_QVEL]
+    for i in range(R.shape[1]):
+        # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
+        U[i] = HOLD * (R[2, i] - qacc[nv + i])
+
+
+@kernel
+@no_type_check
+def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
+    """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    for i in range(J.shape[0]):
+        rate = qvel[nv + i]
+        torque, slope_p, slope_d, _ = actuator(J, i, N[LAW], qpos[nq + i], rate, R)
+        slope_p += J[i, STIFFNESS]
+        slope_d += J[i, DAMPING]
+        U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
+        hold[nv + i] = K[1, i]
+        hold[total + nv + i] = torque - gamma_dt * slope_p * rate
+
+
+@kernel
+@no_type_check
+def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
+    """The same for the second stage, for a = k2 + 2 k1."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    for i in range(J.shape[0]):
+        torque, _, _, _ = actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)
+        rest = qvel[nv + i] - 2.0 * slope[nv + i]
+        hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
+
+
+@kernel
+@no_type_check
+def move(N, qpos, start, velocity, dt):
+    """qpos = start moved with a velocity for dt."""
+    for i in range(N[N_QPOS]):
+        qpos[i] = start[i]
+    integrate_positions(N[INTEGRATE_POS], N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
+
+
+@kernel
+@no_type_check
+def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
+    """Stages 2 to 4; the first one's accelerations are in the data already. B: scratch rows."""
+    q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
+    n = N[N_QVEL]
+    for i in range(N[N_QPOS]):
+        q0[i] = qpos[i]
+    for i in range(n):
+        v0[i] = qvel[i]
+        sum_v[i], sum_a[i] = 0.0, 0.0
+    for stage in range(4):
+        weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
+        ahead = 0.5 * dt if stage < 2 else dt
+        for i in range(n):
+            sum_v[i] += weight * qvel[i]
+            sum_a[i] += weight * qacc[i]
+            now[i] = qvel[i]
+        if stage == 3:
+            break
+        move(N, qpos, q0, now, ahead)
+        for i in range(n):
+            qvel[i] = v0[i] + ahead * qacc[i]
+        if stage != 1:
+            advance_reference(X, C, J, R, 0.5 * dt)
+        evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
+    move(N, qpos, q0, sum_v, 1.0)
+    for i in range(n):
+        qvel[i] = v0[i] + sum_a[i]
+    put_on_reference(N, qpos, qvel, R, hold)
+
+
+@kernel
+@no_type_check
+def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
+    """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in the data already."""
+    q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
+    n, gamma_dt = N[N_QVEL], GAMMA * dt
+    for i in range(N[N_QPOS]):
+        q0[i] = qpos[i]
+    for i in range(n):
+        v0[i], first[i] = qvel[i], qacc[i]
+        slope[i] = qvel[i] + gamma_dt * qacc[i]
+    move(N, qpos, q0, slope, dt)
+    for i in range(n):
+        qvel[i] = v0[i] + dt * first[i]
+    advance_reference(X, C, J, R, dt)
+    second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt)
+    evaluate(N)
+    for i in range(n):
+        second = qacc[i] - 2.0 * first[i]
+        second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
+        total[i] = 1.5 * slope[i] + 0.5 * second_slope
+        v0[i] += dt * (1.5 * first[i] + 0.5 * second)
+    move(N, qpos, q0, total, dt)
+    for i in range(n):
+        qvel[i] = v0[i]
+
+
+@kernel
+@no_type_check
+def count_work(N, X, J, R, U, P, qpos, qvel, dt):
+    """The work since the last step by the trapezoidal rule; P keeps the powers."""
+    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, 0.0
+    for i in range(J.shape[0]):
+        power = U[i] * qvel[nv + i]
+        absolute += magnitude(power)
+        net += power
+        positive += 0.5 * (power + magnitude(power))
+        if N[LAW] == SERVO:
+            electrical += actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)[3]
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
+        P[k] = power
+
+
+@kernel
+@no_type_check
+def follow_links(N, order, qpos, links):
+    """Angle of every link about the vertical, unwrapped: less than half a turn from what it was."""
+    n = N[N_LINKS]
+    if N[IS_PLANAR]:
+        links[0] = qpos[2]
+        for i in range(1, n):
+            links[i] = links[i - 1] + qpos[N[N_BASE_QPOS] + i - 1]
+        return
+    xmat = field(N[DATA], N[AT_XMAT], 9 * N[N_BODIES])
+    for i in range(n):
+        b = 9 * order[i]
+        gap = np.arctan2(xmat[b + 3], xmat[b]) - links[i]
+        links[i] += gap - 2.0 * np.pi * np.floor(gap / (2.0 * np.pi) + 0.5)
+
+
+@kernel
+@no_type_check
+def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
+    """One sample of the log.
+
+    `mass` is that of every body, 0 of those that are not the robot's; `order` holds the body of each link.
+    """
+    n, bodies = N[N_LINKS], N[N_BODIES]
+    com, cvel = field(N[DATA], N[AT_SUBTREE_COM], 3 * bodies), field(N[DATA], N[AT_CVEL], 6 * bodies)
+    xipos, xmat = field(N[DATA], N[AT_XIPOS], 3 * bodies), field(N[DATA], N[AT_XMAT], 9 * bodies)
+    for k in range(STATE_ROWS):
+        sample[k] = X[k]
+    o, c = STATE_ROWS, 3 * order[0]
+    total = 0.0
+    for k in range(3):
+        sample[o + COM + k] = com[c + k]
+        sample[o + COM_RATE + k] = 0.0
+    for b in range(1, bodies):
+        rx, ry, rz = xipos[3 * b] - com[c], xipos[3 * b + 1] - com[c + 1], xipos[3 * b + 2] - com[c + 2]
+        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        sample[o + COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
+        sample[o + COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
+        sample[o + COM_RATE + 2] += mass[b] * (cvel[6 * b + 5] + wx * ry - wy * rx)
+        total += mass[b]
+    for k in range(3):
+        sample[o + COM_RATE + k] /= total
+    heading, heading_rate = 0.0, 0.0
+    at = o + SAMPLE_HEADER
+    for i in range(n):
+        b = order[i]
+        x, y, z = xmat[9 * b], xmat[9 * b + 3], xmat[9 * b + 6]
+        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        heading += links[i]
+        heading_rate += (x * (wz * x - wx * z) - y * (wy * z - wz * y)) / (x * x + y * y)
+        sample[at + i] = links[i]
+    sample[o + HEADING] = heading / n
+    sample[o + HEADING_RATE] = heading_rate / n
+    if N[IS_PLANAR]:
+        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = np.cos(0.5 * links[0]), np.sin(0.5 * links[0])
+        sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
+    else:
+        for k in range(4):
+            sample[o + ORIENTATION + k] = qpos[3 + k]
+    at += n
+    for i in range(n - 1):
+        sample[at + i] = qpos[N[N_BASE_QPOS] + i]
+        sample[at + n - 1 + i] = qvel[N[N_BASE_QVEL] + i]
+        sample[at + 2 * (n - 1) + i] = R[0, i]
+        sample[at + 3 * (n - 1) + i] = U[i]
+
+
+@kernel
+@no_type_check
+def all_finite(N, qpos, qvel, U):
+    """Whether positions, rates and torques are still numbers that a swimming robot can have."""
+    for i in range(N[N_QPOS]):
+        if not abs(qpos[i]) < 1e6:
+            return False
+    for i in range(N[N_QVEL]):
+        if not abs(qvel[i]) < 1e6:
+            return False
+    for i in range(U.size):
+        if not abs(U[i]) < 1e12:
+            return False
+    return True
+
+
+@no_type_check
+def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
+    n_q, n_v, n_joints = N[N_QPOS], N[N_QVEL], J.shape[0]
+    qpos, qvel = field(N[DATA], N[AT_QPOS], n_q), field(N[DATA], N[AT_QVEL], n_v)
+    qacc = field(N[DATA], N[AT_QACC], n_v)
+    X, links = state[:STATE_ROWS], state[STATE_ROWS + n_q + n_v :]
+    qpos[:] = state[STATE_ROWS : STATE_ROWS + n_q]
+    qvel[:] = state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v]
+    R, U, K = np.zeros((3, n_joints)), np.zeros(n_joints), np.zeros((2, n_joints))
+    P, B = np.zeros(4), np.zeros((5, n_q))
+    hold[:] = 0.0
+    set_reference(X, C, J, R)
+    written = 0
+    for step in range(steps + 1):
+        if N[LAW] == PRESCRIBED:
+            evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
+        else:
+            first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+            evaluate(N)
+        follow_links(N, order, qpos, links)
+        count_work(N, X, J, R, U, P, qpos, qvel, dt if step > 0 else 0.0)
+        if step % every == 0:
+            if not all_finite(N, qpos, qvel, U):
+                return written
+            write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, log[step // every])
+            written += 1
+        if step == steps:
+            break
+        if N[LAW] == PRESCRIBED:
+            finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt)
+        else:
+            finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt)
+    state[STATE_ROWS : STATE_ROWS + n_q] = qpos
+    state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v] = qvel
+    return written
+
+
+def _digest() -> str:
+    package = Path(__file__).parent.parent
+    digest = hashlib.sha256()
+    for source in (
+        "spatial/driving.py",
+        "spatial/loads.py",
+        "spatial/native.py",
+        "gaits/reference.py",
+        "actuation/laws.py",
+    ):
+        digest.update((package / source).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+# Numba files compiled code under the function's qualified name and looks at this file only.
+_run.__qualname__ = f"_run_{_digest()}"
+run: Any = njit(cache=True, **OPTIONS)(_run)
+"""Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
+
+Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
+goes on from the powers at the start of the call.
+"""
+
+
+def is_compiled() -> bool:
+    """Whether the machine code is at hand or on disk; if not, the first run takes some ten seconds."""
+    return bool(run.signatures) or any(Path(run.stats.cache_path).glob(f"*{_run.__qualname__}-*.nbi"))

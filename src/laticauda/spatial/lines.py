@@ -1,0 +1,97 @@
+"""Lines in a picture: the trail of the center of mass, and the path that a run followed."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.spatial.camera import middle, reach
+from laticauda.spatial.door import engine
+from laticauda.trial import Trial
+from laticauda.trial.following import nearest_points
+
+WIDTH = 0.003  # half the width of a line, in lengths of the robot
+TRAIL_STEP, TRAIL_PIECES, TRAIL_FADE = 0.2, 400, 0.1  # [s], [-], where it begins, in lengths of the robot
+TRAIL_COLOR, TRAIL_OPACITY = (1.0, 0.80, 0.35), 0.85
+DASH, MOST_DASHES = 0.05, 1500  # in lengths of the robot, [-]
+PATH_COLOR = (1.0, 1.0, 1.0, 0.75)
+Points = Float[np.ndarray, "n_points n_axes"]
+Dashes = list[tuple[np.ndarray, np.ndarray]]
+
+
+def centers(trial: Trial, moments: Sequence[float]) -> Points:
+    """Where the center of mass is at these times, in as many axes as the trial has [m]."""
+    columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
+    return np.stack(columns, axis=1)
+
+
+def trail_points(trial: Trial, time: float, height: float) -> Points:
+    """Points of the center of mass's way up to a time, the newest last [m].
+
+    Args:
+        trial: Any trial.
+        time: Within the trial's time [s].
+        height: At which a planar robot swims [m].
+    """
+    first = max(math.ceil(trial.time[0] / TRAIL_STEP), math.floor(time / TRAIL_STEP) - TRAIL_PIECES)
+    # Always at the same moments, or the corners of the line would move along it.
+    moments = [*(k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)), time]
+    points = np.full((len(moments), 3), height)
+    points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
+    return points
+
+
+def draw_trail(scene: Any, trial: Trial, time: float, height: float) -> None:
+    """Draw the trail into a scene; arguments as for `trail_points`."""
+    points, robot = trail_points(trial, time, height), trial.robot
+    behind = np.linalg.norm(points - points[-1], axis=1) - (0.5 * reach(robot) - middle(robot))
+    for k, (one, other) in enumerate(pairwise(points)):
+        # It begins at the trailing edge: a line through the body would look like a part of it.
+        opacity = float(np.clip(behind[k] / (TRAIL_FADE * reach(robot)), 0.0, TRAIL_OPACITY)) * (k + 1) / len(points)
+        if opacity > 0.02:
+            _add_line(scene, one, other, WIDTH * reach(robot), (*TRAIL_COLOR, opacity))
+
+
+def path_dashes(trial: Trial, height: float) -> Dashes:
+    """The path that was followed as dashes below the body [m]; none if there was no path."""
+    if "cross_track_error" not in trial.signals or trial.time.size < 2:
+        return []
+    points, dash = nearest_points(trial), DASH * reach(trial.robot)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    # Samples go back and forth along the path with every stroke: only what is new counts.
+    along = np.maximum.accumulate(trial.signals["along_track_distance"])
+    keep = np.append(True, (np.diff(along) > 1e-6) & (steps < dash))
+    if np.count_nonzero(keep) < 2:
+        return []
+    distance, line = along[keep], points[keep]
+    below = height if trial.center_of_mass.shape[1] == 2 else float(np.mean(trial.center_of_mass[:, 2]))
+    below -= 1.3 * max(module.section.half_height for module in trial.robot.modules)
+
+    def at(place: float) -> np.ndarray:
+        return np.array([*(np.interp(place, distance, column) for column in line.T), below])
+
+    starts = np.arange(distance[0], distance[-1], 2.0 * dash)
+    return [(at(start), at(start + dash)) for start in starts[:MOST_DASHES]]
+
+
+def draw_path(scene: Any, trial: Trial, dashes: Dashes) -> None:
+    """Draw what `path_dashes` gave into a scene."""
+    for one, other in dashes:
+        _add_line(scene, one, other, WIDTH * reach(trial.robot), PATH_COLOR)
+
+
+def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: tuple[float, ...]) -> None:
+    """A piece of a line into a scene that is about to be drawn."""
+    if scene.ngeom >= scene.maxgeom:
+        return
+    mujoco = engine()
+    geom = scene.geoms[scene.ngeom]
+    zero = np.zeros(3)
+    kind = mujoco.mjtGeom.mjGEOM_CYLINDER  # round ends would overlap, which shows as they are transparent
+    mujoco.mjv_initGeom(geom, kind, zero, zero, np.eye(3).ravel(), np.array(color, np.float32))
+    mujoco.mjv_connector(geom, kind, width, one, other)
+    geom.emission, geom.castshadow = 0.6, False
+    scene.ngeom += 1

@@ -1,0 +1,423 @@
+"""The robot in space as a `Plant`: MuJoCo with the water of `spatial.water`."""
+
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import finite, not_negative, one_of, positive, within
+from laticauda.fluid import laws
+from laticauda.interfaces import Command, Log, Observation, Start
+from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
+from laticauda.spatial import driving, loads, mjcf, native, water
+from laticauda.spatial.door import engine
+from laticauda.spatial.functions import FluidLaw
+from laticauda.spatial.poses import ORIENTATION
+from laticauda.spatial.water_robot import robot_elements
+
+JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
+FORCES = ("drag", "added_mass", "effector")
+LEAST_DT = 1e-6  # s
+DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpatialState:
+    """Everything that a run needs to go on: the rows of `driving`, qpos, qvel, the links' angles."""
+
+    values: Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpatialPlant:
+    """A robot in MuJoCo: its modules in three dimensions, joints prescribed, or driven by pd control or servos.
+
+    Yaw joints follow the gait, pitch joints are held straight.
+
+    Raises:
+        MissingExtra: If MuJoCo is not installed.
+        ValueError: If a setting is out of its range, or robot and environment do not fit together.
+    """
+
+    robot: Robot
+    """What swims, all of its modules."""
+    environment: Environment
+    """The water it swims in, or the ground it crawls on in the plane."""
+    joints: str = "prescribed"
+    """prescribed, pd or servo."""
+    dt: float | None = None
+    """Largest time step; None takes a converged one [s]."""
+    offset_bandwidth: float = 10.0
+    """Of the filters in the reference generator [rad/s]."""
+    ramp: float | None = None
+    """T of the smooth start; None: 1 s for prescribed joints, none for the others [s]."""
+    fluid_law: FluidLaw | None = None
+    """Drag on one element in one plane; None takes the environment's own (`laticauda.fluid.laws`)."""
+    gravity: bool = True
+    """Weight and buoyancy."""
+    root: Literal["free", "planar"] = "free"
+    """`free`, or `planar`: height and tilt of the tail module fixed."""
+    ballast_depth: float = 0.005
+    """How far the modules' centers of mass lie below their axes, for a free root with gravity: without it nothing keeps
+    a robot upright. Mamba's is not known; this is an assumption [m]."""
+    tank: bool = False
+    """Whether the tank's floor and walls are there."""
+
+    def __post_init__(self) -> None:
+        """Check every setting once and fill in what was left open."""
+        one_of("joints", self.joints, tuple(JOINT_LAWS))
+        one_of("root", self.root, mjcf.ROOTS)
+        check_fits(self.robot, self.environment)
+        if isinstance(self.environment, Ground) and self.root == "free":
+            raise ValueError("`root` must be `planar` on the ground, got 'free'.")
+        if self.dt is not None:
+            object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
+        object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
+        object.__setattr__(self, "ballast_depth", finite("ballast_depth", self.ballast_depth, "m"))
+        ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
+        object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
+        if self.dt is None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                # A step at which the drag is well resolved, not only stable.
+                limit = 0.5 * water.stable_step(
+                    self._twin.model, self._twin.water.elements, self._twin.water.fluid_law, 0.5
+                )
+            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """How the plant was made, for the Trial's record."""
+        law = self.fluid_law
+        return {
+            "model": "spatial",
+            "joints": self.joints,
+            "dt": self.dt,
+            "offset_bandwidth": self.offset_bandwidth,
+            "ramp": self.ramp,
+            "fluid_law": "built-in" if law is None else law.__name__,
+            "gravity": self.gravity,
+            "root": self.root,
+            "ballast_depth": self.ballast_depth,
+            "tank": self.tank,
+        }
+
+    @property
+    def model(self) -> Any:
+        """The `mujoco.MjModel`, with its water attached."""
+        return self._twin.model
+
+    def data(self, state: SpatialState) -> Any:
+        """A `mujoco.MjData` at `state`, to look at or to render; its own, not the plant's."""
+        mujoco = engine()
+        data = mujoco.MjData(self.model)
+        data.time = state.values[driving.TIME]
+        data.qpos[:], data.qvel[:] = self._positions(state), self._velocities(state)
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        return data
+
+    def init(self, start: Start, command: Command) -> SpatialState:
+        """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
+        twin, rows = self._twin, driving
+        values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
+        values[rows.AMPLITUDE_NOW] = command.gait.amplitude
+        values[rows.FREQUENCY_NOW] = command.gait.frequency
+        values[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
+        qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
+        c, s = math.cos(start.heading), math.sin(start.heading)
+        x, y = start.center_of_mass
+        x, y = x - c * twin.center, y - s * twin.center
+        if self.root == "planar":
+            qpos[:3] = x, y, start.heading
+        else:
+            half = 0.5 * start.heading
+            qpos[:7] = x, y, twin.height, math.cos(half), 0.0, 0.0, math.sin(half)
+        values[-self.robot.n_links :] = start.heading
+        return SpatialState(values=values)
+
+    def step(self, state: SpatialState, command: Command, dt: float) -> SpatialState:
+        """The state `dt` [s] later, under a command that is held."""
+        return self.march(state, command, dt, dt)[0]
+
+    def observe(self, state: SpatialState) -> Observation:
+        """What can be seen of a state."""
+        sample = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+        log = self._named(sample)
+        return Observation(**{name: value[0] for name, value in log.items()})
+
+    def march(
+        self,
+        state: SpatialState,
+        command: Command,
+        duration: float,
+        sample_interval: float,
+        *,
+        link_forces: bool = False,
+    ) -> tuple[SpatialState, Log, str | None]:
+        """Many steps at once under one command; see `Plant.march`."""
+        assert self.dt is not None
+        n_intervals = max(1, round(duration / sample_interval))
+        every = max(1, math.ceil(duration / n_intervals / self.dt - 1e-9))
+        dt = duration / n_intervals / every
+        after, samples = self._go(state, self._rows(command), n_intervals * every, dt, every)
+        if len(samples) <= n_intervals:
+            when = state.values[0] + len(samples) * duration / n_intervals
+            if not len(samples):
+                samples = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+            return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
+        log = self._log(samples)
+        if link_forces:
+            log |= self._link_forces(state, command, n_intervals, every, dt)
+        return after, log, None
+
+    def pack(self, state: SpatialState) -> dict[str, np.ndarray]:
+        """A state as arrays that can be stored."""
+        return {"spatial": state.values}
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> SpatialState:
+        """The state back from `pack`.
+
+        Raises:
+            ValueError: If the arrays do not come from such a plant.
+        """
+        twin = self._twin
+        expected = driving.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links
+        values = np.asarray(stored.get("spatial", ()), dtype=float)
+        if values.shape != (expected,):
+            raise ValueError(
+                f"`state` must be that of a spatial run of {self.robot.n_links} links with a {self.root} root "
+                f"({expected} numbers), got {values.size} numbers."
+            )
+        return SpatialState(values=values)
+
+    @cached_property
+    def _twin(self) -> "_Twin":
+        return _Twin(self)
+
+    def _positions(self, state: SpatialState) -> np.ndarray:
+        return state.values[driving.STATE_ROWS : driving.STATE_ROWS + self._twin.n_qpos]
+
+    def _velocities(self, state: SpatialState) -> np.ndarray:
+        first = driving.STATE_ROWS + self._twin.n_qpos
+        return state.values[first : first + self._twin.n_qvel]
+
+    def _rows(self, command: Command | None) -> tuple[np.ndarray, np.ndarray]:
+        """The command and the joints' parameters for the kernel; None: nothing moves."""
+        rows = np.zeros(driving.COMMAND_ROWS)
+        rows[driving.BANDWIDTH], rows[driving.RAMP] = self.offset_bandwidth, self.ramp
+        joints = self._twin.joints.copy()
+        if command is not None:
+            gait = command.gait
+            rows[: driving.BANDWIDTH] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
+            driven = joints[:, driving.IS_DRIVEN] > 0.0
+            joints[driven, driving.ENVELOPE] = gait.joint_envelope(int(driven.sum()) + 1)
+        return rows, joints
+
+    def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
+        """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
+
+        The march is done once more, sample by sample, and stopped to look at each.
+        """
+        force = np.zeros((3, n + 1, self.robot.n_links, 3))
+        rows = self._rows(command)
+        for sample in range(n + 1):
+            if sample:
+                state, _ = self._go(state, rows, every, dt, every)
+            self._go(state, rows, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
+            force[:, sample] = self._twin.forces()
+        return {f"force_{name}": force[i] for i, name in enumerate(FORCES)}
+
+    def _go(
+        self, state: SpatialState, rows: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
+    ) -> tuple[SpatialState, np.ndarray]:
+        values = state.values.copy()
+        n = self.robot.n_links
+        log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * (n - 1)))
+        written = self._twin.run(values, rows, steps, dt, every, log)
+        return SpatialState(values=values), log[:written]
+
+    def _named(self, samples: np.ndarray) -> Log:
+        n, o = self.robot.n_links, driving.STATE_ROWS
+        first = o + driving.SAMPLE_HEADER
+        return {
+            "time": samples[:, driving.TIME],
+            "center_of_mass": samples[:, o + driving.COM : o + driving.COM_RATE],
+            "center_of_mass_velocity": samples[:, o + driving.COM_RATE : o + driving.HEADING],
+            "heading": samples[:, o + driving.HEADING],
+            "heading_rate": samples[:, o + driving.HEADING_RATE],
+            "link_angle": samples[:, first : first + n],
+            "joint_angle": samples[:, first + n : first + 2 * n - 1],
+            "joint_rate": samples[:, first + 2 * n - 1 : first + 3 * n - 2],
+        }
+
+    def _log(self, samples: np.ndarray) -> Log:
+        """Samples by the names of Trial's fields."""
+        n = self.robot.n_links
+        first = driving.STATE_ROWS + driving.SAMPLE_HEADER + 3 * n - 2
+        log = self._named(samples)
+        log["joint_angle_ref"] = samples[:, first : first + n - 1]
+        log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
+        log["work"] = samples[:, driving.WORK_ABSOLUTE : driving.WORK_ELECTRICAL]
+        if self.joints == "servo":
+            log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
+        at = driving.STATE_ROWS + driving.ORIENTATION
+        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate(ORIENTATION)}
+
+
+class _Twin:
+    """A plant's model in MuJoCo and what the kernels need of it. A resource: one march at a time."""
+
+    def __init__(self, plant: SpatialPlant) -> None:
+        mujoco = engine()
+        self._lock = Lock()
+        robot, environment = plant.robot, plant.environment
+        spec = mjcf.spec(
+            robot, environment, root=plant.root, actuators="none", sensors=False, visuals=False, tank=plant.tank
+        )
+        if not plant.gravity or plant.root == "planar":
+            spec.option.gravity = (0.0, 0.0, 0.0)
+        else:
+            for i in range(robot.n_links):
+                body = spec.body(f"module_{i}")
+                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
+        self.model = water.compiled(spec)
+        if plant.joints == "prescribed":  # they go where the gait says; a stop would only push the rest of the body
+            self.model.jnt_limited[:] = 0
+        if plant.dt is not None:
+            self.model.opt.timestep = plant.dt
+        self._data = mujoco.MjData(self.model)
+        self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
+        self.height = float(self.model.body("module_0").pos[2])
+        self.center = _center_of_mass(robot)
+        self.joints = np.array(
+            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
+        )
+        self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
+        self.water = self._attach(plant)
+        # Among the water's own numbers, so that it lives as long as the compiled code may read it.
+        self._hold = np.zeros(2 * int(self.model.nv))
+        self.water.numbers["hold"] = self._hold
+        self.water.table[loads.HOLD] = self._hold.ctypes.data
+        self.water.table[loads.HAS_INERTIA] = 1
+        self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
+        own = self.model.body_rootid == self._order[0]
+        self._mass = np.where(own, self.model.body_mass, 0.0)
+        self._setup = self._numbers(plant)
+
+    def _attach(self, plant: SpatialPlant) -> water.Water:
+        environment = plant.environment
+        elements = robot_elements(plant.robot, environment, floats=plant.gravity and plant.root == "free")
+        law = plant.fluid_law
+        if law is None:
+            dry = isinstance(environment, Ground) and environment.friction == "coulomb"
+            law = laws.coulomb_friction if dry else laws.polynomial_drag
+        if isinstance(environment, Ground):
+            return water.attach(self.model, elements, fluid_law=law)
+        x, y = environment.current
+        return water.attach(
+            self.model,
+            elements,
+            density=environment.density,
+            current=(x, y, 0.0),
+            surface=0.0 if plant.root == "free" and plant.gravity else None,
+            form=environment.added_mass_form,
+            fluid_law=law,
+        )
+
+    def _numbers(self, plant: SpatialPlant) -> np.ndarray:
+        where = native.offsets()
+        base = (3, 3) if plant.root == "planar" else (7, 6)
+        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
+        return np.array(
+            [
+                self.model._address,
+                self._data._address,
+                native.address("mj_forwardSkip"),
+                native.address("mj_integratePos"),
+                self.n_qpos,
+                self.n_qvel,
+                *base,
+                plant.robot.n_links,
+                self.model.nbody,
+                JOINT_LAWS[plant.joints],
+                plant.root == "planar",
+                *(where[name] for name in fields),
+            ],
+            dtype=np.int64,
+        )
+
+    def run(
+        self,
+        values: np.ndarray,
+        rows: tuple[np.ndarray, np.ndarray],
+        steps: int,
+        dt: float,
+        every: int,
+        log: np.ndarray,
+    ) -> int:
+        """Advance `values` in place; see `driving.run`."""
+        with self._lock:
+            engine().mj_resetData(self.model, self._data)
+            self.model.opt.timestep = dt
+            if not self.water.active:
+                raise RuntimeError("MuJoCo's passive callback was taken by another package; the water would not act")
+            robot = (self._mass, self._order, self._hold)
+            return int(driving.run(self._setup, values, *rows, *robot, steps, dt, every, log))
+
+    def forces(self) -> np.ndarray:
+        """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
+        loads_on = self.water.forces(self._data)
+        total = np.zeros((len(FORCES), self._order.size, 3))
+        for i, element in enumerate(self.water.elements):
+            link = int(element.body.removeprefix("module_")) if element.body.startswith("module_") else 0
+            for k, name in enumerate(FORCES):
+                total[k, link] += loads_on[name][i]
+        return total
+
+
+def _center_of_mass(robot: Robot) -> float:
+    """Center of mass of the straight robot from its tail end, on its axis [m]."""
+    moment, behind = 0.0, 0.0
+    for module in robot.modules:
+        moment += module.mass * (behind + module.half_length + module.center)
+        behind += module.length
+    if robot.caudal_fin is not None:
+        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
+    return moment / robot.mass
+
+
+def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
+    row = np.zeros(driving.JOINT_SIZE)
+    row[[driving.IS_DRIVEN, driving.STIFFNESS, driving.DAMPING]] = axis == "yaw", stiffness, damping
+    if drive == "pd":
+        row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
+    else:
+        row[driving.LAW_0 : driving.LAW_5 + 1] = (
+            actuator.servo_gain,
+            actuator.stall_torque,
+            actuator.no_load_speed,
+            actuator.friction_torque,
+            actuator.viscous_friction,
+            actuator.voltage * actuator.stall_current,
+        )
+    return row
+
+
+def _what_went_wrong(time: float, joints: str, dt: float) -> str:
+    """The sentence that a failed run ends with."""
+    remedy = {
+        "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
+        "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
+        "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
+    }[joints]
+    return (
+        f"The run diverged at t = {time:.3g} s with dt = {dt:g} s (a position, angle, rate or torque went beyond all "
+        f"bounds); try {remedy}."
+    )

@@ -1,0 +1,221 @@
+"""MuJoCo below Python: where things sit in its structures, and calls from compiled code to its functions.
+
+Compiled callbacks get two bare addresses, of the model and of the data. What they need from the data is found by the
+fields' offsets in the structure, which are the same for all data of one build of MuJoCo; `offsets` measures them on a
+small model instead of trusting a header. Functions are called by their addresses, which come in as numbers, so that
+compiled code can be kept on disk.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+
+import ctypes
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from laticauda.spatial.door import engine
+
+ARRAYS = (
+    "qpos",
+    "qvel",
+    "qacc",
+    "xpos",
+    "xmat",
+    "xipos",
+    "subtree_com",
+    "cdof",
+    "cdof_dot",
+    "cvel",
+    "crb",
+    "M",
+    "qfrc_bias",
+    "qfrc_passive",
+    "qfrc_fluid",
+    "qfrc_smooth",
+    "qfrc_constraint",
+)
+"""Fields of `mjData` that compiled code reads or writes."""
+FUNCTIONS = (
+    "mj_factorM",
+    "mj_forwardSkip",
+    "mj_integratePos",
+    "mj_markStack",
+    "mj_freeStack",
+    "mj_stackAllocNum",
+)
+"""Functions of MuJoCo that compiled code calls."""
+
+# A free body with a hinged child: every array that is looked for has an address of its own.
+_PROBE = """
+<mujoco><worldbody><body><freejoint/><geom size=".1"/>
+<body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/></body></body></worldbody></mujoco>
+"""
+
+
+_RARE = 0.7310585786300049  # a number that stands nowhere else
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """The shared library that the module `mujoco` runs on."""
+    folder = Path(engine().__file__).parent
+    found = sorted(p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern))
+    if not found:
+        raise OSError(f"no shared library of MuJoCo in {folder}")
+    return ctypes.CDLL(str(found[0]))
+
+
+@cache
+def address(function: str) -> int:
+    """Where a function of MuJoCo is."""
+    return ctypes.cast(getattr(library(), function), ctypes.c_void_p).value or 0
+
+
+@cache
+def offsets() -> dict[str, int]:
+    """Offset of every field in `ARRAYS` from the start of `mjData`, and that of its `time` [bytes]."""
+    mujoco = engine()
+    model = mujoco.MjModel.from_xml_string(_PROBE)
+    data = mujoco.MjData(model)
+    data.time = _RARE
+    words = _words(data._address, np.uint64(data.signature), "data")  # stands behind all pointers
+    found = {name: _last(words, np.uint64(getattr(data, name).ctypes.data), name) for name in ARRAYS}
+    found["time"] = _last(words, np.float64(_RARE).view(np.uint64), "time")
+    return found
+
+
+@cache
+def model_offsets() -> dict[str, int]:
+    """Offsets in `mjModel` [bytes]: of gravity, time step, override of margins, and of the armature's address."""
+    model = engine().MjModel.from_xml_string(_PROBE)
+    model.opt.timestep, model.opt.o_margin = _RARE, 2.0 * _RARE
+    words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
+    return {
+        "gravity": model.opt.gravity.ctypes.data - model._address,
+        "timestep": _last(words, np.float64(_RARE).view(np.uint64), "timestep"),
+        "o_margin": _last(words, np.float64(2.0 * _RARE).view(np.uint64), "o_margin"),
+        "dof_armature": _last(words, np.uint64(model.dof_armature.ctypes.data), "dof_armature"),
+    }
+
+
+def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
+    """The words of a structure from its start to the one that holds `target`, which stands near its end."""
+    page, limit = 1024, 1 << 20
+    for length in range(page, limit, page):
+        words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
+        if np.any(words[-page // 8 :] == target):
+            return words
+    raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
+
+
+def _last(words: np.ndarray, value: Any, name: str) -> int:
+    places = np.flatnonzero(words == value)
+    if places.size == 0:
+        raise OSError(f"`{name}` was not found in this build of MuJoCo")
+    return int(places[-1]) * 8  # empty arrays before it, and the buffer's own pointer, have the same address
+
+
+@intrinsic
+def pointer(typingctx, number):
+    """An address, given as a number, as an untyped pointer."""
+    del typingctx, number
+
+    def codegen(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), codegen
+
+
+@intrinsic
+def word_at(typingctx, number):
+    """The 64-bit integer at an address."""
+    del typingctx, number
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
+
+    return types.int64(types.int64), codegen
+
+
+@intrinsic
+def number_at(typingctx, number):
+    """The 64-bit floating-point number at an address."""
+    del typingctx, number
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))
+
+    return types.float64(types.int64), codegen
+
+
+def _call(result, kinds):
+    """An intrinsic that calls the function at an address; all arguments but floats are 64-bit integers."""
+
+    def typer(typingctx, where, *arguments):
+        del typingctx, where, arguments
+
+        def codegen(context, builder, signature, given):
+            llvm = [ir.DoubleType() if kind == types.float64 else _INT[kind] for kind in kinds]
+            kind = ir.VoidType() if result == types.void else ir.IntType(64)
+            function = builder.inttoptr(given[0], ir.FunctionType(kind, llvm).as_pointer())
+            narrowed = [
+                builder.trunc(value, _INT[kind]) if kind == types.int32 else value
+                for value, kind in zip(given[1:], kinds, strict=True)
+            ]
+            value = builder.call(function, narrowed)
+            return context.get_dummy_value() if result == types.void else value
+
+        wide = [types.int64 if kind == types.int32 else kind for kind in kinds]
+        return result(types.int64, *wide), codegen
+
+    return typer
+
+
+_INT = {types.int64: ir.IntType(64), types.int32: ir.IntType(32)}
+
+
+@intrinsic
+def call_1(typingctx, where, a):
+    """Call the function f(a) at the address `where`."""
+    return _call(types.void, [types.int64])(typingctx, where, a)
+
+
+@intrinsic
+def call_2(typingctx, where, a, b):
+    """Call the function f(a, b) at the address `where`."""
+    return _call(types.void, [types.int64] * 2)(typingctx, where, a, b)
+
+
+@intrinsic
+def call_3(typingctx, where, a, b, c):
+    """Call the function f(a, b, c) at the address `where`."""
+    return _call(types.void, [types.int64] * 3)(typingctx, where, a, b, c)
+
+
+@intrinsic
+def allocate(typingctx, where, data, size):
+    """`mj_stackAllocNum`: the address of `size` numbers on the stack of the data."""
+    return _call(types.int64, [types.int64] * 2)(typingctx, where, data, size)
+
+
+@intrinsic
+def forward_skip(typingctx, where, model, data, stage, sensor):
+    """`mj_forwardSkip`."""
+    return _call(types.void, [types.int64, types.int64, types.int32, types.int32])(
+        typingctx, where, model, data, stage, sensor
+    )
+
+
+@intrinsic
+def integrate_positions(typingctx, where, model, qpos, qvel, dt):
+    """`mj_integratePos`."""
+    return _call(types.void, [types.int64, types.int64, types.int64, types.float64])(
+        typingctx, where, model, qpos, qvel, dt
+    )

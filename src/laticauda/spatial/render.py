@@ -1,0 +1,189 @@
+"""Films and stills of trials: the robot in the water with its trail, a clock and its speed."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from laticauda.errors import positive, whole, within
+from laticauda.spatial import lines, pool
+from laticauda.spatial.camera import View, ripple_period, view
+from laticauda.spatial.door import engine
+from laticauda.spatial.film import ffmpeg, write_video
+from laticauda.spatial.offscreen import Offscreen, Picture, check_offscreen
+from laticauda.spatial.overlay import write_words
+from laticauda.spatial.puppet import Puppet
+from laticauda.trial import Trial
+
+WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
+LEAST_PIXELS, MOST_PIXELS = 64, 4096
+WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like", "custom": "own envelope"}
+
+
+def video(
+    trial: Trial,
+    path: str | Path,
+    *,
+    width: int = WIDTH,
+    height: int = HEIGHT,
+    frames_per_second: float = FRAMES_PER_SECOND,
+    speed: float = 1.0,
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Show a trial as a film.
+
+    A planar trial is shown as it is: the 3D robot takes its postures, nothing is simulated anew.
+
+    Args:
+        trial: Any trial, simulated or real.
+        path: An MP4 file, written when the film is complete.
+        width: Of the picture, even [pixels].
+        height: Of the picture, even [pixels].
+        frames_per_second: [1/s].
+        speed: 2 shows the trial twice as fast [-].
+        progress: Called with the time of the trial [s] that has been filmed.
+
+    Raises:
+        MissingExtra: If MuJoCo or PyOpenGL is not installed.
+        MissingProgram: If the system has no ffmpeg or no EGL.
+        ValueError: If an argument is out of its range.
+    """
+    rate, speed = positive("frames_per_second", frames_per_second, "1/s"), positive("speed", speed)
+    size = _pixels("width", width), _pixels("height", height)
+    for name, pixels in zip(("width", "height"), size, strict=True):
+        if pixels % 2:
+            raise ValueError(f"`{name}` must be even for a video, got {pixels}.")
+    check_video()
+    with _Studio(trial, *size) as studio:
+
+        def pictures() -> Iterator[Picture]:
+            for k in range(math.floor(trial.duration / speed * rate + 1e-9) + 1):
+                shown = min(k * speed / rate, trial.duration)
+                yield studio.picture(float(trial.time[0]) + shown, speed)
+                if progress is not None:
+                    progress(shown)
+
+        write_video(pictures(), path, size=size, frames_per_second=rate)
+
+
+def still(
+    trial: Trial, path: str | Path, *, time: float | None = None, width: int = WIDTH, height: int = HEIGHT
+) -> None:
+    """Show one moment of a trial; what is not said here is as for `video`.
+
+    Args:
+        trial: Any trial, simulated or real.
+        path: A PNG file.
+        time: The moment [s]; None is the end.
+        width: Of the picture [pixels].
+        height: Of the picture [pixels].
+    """
+    from PIL import Image
+
+    size = _pixels("width", width), _pixels("height", height)
+    moment = float(trial.time[-1])
+    if time is not None:
+        moment = within("time", time, float(trial.time[0]), moment, "s")
+    with _Studio(trial, *size) as studio:
+        Image.fromarray(studio.picture(moment)).save(path, optimize=True)
+
+
+def check_video() -> None:
+    """Refuse a video that cannot be made here, before there is a trial to show; errors as for `video`."""
+    ffmpeg()
+    check_offscreen()
+
+
+class _Studio:
+    """The 3D robot of a trial, and the camera in front of it; a resource."""
+
+    def __init__(self, trial: Trial, width: int, height: int) -> None:
+        self._puppet = Puppet(trial, width, height)
+        self._trial = trial
+        self._look = pool.look_of(trial.environment)
+        self._camera = engine().MjvCamera()
+        self._ripples = self._moving_textures()
+        self._path = lines.path_dashes(trial, self._puppet.height)
+        self._screen = Offscreen(self._puppet.model)
+
+    def picture(self, time: float, speed: float = 1.0) -> Picture:
+        """The picture of a moment, words included."""
+        trial, screen = self._trial, self._screen
+        self._puppet.take(time)
+        self._move_textures(time)
+        seen = view(trial, time, self._puppet.height, screen.width / screen.height)
+        camera = self._camera
+        camera.lookat, camera.distance = seen.target, seen.distance
+        camera.azimuth, camera.elevation = seen.azimuth, seen.elevation
+        picture = screen.picture(self._puppet.data, camera, lambda scene: self._decorate(scene, time, seen))
+        figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
+        return write_words(picture, figures, words(trial, speed))
+
+    def _moving_textures(self) -> dict[int, Callable[[float], np.ndarray]]:
+        """The textures that change with time, and what they show then."""
+        model, look = self._puppet.model, self._look
+        pictures: dict[str, Callable[[float], np.ndarray]] = {"surface": pool.surface_picture}
+        if look.focused > 0.0:
+            pictures["floor"] = lambda time: pool.floor_picture(look, time)
+        names = [model.texture(i).name for i in range(model.ntex)]
+        return {i: pictures[name] for i, name in enumerate(names) if name in pictures}
+
+    def _move_textures(self, time: float) -> None:
+        """The net of light and the ripples move."""
+        model = self._puppet.model
+        for texture, picture in self._ripples.items():
+            pixels = picture(time).ravel()
+            start = model.tex_adr[texture]
+            model.tex_data[start : start + pixels.size] = pixels
+            self._screen.upload(texture)
+
+    def _decorate(self, scene: Any, time: float, seen: View) -> None:
+        """Fog, shadows where the robot is, its trail, and the path that it followed."""
+        flags = engine().mjtRndFlag
+        scene.flags[flags.mjRND_FOG], scene.flags[flags.mjRND_HAZE] = True, False
+        for light in scene.lights[: scene.nlight]:
+            if not light.headlight:
+                light.pos = seen.target + np.array([0.0, 0.0, 2.0])
+        lines.draw_path(scene, self._trial, self._path)
+        lines.draw_trail(scene, self._trial, time, self._puppet.height)
+
+    def close(self) -> None:
+        """Give back the graphics memory."""
+        self._screen.close()
+
+    def __enter__(self) -> "_Studio":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def speed_at(trial: Trial, time: float) -> float:
+    """Speed of the center of mass over the last period of the gait, so without its ripple [m/s]."""
+    moments = max(time - ripple_period(trial), float(trial.time[0])), time
+    if moments[0] == moments[1]:
+        return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
+    start, stop = lines.centers(trial, moments)
+    return float(np.linalg.norm(stop - start)) / (moments[1] - moments[0])
+
+
+def words(trial: Trial, speed: float = 1.0) -> list[str]:
+    """Who swims, how, and how fast it is shown."""
+    lines = [trial.robot.name]
+    if trial.gait is not None:
+        gait = trial.gait
+        numbers = f"{math.degrees(gait.amplitude):.0f}°, {math.degrees(gait.frequency):.0f}°/s"
+        shift = f"phase shift {math.degrees(gait.phase_shift):.0f}°"
+        lines.append(f"{WORDS.get(gait.kind, gait.kind)}, {numbers}, {shift}")
+    if speed != 1.0:
+        lines[0] += f"  (shown at {speed:g} times its speed)"
+    return lines
+
+
+def _pixels(name: str, value: int) -> int:
+    number = whole(name, value, LEAST_PIXELS)
+    if number > MOST_PIXELS:
+        raise ValueError(f"`{name}` must be at most {MOST_PIXELS} pixels, got {number}.")
+    return number

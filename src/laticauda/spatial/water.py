@@ -1,0 +1,268 @@
+"""Water for any MuJoCo model: `attach` it, and the model's own steps feel it.
+
+    model = water.compiled(spec)                  # or mujoco.MjModel.from_xml_path(...)
+    element = water.geom_element(model, "hull", coefficients)
+    handle = water.attach(model, [element], density=1000.0, surface=0.0)
+    mujoco.mj_step(model, data)                   # with drag, exact added mass, buoyancy
+
+The loads are one compiled passive callback. Callbacks belong to the whole process, so there is one for all models: it
+looks the model up and leaves those without water alone. It runs in threads (`mujoco.rollout`, `mujoco.batch`), for its
+scratch memory is the data's own stack.
+"""
+
+import weakref
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from laticauda.errors import finite, one_of, positive
+from laticauda.fluid import laws
+from laticauda.spatial import loads, native, water_registry
+from laticauda.spatial.door import engine
+from laticauda.spatial.elements import Element
+from laticauda.spatial.functions import Current, FluidLaw, compiled_current, compiled_law
+from laticauda.spatial.water_checks import body_of, check_model, stable_step, warn_of
+from laticauda.spatial.water_geoms import GeomCoefficients, geom_element
+
+__all__ = ["Element", "GeomCoefficients", "Water", "attach", "compiled", "geom_element", "stable_step"]
+
+FORMS = ("relative", "kirchhoff", "classic")
+_lock = Lock()  # one look at the forces at a time: where they go to stands in the table
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Water:
+    """Water that is attached to a model; made by `attach`. It stays as long as the model lives, or until `detach`."""
+
+    model: Any
+    """The `mujoco.MjModel`; weakly held."""
+    elements: tuple[Element, ...]
+    """What the water sees, in the order that they were given."""
+    table: np.ndarray
+    """Addresses and offsets for the compiled code; see `loads`."""
+    numbers: dict[str, np.ndarray]
+    """What the table points to."""
+    fluid_law: FluidLaw
+    """Drag on one element in one plane."""
+    mark: int
+    """By which the compiled code knows the model and its copies."""
+
+    def detach(self) -> None:
+        """Take the water away, from the model and from all copies of it."""
+        water_registry.forget(self.mark)
+
+    @property
+    def active(self) -> bool:
+        """Whether the callback is in place: another package may have put its own there."""
+        return water_registry.is_installed()
+
+    def set_current(self, velocity: Sequence[float]) -> None:
+        """Let the water move with `velocity` from now on.
+
+        Args:
+            velocity: World axes [m/s].
+        """
+        x, y, z = (finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity))
+        self.numbers["water"][[loads.V_X, loads.V_Y, loads.V_Z]] = x, y, z
+
+    def forces(self, data: Any) -> dict[str, np.ndarray]:
+        """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
+
+        Args:
+            data: A `mujoco.MjData` of the model.
+
+        Returns:
+            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass`, `buoyancy` and `effector` (thrust,
+            tether, wake, plate) [N]. The added mass is that of the accelerations in `data` afterward.
+        """
+        out = np.zeros((len(self.elements), loads.OUT_SIZE))
+        model = self._live()
+        with _lock:
+            self.table[loads.OUT] = out.ctypes.data
+            try:
+                engine().mj_forward(model, data)
+            finally:
+                self.table[loads.OUT] = 0
+        names = ("drag", "added_mass", "buoyancy", "effector")
+        found = {name: out[:, 3 * i : 3 * i + 3].copy() for i, name in enumerate(names)}
+        found["added_mass"] -= self._carried(model, data) * out[:, 12:]
+        return found
+
+    def _carried(self, model: Any, data: Any) -> np.ndarray:
+        """Added mass times what the accelerations of the joints do to the middle of every element [N]."""
+        mujoco = engine()
+        force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
+        for i, element in enumerate(self.elements):
+            body = body_of(model, element.body)
+            turned = data.xmat[body].reshape(3, 3)
+            mujoco.mj_jac(model, data, jacobian, None, data.xpos[body] + turned @ np.array(element.position), body)
+            axes = turned @ element.rotation
+            force[i] = axes @ (np.array(element.added_mass) * (axes.T @ (jacobian @ data.qacc)))
+        return force
+
+    def _live(self) -> Any:
+        model = self.model()
+        if model is None:
+            raise ValueError("`model` must still exist, but the model of this water is gone.")
+        return model
+
+
+def attach(
+    model: Any,
+    elements: Iterable[Element],
+    *,
+    density: float = 1000.0,
+    current: Sequence[float] | Current = (0.0, 0.0, 0.0),
+    surface: float | None = None,
+    form: str = "relative",
+    implicit_drag: bool = False,
+    fluid_law: FluidLaw = laws.polynomial_drag,
+    usual_speed: float = 1.0,
+) -> Water:
+    """Put a model under water. What was attached to it before is replaced; copies of the model have its water too.
+
+    Args:
+        model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it.
+        elements: What the water sees.
+        density: rho, for the buoyancy [kg/m^3].
+        current: Velocity that the water moves to, world axes [m/s]; or a function of x, y, z [m] and t [s] that Numba
+            can compile and that returns three numbers. Its own acceleration is left out: it must change slowly.
+        surface: Height of the flat surface [m]; None: everything is covered.
+        form: Velocity terms of the added mass: `relative`, `kirchhoff` (keeps energy and momentum) or `classic`.
+        implicit_drag: Take the drag's slope into the inertia of the step. Stable at any step, and of first order in
+            it; for the integrators Euler and implicitfast only. The accelerations in the data are then those of the
+            step, and no longer forces over inertia.
+        fluid_law: Drag on one element in one plane, with the signature of `laticauda.fluid.laws.polynomial_drag`.
+        usual_speed: At which the step is checked against the drag [m/s].
+
+    Returns:
+        A handle. The water stays without it, for as long as the model lives.
+
+    Raises:
+        ValueError: If the model or an argument cannot be worked with; the message says why.
+        MissingExtra: If MuJoCo is not installed.
+    """
+    mujoco = engine()
+    if not isinstance(model, mujoco.MjModel):
+        raise ValueError(f"`model` must be a mujoco.MjModel, got {type(model).__name__}.")
+    elements = tuple(elements)
+    if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"`elements` must hold one Element at least, and nothing else, got {elements!r:.60}.")
+    one_of("form", form, FORMS)
+    water = np.zeros(loads.WATER_SIZE)
+    water[loads.DENSITY] = positive("density", density, "kg/m^3")
+    water[loads.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
+    water[loads.OWN_VELOCITY], water[loads.KIRCHHOFF] = form != "classic", form == "kirchhoff"
+    bodies = np.array([body_of(model, element.body) for element in elements])
+    inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
+    check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
+    table, arrays = _table(model, elements, bodies, water)
+    table[loads.HAS_INERTIA], table[loads.IMPLICIT_DRAG] = inertia, implicit_drag
+    table[loads.HAS_SURFACE] = surface is not None
+    law = compiled_law(fluid_law)
+    table[loads.LAW] = law.address
+    keep: list[Any] = [law]
+    if callable(current):
+        flow = compiled_current(current)
+        table[loads.CURRENT] = flow.address
+        keep.append(flow)
+    else:
+        if len(current) != 3:
+            raise ValueError(f"`current` must be a function or 3 numbers, got {current!r}.")
+        water[[loads.V_X, loads.V_Y, loads.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
+    positive("usual_speed", usual_speed, "m/s")
+    water_registry.install()
+    mark = water_registry.enter(model, table, (arrays, keep))
+    handle = Water(
+        model=weakref.ref(model), elements=elements, table=table, numbers=arrays, fluid_law=fluid_law, mark=mark
+    )
+    warn_of(model, elements, bodies, fluid_law, None if implicit_drag else usual_speed)
+    return handle
+
+
+def compiled(spec: Any) -> Any:
+    """Compile a `mujoco.MjSpec` so that every body can have added mass.
+
+    MuJoCo stores nothing but the diagonal of the inertia of a free body whose frame is that of its inertia. Added mass
+    needs all of it, so the inertia's frame is moved aside while the model is compiled, and back afterward.
+
+    Args:
+        spec: A model; it is left as it was.
+
+    Returns:
+        A `mujoco.MjModel`.
+    """
+    model = spec.compile()
+    simple = [b for b in range(1, model.nbody) if model.body_simple[b] and model.body_dofnum[b]]
+    if not simple:
+        return model
+    spec = spec.copy()
+    for b in simple:
+        body = spec.bodies[b]
+        body.explicitinertial = True
+        body.mass, body.inertia = model.body_mass[b], model.body_inertia[b]
+        body.iquat, body.ipos = model.body_iquat[b], model.body_ipos[b] + np.array([1e-3, 2e-3, 3e-3])
+    full = spec.compile()
+    for name in ("body_ipos", "body_iquat", "body_inertia", "body_mass"):
+        getattr(full, name)[:] = getattr(model, name)
+    data = engine().MjData(full)
+    engine().mj_setConst(full, data)
+    return full
+
+
+def _table(
+    model: Any, elements: Sequence[Element], bodies: np.ndarray, water: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    first = np.zeros(model.nbody + 1, dtype=np.int64)
+    first[1:] = np.cumsum(model.body_dofnum)
+    arrays: dict[str, np.ndarray] = {
+        "parent": model.body_parentid.astype(np.int64),
+        "first_dof": first,
+        "root": model.body_rootid.astype(np.int64),
+        "dof_body": model.dof_bodyid.astype(np.int64),
+        "dof_parent": model.dof_parentid.astype(np.int64),
+        "row_end": (model.M_rowadr + model.M_rownnz - 1).astype(np.int64),
+        "row_length": model.M_rownnz.astype(np.int64),
+        "element_body": bodies.astype(np.int64),
+        "elements": np.concatenate([_record(element) for element in elements]),
+        "water": water,
+    }
+    table = np.zeros(loads.TABLE_SIZE, dtype=np.int64)
+    table[[loads.N_BODIES, loads.N_DOFS, loads.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
+    table[loads.PARENT : loads.WATER + 1] = [a.ctypes.data for a in arrays.values()]
+    inside = native.model_offsets()
+    names = ("gravity", "timestep", "dof_armature")
+    table[loads.AT_GRAVITY : loads.AT_ARMATURE + 1] = [inside[name] for name in names]
+    names = ("mj_factorM", "mj_markStack", "mj_freeStack", "mj_stackAllocNum")
+    table[loads.FACTOR_M : loads.ALLOCATE + 1] = [native.address(name) for name in names]
+    where = native.offsets()
+    fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
+    fields += ("qfrc_passive", "qfrc_fluid", "time")
+    table[loads.AT_QVEL : loads.AT_TIME + 1] = [where[name] for name in fields]
+    return table, arrays
+
+
+def _record(element: Element) -> np.ndarray:
+    record = np.zeros(loads.ELEMENT_SIZE)
+    for at, values in (
+        (loads.POSITION, element.position),
+        (loads.ROTATION, element.rotation.ravel()),
+        (loads.DRAG, element.drag),
+        (loads.TORQUE_LINEAR, element.torque_linear),
+        (loads.TORQUE_QUADRATIC, element.torque_quadratic),
+        (loads.MASS, element.added_mass),
+        (loads.INERTIA, element.added_inertia),
+        (loads.HALF, element.half_size),
+        (loads.THRUST, element.thrust),
+        (loads.PULL, element.pull),
+        (loads.PLATE, element.plate or ()),
+    ):
+        record[at : at + len(values)] = values
+    record[loads.VOLUME], record[loads.SHAPE] = element.volume, element.shape_number
+    record[loads.REFERENCE_SPEED] = element.reference_speed
+    record[loads.TETHER_DRAG], record[loads.WAKE_MASS] = element.tether_drag, element.wake_mass
+    record[loads.LINEAR], record[loads.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
+    return record

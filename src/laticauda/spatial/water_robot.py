@@ -1,0 +1,134 @@
+"""What the water sees of a robot: one element per module and per fin strip, with the planar model's coefficients.
+
+In the swimming plane the numbers are those of `laticauda.fluid.link_coefficients`. Across it they follow by turning the
+ellipse by 90 degrees, a and b its vertical and lateral half-axes, l half the module's length:
+
+    c_z = 1/2 rho C_D 2b 2l          mu_z = rho pi C_A b^2 2l
+    about y, `paper`: as about z;    `strip`: c_z l^2 / 3, c_z l^3 / 4, mu_z l^2 / 3
+    about x: added inertia rho pi C_M (a^2 - b^2)^2 / 8 2l of the ellipse (Newman, Marine Hydrodynamics, 1977, table
+    4.3), and the friction c_t on the arm r = (a + b) / 2: c_t r^2 (linear) and c_t r^3 (quadratic)
+
+A fin strip of length d and height h is a thin plate: no normal load across its edge, c_z = c_t; about x the normal
+drag spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, and the added inertia rho pi C_A (h/2)^4 / 8 d.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from laticauda.fluid import Coefficients, link_coefficients
+from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
+from laticauda.spatial.elements import Element
+
+
+def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
+    """The elements of a robot, on the bodies that `spatial.mjcf.spec` makes.
+
+    Args:
+        robot: What swims.
+        environment: The water it swims in, or the ground it crawls on in the plane.
+        floats: Whether the elements have their volumes.
+    """
+    c = link_coefficients(robot, environment)
+    found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
+    if robot.caudal_fin is not None and c.fin is not None:
+        found += _fin(robot.caudal_fin, c.fin, environment)
+    found += _effectors(robot, environment)
+    return tuple(found) if floats else tuple(replace(e, volume=0.0) for e in found)
+
+
+def _module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:
+    l, a, b = module.half_length, module.section.half_height, module.section.half_width  # noqa: E741
+    c_t, c_n, mu_t, mu_n = (float(x[i]) for x in (c.c_t, c.c_n, c.mu_t, c.mu_n))
+    lambda_1, lambda_2, lambda_3 = (float(x[i]) for x in (c.lambda_1, c.lambda_2, c.lambda_3))
+    c_z, mu_z, about_y, roll = c_n, 0.0, (lambda_1, lambda_2, lambda_3), 0.0
+    if isinstance(environment, Water):
+        c_z = c_n * b / a
+        mu_z = environment.density * np.pi * _own(module.added_mass, environment.added_mass) * b**2 * 2.0 * l
+        if environment.rotational == "strip":
+            about_y = (mu_z * l**2 / 3.0, c_z * l**2 / 3.0, c_z * l**3 / 4.0)
+        share = _own(module.added_inertia, environment.added_inertia)
+        roll = environment.density * np.pi * share * (a**2 - b**2) ** 2 / 8.0 * 2.0 * l
+    r = 0.5 * (a + b)
+    return Element(
+        body=f"module_{i}",
+        position=(l, 0.0, 0.0),
+        drag=(c_t, c_n, c_z),
+        torque_linear=(c_t * r**2, about_y[1], lambda_2),
+        torque_quadratic=(c_t * r**3, about_y[2], lambda_3),
+        added_mass=(mu_t, mu_n, mu_z),
+        added_inertia=(roll, about_y[0], lambda_1),
+        volume=module.volume,
+        shape="cylinder",
+        half_size=(l, b, a),
+        **_law(environment),
+    )
+
+
+def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Element]:
+    h = 0.5 * fin.height
+    found: list[Element] = []
+    for k in range(c.mass.size):
+        c_t, c_n, mu_n, d = float(c.c_t[k]), float(c.c_n[k]), float(c.mu_n[k]), 2.0 * float(c.half_length[k])
+        found.append(
+            Element(
+                body="caudal_fin",
+                position=(float(c.position[k]), 0.0, 0.0),
+                drag=(c_t, c_n, c_t),
+                torque_linear=(c_n * h**2 / 3.0, 0.0, float(c.lambda_2[k])),
+                torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
+                added_mass=(float(c.mu_t[k]), mu_n, 0.0),
+                added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
+                shape="box",
+                half_size=(0.5 * d, 0.5 * fin.thickness, h),
+                **_law(environment),
+            )
+        )
+    half = (0.5 * fin.length, 0.5 * fin.thickness, h)
+    found.append(  # the plate as a whole floats, its opening included, as it is its whole that has the mass
+        Element(body="caudal_fin", position=(-half[0], 0.0, 0.0), volume=fin.volume, shape="box", half_size=half)
+    )
+    return found
+
+
+def _effectors(robot: Robot, environment: Environment) -> list[Element]:
+    """Thrusters; in water pectoral fins, tether and trailing edge too, as in the planar model."""
+    found = [_mounted(robot, t, thrust=(t.thrust, 0.0, 0.0)) for t in robot.thrusters]
+    if isinstance(environment, Ground):
+        return found
+    for fin in robot.pectoral_fins:
+        area = 0.5 * environment.density * fin.area
+        law = (area, fin.lift_slope, fin.stall_angle, fin.stall_sharpness, fin.parasitic_drag)
+        found.append(_mounted(robot, fin, plate=law))
+    if robot.tether.drag > 0.0 or any(robot.tether.force):
+        x, y = robot.tether.force
+        found.append(Element(body="module_0", tether_drag=robot.tether.drag, pull=(x, y, 0.0)))
+    if environment.trailing_edge == "elongated":
+        fin = robot.caudal_fin
+        half_height = 0.5 * fin.height if fin else robot.modules[0].section.half_height
+        mass = environment.density * float(np.pi) * half_height**2
+        found.append(Element(body="module_0", position=(-fin.length if fin else 0.0, 0.0, 0.0), wake_mass=mass))
+    return found
+
+
+def _mounted(robot: Robot, effector: Thruster | PectoralFin, **loads: Any) -> Element:
+    half = 0.5 * effector.angle
+    return Element(
+        body=f"module_{effector.link}",
+        position=(robot.modules[effector.link].half_length + effector.x, effector.y, 0.0),
+        orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
+        **loads,
+    )
+
+
+def _law(environment: Environment) -> dict[str, Any]:
+    if isinstance(environment, Ground):
+        dry = environment.friction == "coulomb"
+        return {"reference_speed": environment.regularization_speed if dry else 1.0, "quadratic": dry}
+    speed = environment.reference_speed if environment.linear_drag else 0.0
+    return {"reference_speed": speed, "quadratic": environment.quadratic_drag}
+
+
+def _own(override: float | None, water: float) -> float:
+    return water if override is None else override

@@ -1,0 +1,76 @@
+"""A trial in MuJoCo's own window, where there is a screen."""
+
+import os
+import platform
+import time
+import warnings
+from importlib import import_module
+from typing import Any
+
+from laticauda.errors import LaticaudaError, positive
+from laticauda.spatial.camera import view
+from laticauda.spatial.door import engine
+from laticauda.spatial.puppet import Puppet
+from laticauda.trial import Trial
+
+PICTURES_PER_SECOND = 60.0
+ASPECT = 1.6  # of a usual window
+
+
+class NoWindow(LaticaudaError, RuntimeError):
+    """A window cannot be opened here: it says why, and what to do instead."""
+
+
+INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
+
+
+def show(trial: Trial, *, speed: float = 1.0) -> None:
+    """Open MuJoCo's window and repeat a trial in it until it is closed.
+
+    Args:
+        trial: Any trial, simulated or real.
+        speed: 2 shows it twice as fast [-].
+
+    Raises:
+        NoWindow: If there is no screen, or MuJoCo's viewer cannot be had.
+        MissingExtra: If MuJoCo is not installed.
+    """
+    speed = positive("speed", speed)
+    engine()
+    if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
+    viewer = _viewer()
+    puppet = Puppet(trial)
+    began = time.monotonic()
+    puppet.take(float(trial.time[0]))
+    with viewer.launch_passive(puppet.model, puppet.data, show_left_ui=False, show_right_ui=False) as window:
+        with window.lock():
+            _aim(window.cam, puppet)
+        while window.is_running():
+            shown = (time.monotonic() - began) * speed % max(trial.duration, 1e-9)
+            with window.lock():
+                puppet.take(float(trial.time[0]) + shown)
+            window.sync()
+            time.sleep(1.0 / PICTURES_PER_SECOND)
+
+
+def _viewer() -> Any:
+    """The module `mujoco.viewer`, if it can open a window here; otherwise it would end the program."""
+    try:
+        glfw: Any = import_module("glfw")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what it complains about is said below
+            works = glfw.init()
+        if not works:
+            raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
+        return import_module("mujoco.viewer")
+    except ImportError as error:
+        raise NoWindow(f"A window needs the package glfw; run `pip install glfw`, or {INSTEAD}.") from error
+
+
+def _aim(camera: Any, puppet: Puppet) -> None:
+    """Let a window's camera follow the robot from where a film begins; the mouse moves it from there."""
+    seen = view(puppet.trial, float(puppet.trial.time[0]), puppet.height, ASPECT)
+    camera.type = engine().mjtCamera.mjCAMERA_TRACKING
+    camera.trackbodyid = puppet.model.body("module_0").id
+    camera.distance, camera.azimuth, camera.elevation = seen.distance, seen.azimuth, seen.elevation

@@ -1,0 +1,134 @@
+"""Do the closed form and the 3D engine agree? The same runs by both, and how the difference falls with the step."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import instance
+from laticauda.gaits import Gait, eel_like, lateral_undulation
+from laticauda.robot import Environment, Robot, load_robot, load_water
+from laticauda.simulate import swim
+from laticauda.trial import Trial
+
+ORDERS = {"prescribed": 4, "pd": 2, "servo": 2}
+"""Of both models' integrators in the step, by the joints' drive."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParityCase:
+    """One setting in which both models swim."""
+
+    name: str
+    """What tables call it."""
+    robot: Robot
+    """What swims."""
+    gait: Gait
+    """How."""
+    environment: Environment
+    """Where."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parity:
+    """How far apart the models are in one case at one step of the spatial one."""
+
+    case: str
+    """Name of the case."""
+    joints: str
+    """prescribed, pd or servo."""
+    dt: float
+    """Step of the spatial model [s]."""
+    path: float
+    """Largest distance between the paths after the best rotation about the start, over the distance traveled [-]."""
+    rotation: float
+    """That rotation [rad]."""
+    heading: float
+    """Largest difference in heading [rad]."""
+    richardson: float | None
+    """As `path`, for the path extrapolated from this step and twice it; None if that was not run before [-]."""
+
+
+def parity_cases() -> tuple[ParityCase, ...]:
+    """Lateral undulation, eel-like motion, a turn, the fin, a current."""
+    body, fin = load_robot("mamba"), load_robot("mamba-fin")
+    lateral_water, eel_water = load_water("paper-lateral"), load_water("paper-eel")
+    lateral = lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
+    eel = eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
+    return (
+        ParityCase(name="lateral", robot=body, gait=lateral, environment=lateral_water),
+        ParityCase(name="eel-like", robot=body, gait=eel, environment=eel_water),
+        ParityCase(name="turning", robot=body, gait=replace(lateral, offset=_rad(5)), environment=lateral_water),
+        ParityCase(name="fin", robot=fin, gait=lateral, environment=lateral_water),
+        ParityCase(name="current", robot=body, gait=lateral, environment=replace(lateral_water, current=(0.05, -0.08))),
+    )
+
+
+def parity(
+    case: ParityCase,
+    joints: str,
+    steps: Sequence[float],
+    *,
+    duration: float = 30.0,
+    reference_step: float | None = None,
+) -> Iterator[Parity]:
+    """Compare the models at several steps of the spatial one, planar root and no gravity.
+
+    Args:
+        case: What swims where.
+        joints: prescribed, pd or servo.
+        steps: Of the spatial model, from large to small [s].
+        duration: [s].
+        reference_step: Of the planar model [s]; None takes a quarter of the smallest of `steps`.
+
+    Yields:
+        One row per step.
+    """
+    instance("case", case, ParityCase)
+    fine = min(steps) / 4.0 if reference_step is None else reference_step
+    planar = swim(case.robot, case.gait, duration, environment=case.environment, joints=joints, dt=fine)
+    traveled = planar.path_speed * duration
+    before: Trial | None = None
+    for dt in steps:
+        spatial = swim(
+            case.robot,
+            case.gait,
+            duration,
+            environment=case.environment,
+            model="spatial",
+            joints=joints,
+            dt=dt,
+            root="planar",
+            gravity=False,
+        )
+        path = spatial.center_of_mass[:, :2]
+        gap, rotation = _apart(path, planar.center_of_mass)
+        richardson = None
+        if before is not None and math.isclose(before.settings["dt"], 2.0 * dt):  # pyright: ignore[reportArgumentType]
+            better = path + (path - before.center_of_mass[:, :2]) / (2.0 ** ORDERS[joints] - 1.0)
+            richardson = _apart(better, planar.center_of_mass)[0] / traveled
+        yield Parity(
+            case=case.name,
+            joints=joints,
+            dt=dt,
+            path=gap / traveled,
+            rotation=rotation,
+            heading=float(np.max(np.abs(spatial.heading - planar.heading))),
+            richardson=richardson,
+        )
+        before = spatial
+
+
+def _apart(path: Float[np.ndarray, "n 2"], other: Float[np.ndarray, "n 2"]) -> tuple[float, float]:
+    """Largest distance between two paths after the best rotation of the first about their start, and that rotation."""
+    a, b = path - path[0], other - other[0]
+    rotation = math.atan2(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(np.sum(a * b)))
+    c, s = math.cos(rotation), math.sin(rotation)
+    turned = a @ np.array([[c, s], [-s, c]])
+    return float(np.max(np.linalg.norm(turned - b, axis=1))), rotation
+
+
+def _rad(degrees: float) -> float:
+    return math.radians(degrees)

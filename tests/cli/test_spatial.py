@@ -1,0 +1,48 @@
+"""The commands with `--model spatial`."""
+
+import json
+
+import numpy as np
+import pytest
+
+from laticauda.trial import load_trial
+
+
+def test_both_models_of_one_robot_print_the_same_speed(run):
+    speeds = []
+    for model in ("planar", "spatial"):
+        done = run(f"swim --duration 5 --model {model} --json")
+        assert done.status == 0
+        speeds.append(json.loads(done.out)["forward_velocity"])
+    assert speeds[1] == pytest.approx(speeds[0], rel=1e-5)
+
+
+def test_a_stored_spatial_run_is_resumed_as_one(run):
+    whole = run("swim --duration 4 --model spatial --joints servo --save whole.nc --json")
+    first = run("swim --duration 2 --model spatial --joints servo --save first.nc --json")
+    second = run("swim --resume first.nc --duration 2 --save second.nc --json")
+    assert [done.status for done in (whole, first, second)] == [0, 0, 0]
+    whole_trial, joined_trial = load_trial("whole.nc"), load_trial("second.nc")
+    assert joined_trial.settings["model"] == "spatial"
+    np.testing.assert_allclose(joined_trial.center_of_mass[-1], whole_trial.center_of_mass[-1], atol=1e-8)
+
+
+def test_the_physical_robot_follows_a_line_in_space(run):
+    done = run(
+        "follow --robot mamba-modules-fin --model spatial --frequency-deg-s 90 --position 0 0.5 --duration 40 --json"
+    )
+    assert done.status == 0
+    found = json.loads(done.out)
+    assert found["settings"]["root"] == "free"
+    assert abs(found["path_following"]["last_third_error"]) < 0.3
+
+
+def test_a_plot_of_a_spatial_run_can_be_made(run):
+    done = run("swim --robot mamba-modules-fin --duration 5 --model spatial --plot run.png --link-forces --json")
+    assert done.status == 0, done.err
+
+
+def test_a_root_belongs_to_the_spatial_model(run):
+    done = run("swim --root free")
+    assert done.status == 2
+    assert "--root must be left out unless --model is `spatial`, got 'free'" in done.err

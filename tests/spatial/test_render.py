@@ -1,0 +1,328 @@
+import math
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+from rendering import skip_without_rendering
+
+import laticauda as lc
+from laticauda import kinematics
+from laticauda.errors import MissingExtra, MissingProgram
+from laticauda.spatial import film, lines, offscreen, pool, render
+from laticauda.spatial.camera import VIEW_DEG, calm, view
+from laticauda.spatial.caustics import PERIOD, light
+from laticauda.spatial.overlay import write_words
+from laticauda.spatial.poses import pose
+from laticauda.spatial.puppet import Puppet, floor_height, swimming_height
+
+pytest.importorskip("mujoco")
+
+SMALL = {"width": 192, "height": 108}
+
+
+def swum(name="mamba-fin", *, duration=6.0, sample_interval=0.05, **changes):
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40), **changes
+    )
+    return lc.swim(lc.load_robot(name), gait, duration=duration, sample_interval=sample_interval)
+
+
+@pytest.fixture(scope="module")
+def trial():
+    return swum()
+
+
+@pytest.fixture
+def screen():
+    skip_without_rendering()
+
+
+# ---- postures -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
+def test_the_puppet_is_where_the_trial_was(name):
+    trial = swum(name, duration=3.0)
+    puppet, planar = Puppet(trial), trial.robot.planar()
+    for sample in (0, 17, -1):
+        puppet.take(float(trial.time[sample]))
+        center = puppet.data.subtree_com[1]
+        np.testing.assert_allclose(center, [*trial.center_of_mass[sample], -1.0], atol=1e-9)
+        ends = kinematics.link_ends(planar, trial.center_of_mass[sample], trial.link_angle[sample])
+        yaw = [0, *(i + 1 for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw")]
+        found = np.array([puppet.data.body(f"module_{i}").xpos for i in yaw])
+        np.testing.assert_allclose(found[:, :2], ends[:-1], atol=1e-8)
+        np.testing.assert_allclose(found[:, 2], -1.0, atol=1e-9)
+
+
+def test_between_samples_it_is_where_a_finer_log_has_it():
+    coarse, fine = swum(sample_interval=0.1), swum(sample_interval=0.01)
+    for sample in (1, 55, 234, 599):
+        found = pose(coarse, float(fine.time[sample]), 0.0)
+        np.testing.assert_allclose(found.joint_angle, fine.joint_angle[sample], atol=1e-4)
+        np.testing.assert_allclose(found.center_of_mass[:2], fine.center_of_mass[sample], atol=1e-4)
+
+
+def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
+    n = trial.time.size
+    pad = np.linspace(-1.0, -2.0, n)[:, None]
+    robot = trial.robot
+    turned = {"w": math.cos(0.2), "x": math.sin(0.2), "y": 0.0, "z": 0.0}
+    spatial = replace(
+        trial,
+        center_of_mass=np.hstack((trial.center_of_mass, pad)),
+        center_of_mass_velocity=np.hstack((trial.center_of_mass_velocity, np.full((n, 1), -1.0 / trial.duration))),
+        signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
+    )
+    assert spatial.joint_angle.shape[1] == robot.n_joints
+    puppet = Puppet(spatial)
+    puppet.take(float(spatial.time[-1]))
+    np.testing.assert_allclose(puppet.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
+    up = puppet.data.body("module_0").xmat.reshape(3, 3)[:, 2]
+    np.testing.assert_allclose(up, [0.0, -math.sin(0.4), math.cos(0.4)], atol=1e-9)
+    assert floor_height(spatial) == pytest.approx(-2.45)
+
+
+def test_the_water_has_its_depth_and_the_ground_its_height(trial):
+    assert swimming_height(replace(trial, environment=replace(trial.environment, depth=0.3))) == -0.3
+    deep = replace(trial, environment=replace(trial.environment, depth=7.0))
+    assert floor_height(deep) < -7.0
+    on_land = replace(trial, environment=lc.load_ground("coulomb"))
+    assert (swimming_height(on_land), floor_height(on_land)) == (0.055, 0.0)
+    names = {Puppet(on_land).model.geom(i).name for i in range(Puppet(on_land).model.ngeom)}
+    assert "ground" in names and "floor" not in names  # two planes at one height would flicker
+
+
+def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
+    model = Puppet(replace(trial, settings={**trial.settings, "ground": "ramp"})).model
+    names = [model.geom(i).name for i in range(model.ngeom)]
+    assert names.count("floor") == names.count("ramp") == 1
+    assert model.nlight == 1
+    assert model.geom("water").rgba[3] == 0.0
+
+
+# ---- the camera ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, -0.1])
+@pytest.mark.parametrize("name", ["mamba", "mamba-fin", "chain"])
+def test_the_whole_robot_is_in_the_picture_all_the_time(name, offset):
+    trial = swum(name, duration=12.0, offset=offset)
+    aspect = 16.0 / 9.0
+    up_most = math.tan(math.radians(0.5 * VIEW_DEG))
+    for k in range(0, trial.time.size, 10):
+        seen = view(trial, float(trial.time[k]), -1.0, aspect)
+        azimuth, elevation = math.radians(seen.azimuth), math.radians(seen.elevation)
+        flat = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        forward = math.cos(elevation) * flat + [0.0, 0.0, math.sin(elevation)]
+        right = np.cross(flat, [0.0, 0.0, 1.0])
+        eye = seen.target - seen.distance * forward
+        center, angle = trial.center_of_mass[k], trial.link_angle[k]
+        edge = kinematics.trailing_edge(trial.robot, center, angle)
+        points = np.vstack((edge, kinematics.link_ends(trial.robot, center, angle)))
+        ray = np.column_stack((points, np.full(len(points), -1.0))) - eye
+        depth = ray @ forward
+        assert np.all(np.abs(ray @ right) < 0.97 * depth * up_most * aspect)
+        assert np.all(np.abs(ray @ np.cross(right, forward)) < 0.85 * depth * up_most)
+
+
+def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
+    time = np.linspace(0.0, 10.0, 201)
+    line = np.stack((1.0 + 2.0 * time, -time), axis=1)
+    for at in (0.0, 3.3, 10.0):
+        np.testing.assert_allclose(calm(time, line, at, 1.0), [1.0 + 2.0 * at, -at], atol=1e-9)
+    ripple = np.sin(2.0 * np.pi * time)
+    assert abs(float(calm(time, ripple, 5.2, 1.0))) < 1e-3
+    assert float(calm(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
+
+
+# ---- lines --------------------------------------------------------------------------------------------------------
+
+
+def test_the_path_that_was_followed_is_seen_as_dashes():
+    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
+    controller = lc.PathFollowing(
+        gait=gait,
+        path=lc.Polyline(waypoints=((0.0, 0.5), (50.0, 0.5))),
+        guidance=lc.LineOfSight(look_ahead_distance=0.5),
+        heading=lc.HeadingController(gain=0.4, max_offset=0.3),
+    )
+    followed = lc.run(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0)
+    dashes, dash = lines.path_dashes(followed, -1.0), lines.DASH * followed.robot.length
+    ends = np.array(dashes).reshape(-1, 3)
+    assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0)
+    np.testing.assert_allclose(ends[:, 1], 0.5, atol=1e-3)
+    np.testing.assert_allclose(np.diff(ends[:, 0])[:-1], dash, atol=1e-3)
+    assert np.all(ends[:, 2] < -1.0 - 0.055)
+
+
+def test_a_run_without_a_path_has_none(trial):
+    assert lines.path_dashes(trial, -1.0) == []
+
+
+def test_the_trail_keeps_its_corners_where_they_were(trial):
+    early, late = lines.trail_points(trial, 3.03, -1.0), lines.trail_points(trial, 5.98, -1.0)
+    np.testing.assert_array_equal(early[:-1], late[: len(early) - 1])
+    np.testing.assert_allclose(late[-1], [*lines.centers(trial, [5.98])[0], -1.0])
+
+
+# ---- pictures -----------------------------------------------------------------------------------------------------
+
+
+def test_light_is_neither_lost_nor_made_and_comes_again():
+    tile = light(64, 0.3)
+    assert tile.mean() == pytest.approx(1.0)
+    assert tile.min() >= 0.0 and tile.max() > 2.0
+    np.testing.assert_array_equal(light(64, 0.3 + PERIOD), tile)
+    assert not np.array_equal(light(64, 1.3), tile)
+
+
+def test_the_floor_of_dry_land_has_no_net_of_light():
+    land = pool.floor_picture(pool.LAND, 0.0)
+    assert len(np.unique(land.reshape(-1, 3), axis=0)) <= 3  # floor, line, and where lines cross
+
+
+def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():
+    empty = np.full((216, 384, 3), 60, dtype=np.uint8)
+    written = write_words(empty, [("12.3", "s")], ["mamba"])
+    changed = np.argwhere(np.any(written != empty, axis=2))
+    assert changed.size and not np.any(empty != 60)
+    middle = written[54:150]
+    assert np.all(middle == 60)
+    assert np.all(written[:, 250:] == 60)
+
+
+def test_a_still_shows_the_robot_its_head_and_the_water(trial, tmp_path, screen):
+    render.still(trial, tmp_path / "still.png", time=3.0, width=640, height=360)
+    picture = np.asarray(Image.open(tmp_path / "still.png")).astype(int)
+    assert picture.shape == (360, 640, 3)
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    orange = (red > 150) & (green < 0.6 * red) & (blue < 60)
+    assert 100 < np.count_nonzero(orange) < 5000
+    assert np.argwhere(orange)[:, 1].mean() > 320  # the head is on the right
+    assert np.count_nonzero((blue > red + 20) & (green > red + 20)) > 0.6 * red.size
+    dark = red + green + blue < 110
+    assert np.count_nonzero(dark) > 1000
+
+
+def test_the_same_moment_is_the_same_picture_and_another_is_not(trial, tmp_path, screen):
+    for name, time in (("a", 2.0), ("b", 2.0), ("c", 2.5)):
+        render.still(trial, tmp_path / f"{name}.png", time=time, **SMALL)
+    a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
+    assert a == b != c
+
+
+def test_a_trial_of_one_sample_can_be_shown(trial, tmp_path, screen):
+    series = {name: value[:1] for name, value in vars(trial).items() if getattr(value, "shape", (0,))[0] > 1}
+    one = replace(trial, **series, state={})
+    assert one.time.size == one.link_angle.shape[0] == 1
+    render.still(one, tmp_path / "one.png", **SMALL)
+
+
+def test_the_speed_in_the_picture_is_the_trials():
+    trial = swum("mamba", duration=20.0)
+    assert render.speed_at(trial, 0.0) == 0.0
+    assert render.speed_at(trial, 20.0) == pytest.approx(trial.steady_velocity, rel=0.01)
+
+
+def test_the_words_say_who_swims_and_how(trial):
+    assert render.words(trial) == ["mamba-fin", "lateral undulation, 30°, 130°/s, phase shift 40°"]
+    assert render.words(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
+    assert render.words(replace(trial, gait=None)) == ["mamba-fin"]
+
+
+# ---- films --------------------------------------------------------------------------------------------------------
+
+
+def test_a_film_has_the_trials_length_and_a_format_that_every_player_plays(trial, tmp_path, screen):
+    seen = []
+    render.video(trial, tmp_path / "film.mp4", frames_per_second=5.0, speed=2.0, progress=seen.append, **SMALL)
+    words = ["ffmpeg", "-i", str(tmp_path / "film.mp4"), "-f", "null", "-"]
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stderr
+    assert "h264" in said and "yuv420p" in said and "192x108" in said and "5 fps" in said
+    assert len(seen) == 16  # 6 s at twice the speed, both ends
+    assert seen[0] == 0.0 and seen[-1] == 6.0
+    assert "frame=   16" in said
+    assert [file.name for file in tmp_path.iterdir()] == ["film.mp4"]
+
+
+def test_a_film_that_breaks_off_leaves_the_old_file_alone(tmp_path, screen):
+    def pictures():
+        yield np.zeros((64, 64, 3), dtype=np.uint8)
+        raise ZeroDivisionError
+
+    (tmp_path / "film.mp4").write_text("old")
+    with pytest.raises(ZeroDivisionError):
+        film.write_video(pictures(), tmp_path / "film.mp4", size=(64, 64), frames_per_second=10.0)
+    assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
+
+
+def test_what_ffmpeg_complains_about_is_passed_on(tmp_path, screen):
+    empty = iter([np.zeros((63, 63, 3), dtype=np.uint8)] * 3)
+    with pytest.raises(film.VideoFailed, match=r"ffmpeg could not write .*film\.mp4: "):
+        film.write_video(empty, tmp_path / "film.mp4", size=(63, 63), frames_per_second=10.0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_bad_sizes_and_speeds_are_refused(trial, tmp_path):
+    with pytest.raises(ValueError, match=r"`width` must be even for a video, got 101\."):
+        render.video(trial, tmp_path / "a.mp4", width=101)
+    with pytest.raises(ValueError, match=r"`height` must be at most 4096 pixels, got 5000\."):
+        render.video(trial, tmp_path / "a.mp4", height=5000)
+    with pytest.raises(ValueError, match=r"`speed` must be > 0, got 0"):
+        render.video(trial, tmp_path / "a.mp4", speed=0)
+    with pytest.raises(ValueError, match=r"`time` must be between 0 and 6 s, got 7"):
+        render.still(trial, tmp_path / "a.png", time=7)
+
+
+# ---- what is missing ----------------------------------------------------------------------------------------------
+
+
+def test_without_ffmpeg_the_message_says_what_to_install(trial, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    with pytest.raises(MissingProgram, match=r"Writing a video needs the program ffmpeg; .*`apt-get install ffmpeg`"):
+        render.video(trial, tmp_path / "a.mp4")
+
+
+@pytest.mark.parametrize(
+    "error", [AttributeError("'NoneType' object has no attribute 'eglQueryString'"), ImportError()]
+)
+def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypatch, error):
+    def fail(name):
+        raise error
+
+    monkeypatch.setattr(offscreen, "import_module", fail)
+    with pytest.raises(MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "):
+        render.still(trial, tmp_path / "a.png")
+
+
+def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
+    def fail(name):
+        raise ModuleNotFoundError("No module named 'OpenGL'", name="OpenGL")
+
+    monkeypatch.setattr(offscreen, "import_module", fail)
+    with pytest.raises(MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'):
+        render.still(trial, tmp_path / "a.png")
+
+
+def test_rendering_is_loaded_only_when_it_is_used():
+    code = (
+        "import sys, laticauda.cli.view, laticauda.cli.swim; sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
+    turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
+    puppet = Puppet(trial)
+    puppet.take(2.0)
+    for i, angle in enumerate(trial.link_angle[-1]):
+        forward = puppet.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
+        assert math.atan2(forward[1], forward[0]) == pytest.approx(angle, abs=1e-6)

@@ -1,0 +1,541 @@
+"""Water on any MuJoCo model: added mass to rounding, energy, Archimedes, terminal speed, threads, bad input."""
+
+import copy
+import gc
+import warnings
+
+import mujoco
+import mujoco.batch
+import mujoco.rollout
+import numpy as np
+import pytest
+import water_oracle as oracle
+
+from laticauda.spatial import water
+from laticauda.spatial.water import Element, GeomCoefficients
+from laticauda.spatial.water_geoms import lamb
+
+STILL = "ignore:body .* floats freely"
+
+
+def pair(option: str = "", joint: str = "", n: int = 5):
+    """Two models of the same snake: one to be wetted, one that stays dry."""
+    text = oracle.snake(n, option=option, joint=joint)
+    return (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
+
+
+def body(shape: str, size: str, *, option: str = 'gravity="0 0 0"', density: float = 1000.0, extra: str = "") -> str:
+    return (
+        f'<mujoco><option timestep="0.002" {option}/><worldbody>{extra}<body name="b"><freejoint/>'
+        f'<geom name="g" type="{shape}" size="{size}" density="{density}"/></body></worldbody></mujoco>'
+    )
+
+
+# ---- added mass -----------------------------------------------------------------------------------------------------
+
+
+def test_an_ellipsoid_accelerates_with_its_added_mass():
+    model = water.compiled(mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .1")))
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
+    water.attach(model, [element])
+    data.xfrc_applied[1] = force = np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3])
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.qacc[:3], force[:3] / (model.body_mass[1] + element.added_mass), rtol=1e-12)
+    np.testing.assert_allclose(data.qacc[3:], force[3:] / (model.body_inertia[1] + element.added_inertia), rtol=1e-12)
+    assert 0.5 < data.qacc[1] * model.body_mass[1] / force[1] < 0.55  # "about half", neutrally buoyant and broadside
+
+
+def test_lamb_s_factors_are_those_of_the_tables():
+    share, inertia = lamb((1.0, 1.0, 1.0))
+    np.testing.assert_allclose(share, 0.5, rtol=1e-9)
+    np.testing.assert_array_equal(inertia, 0.0)
+    share, inertia = lamb((5.0, 1.0, 1.0))  # Lamb's table: 0.059, 0.895, k' = 0.701 (of the inertia (25 + 1) / 5)
+    np.testing.assert_allclose(share, [0.059, 0.895, 0.895], atol=1e-3)
+    np.testing.assert_allclose(inertia / 5.2, [0.0, 0.70, 0.70], atol=2e-3)
+
+
+@pytest.mark.parametrize("form", ["relative", "kirchhoff", "classic"])
+def test_a_chain_accelerates_as_the_oracle_outside_of_the_callback_says(form: str):
+    wet, dry = pair(joint='damping=".1" stiffness="2" armature="0.01"')
+    elements, current = oracle.elements(), (0.3, -0.2, 0.1)
+    water.attach(wet, elements, form=form, current=current, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    for seed in range(5):
+        oracle.random_state(wet, d, seed)
+        oracle.random_state(dry, e, seed)
+        mujoco.mj_forward(wet, d)
+        expected = oracle.acceleration(dry, e, elements, form, current)
+        np.testing.assert_allclose(d.qacc, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+
+
+def test_way_b_as_an_applied_force_gives_the_same():
+    wet, dry = pair(n=2)
+    elements = oracle.elements(2)
+    water.attach(wet, elements, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    oracle.random_state(wet, d)
+    oracle.random_state(dry, e)
+    mujoco.mj_forward(wet, d)
+    e.qfrc_applied[:] = oracle.qfrc(dry, e, elements)
+    mujoco.mj_forward(dry, e)
+    np.testing.assert_allclose(d.qacc, e.qacc, rtol=1e-9)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4", "implicit", "implicitfast"])
+def test_every_integrator_steps_with_m_plus_a(integrator: str):
+    wet, dry = pair(f'integrator="{integrator}"', 'damping=".1" stiffness="2"')
+    elements = oracle.elements()
+    water.attach(wet, elements, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    errors = []
+    for step in (1e-5, 5e-6):
+        wet.opt.timestep = step
+        oracle.random_state(wet, d)
+        oracle.random_state(dry, e)
+        before = d.qvel.copy()
+        mujoco.mj_step(wet, d)
+        expected = oracle.acceleration(dry, e, elements)
+        errors.append(np.max(np.abs((d.qvel - before) / step - expected)) / np.max(np.abs(expected)))
+    assert errors[0] < 0.01
+    assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)  # of first order in the step: exact at its start
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
+def test_joint_damping_is_implicit_in_m_plus_a(integrator: str):
+    step, damping = 0.01, 50.0
+    wet, dry = pair(f'integrator="{integrator}"', f'damping="{damping}"')
+    wet.opt.timestep = step
+    elements = oracle.elements()
+    water.attach(wet, elements, usual_speed=0.001)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    oracle.random_state(wet, d)
+    oracle.random_state(dry, e)
+    before = d.qvel.copy()
+    mujoco.mj_step(wet, d)
+    mujoco.mj_forward(dry, e)
+    M = np.zeros((wet.nv, wet.nv))
+    mujoco.mj_fullM(dry, e, M)
+    A, fluid = oracle.inertia_and_force(dry, e, elements)
+    expected = np.linalg.solve(M + A + step * np.diag(wet.dof_damping), e.qfrc_smooth + fluid)
+    np.testing.assert_allclose((d.qvel - before) / step, expected, rtol=1e-8)
+
+
+def test_evaluating_twice_adds_the_water_once():
+    (wet, _) = pair()
+    water.attach(wet, oracle.elements(), usual_speed=0.01)
+    data = mujoco.MjData(wet)
+    oracle.random_state(wet, data)
+    mujoco.mj_forward(wet, data)
+    once = data.qacc.copy()
+    mujoco.mj_forwardSkip(wet, data, mujoco.mjtStage.mjSTAGE_POS, 0)
+    np.testing.assert_array_equal(data.qacc, once)
+
+
+@pytest.mark.parametrize("form", ["relative", "kirchhoff"])
+def test_without_drag_energy_is_kept_to_the_integrator_s_order(form: str):
+    def drift(step: float) -> float:
+        (wet, _) = pair('integrator="RK4"')
+        wet.opt.timestep = step
+        water.attach(wet, oracle.elements(drag=0.0), form=form)
+        data = mujoco.MjData(wet)
+        oracle.random_state(wet, data)
+        energies = []
+        for _ in range(round(0.5 / step)):
+            mujoco.mj_forward(wet, data)
+            M = np.zeros((wet.nv, wet.nv))
+            mujoco.mj_fullM(wet, data, M)
+            energies.append(0.5 * data.qvel @ M @ data.qvel)
+            mujoco.mj_step(wet, data)
+        return abs(energies[-1] / energies[0] - 1.0)
+
+    if form == "relative":  # per axis f = -m e d(e.u)/dt, so f.u dt is a differential too
+        assert drift(2.5e-4) < 1e-6
+    coarse, fine = drift(2e-3), drift(1e-3)
+    assert fine < 1e-5
+    assert fine < coarse / 8.0
+
+
+def test_kirchhoff_keeps_momentum():
+    model = water.compiled(
+        mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"'))
+    )
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
+    water.attach(model, [element], form="kirchhoff")
+    data.qvel[:] = 0.3, -0.2, 0.4, 1.0, -2.0, 0.5
+    total = model.body_mass[1] + np.array(element.added_mass)
+
+    def momentum():
+        mujoco.mj_forward(model, data)
+        R = data.xmat[1].reshape(3, 3)
+        return R @ (total * (R.T @ data.qvel[:3]))
+
+    before = momentum()
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(momentum(), before, atol=1e-7 * np.linalg.norm(before))
+
+
+# ---- contacts -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("solver", ["Newton", "CG"])
+@pytest.mark.parametrize("integrator", ["Euler", "RK4", "implicit", "implicitfast"])
+@pytest.mark.filterwarnings(STILL)
+def test_a_heavy_chain_rests_on_the_floor_with_its_weight_in_water(solver: str, integrator: str):
+    text = f"""<mujoco><option timestep="0.002" integrator="{integrator}" solver="{solver}" tolerance="1e-12"
+    iterations="300"/><worldbody><geom type="plane" size="5 5 .1"/>
+    <body name="b0" pos="0 0 .2"><freejoint/><geom name="g0" type="box" size=".2 .05 .04" density="1500"/>
+    <body name="b1" pos=".45 0 0"><joint axis="0 1 0" range="-20 20" pos="-.22 0 0" damping=".5"/>
+    <geom name="g1" type="box" size=".2 .05 .04" density="1500"/></body></body></worldbody></mujoco>"""
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    coefficients = GeomCoefficients(drag=(1.0, 1.0, 1.0), rotational_drag=1.0)
+    elements = [water.geom_element(model, f"g{i}", coefficients) for i in range(2)]
+    water.attach(model, elements)
+    for _ in range(1500):
+        mujoco.mj_step(model, data)
+        M = np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, M)
+    forces = data.qfrc_smooth + data.qfrc_constraint
+    np.testing.assert_allclose(M @ data.qacc, forces, atol=1e-4 * np.max(np.abs(data.qfrc_smooth)))
+    np.testing.assert_allclose(data.xpos[1:, 2], 0.04, atol=1e-3)
+    weight = 9.81 * sum(model.body_mass[i + 1] - 1000.0 * e.volume for i, e in enumerate(elements))
+    total = 0.0
+    for i in range(data.ncon):
+        force = np.zeros(6)
+        mujoco.mj_contactForce(model, data, i, force)
+        total += force[0]
+    assert total == pytest.approx(weight, rel=0.01)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "RK4", "implicitfast"])
+def test_a_joint_at_its_limit_carries_the_weight_in_water(integrator: str):
+    text = f"""<mujoco><option timestep="0.002" integrator="{integrator}"/><worldbody><body name="b0">
+    <joint axis="0 1 0" range="-90 30" damping="0.1"/>
+    <geom name="g0" type="ellipsoid" size=".2 .05 .04" pos=".2 0 0" density="1500"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g0", GeomCoefficients(rotational_drag=1.0))
+    with pytest.warns(UserWarning, match="no free joint"):
+        water.attach(model, [element])
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    assert data.qpos[0] == pytest.approx(np.deg2rad(30), abs=0.01)
+    moment = (model.body_mass[1] - 1000.0 * element.volume) * 9.81 * 0.2 * np.cos(data.qpos[0])
+    assert data.qfrc_constraint[0] == pytest.approx(-moment, rel=0.01)
+
+
+def test_a_closed_loop_moves_with_m_plus_a():
+    text = oracle.snake(4, option='solver="Newton" tolerance="1e-14"')
+    text = text.replace("</mujoco>", '<equality><connect body1="b0" body2="b3" anchor="-.1 .1 0"/></equality></mujoco>')
+    wet, dry = (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
+    elements = oracle.elements(4)
+    water.attach(wet, elements, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    d.qvel[:] = e.qvel[:] = np.random.default_rng(0).normal(size=wet.nv)
+    mujoco.mj_forward(wet, d)
+    mujoco.mj_forward(dry, e)
+    M = np.zeros((wet.nv, wet.nv))
+    mujoco.mj_fullM(dry, e, M)
+    A, fluid = oracle.inertia_and_force(dry, e, elements)
+    assert np.max(np.abs(d.qfrc_constraint)) > 1.0
+    np.testing.assert_allclose((M + A) @ d.qacc, e.qfrc_smooth + fluid + d.qfrc_constraint, atol=1e-6)
+
+
+# ---- buoyancy and drag ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize(
+    ("shape", "size", "depth"),
+    [
+        ("box", ".2 .1 .05", lambda share: 0.1 * share - 0.05),  # draft = share of the height
+        ("sphere", ".1", None),
+        ("cylinder", ".1 .3", None),
+    ],
+)
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, depth, share: float):
+    option = 'gravity="0 0 -9.81" integrator="RK4"'
+    text = body(shape, size, option=option, density=1000.0 * share)
+    if shape == "cylinder":
+        text = text.replace('name="g"', 'name="g" euler="0 90 0"')  # lying
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(2, 2, 2), rotational_drag=1.0, reference_speed=0.5))
+    water.attach(model, [element], surface=0.0)
+    for _ in range(6000):
+        mujoco.mj_step(model, data)
+    if depth is None:
+        s = np.linspace(-1.0, 1.0, 200001)
+        if shape == "sphere":
+            covered = (1 + s) ** 2 * (2 - s) / 4
+        else:
+            covered = 1 - (np.arccos(s) - s * np.sqrt(1 - s**2)) / np.pi
+        expected = -0.1 * np.interp(share, covered, s)
+    else:
+        expected = -depth(share)
+    assert data.qpos[2] == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_raft_floats_flat_again_after_a_heel(axis: int):
+    text = body("box", ".3 .2 .03", option='gravity="0 0 -9.81"', density=500.0)
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(1, 1, 1), rotational_drag=1.0, reference_speed=0.5))
+    water.attach(model, [element], surface=0.0)
+    data.qpos[3], data.qpos[4 + axis] = np.cos(0.15), np.sin(0.15)
+    for _ in range(4000):
+        mujoco.mj_step(model, data)
+    assert data.xmat[1, 8] > np.cos(np.deg2rad(0.5))
+    assert data.qpos[2] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.filterwarnings(STILL)
+def test_a_sinking_body_reaches_its_terminal_speed():
+    text = body("sphere", ".1", option='gravity="0 0 -9.81"', density=2000.0)
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(0.5, 0.5, 0.5), added_mass=1.0))
+    water.attach(model, [element], usual_speed=3.0)
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    weight = (model.body_mass[1] - 1000.0 * element.volume) * 9.81
+    assert -data.qvel[2] == pytest.approx(np.sqrt(2 * weight / (1000.0 * 0.5 * np.pi * 0.1**2)), rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore:`timestep`", STILL)
+def test_implicit_drag_is_stable_at_any_step_and_right_at_small_ones():
+    def fall(step: float, implicit: bool) -> float:
+        text = body("sphere", ".1", option='gravity="0 0 -9.81"', density=1100.0)
+        model = water.compiled(mujoco.MjSpec.from_string(text))
+        model.opt.timestep = step
+        data = mujoco.MjData(model)
+        element = Element(body="b", drag=(300.0,) * 3, volume=4 / 3 * np.pi * 1e-3, reference_speed=1.0)
+        water.attach(model, [element], implicit_drag=implicit)
+        for _ in range(round(1.0 / step)):
+            mujoco.mj_step(model, data)
+        return float(data.qvel[2])
+
+    exact = fall(1e-4, False)
+    assert fall(0.1, True) == pytest.approx(exact, rel=1e-3)
+    assert fall(1e-4, True) == pytest.approx(exact, rel=1e-6)
+
+
+def test_a_body_drifts_with_a_current_that_depends_on_place_and_time():
+    def swirl(x, y, z, t):
+        return 0.1 - y, x, 0.02 * t
+
+    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
+    data = mujoco.MjData(model)
+    data.qpos[:3] = 0.5, 0.2, 0.1
+    element = Element(body="b", drag=(500.0,) * 3, reference_speed=1.0, volume=0.0)
+    water.attach(model, [element], current=swirl, implicit_drag=True)
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+    x, y, z = data.qpos[:3]
+    np.testing.assert_allclose(data.qvel[:3], [0.1 - y, x, 0.02], rtol=0.05)
+    assert z == pytest.approx(0.11, abs=1e-3)
+
+
+def test_water_at_rest_and_water_that_moves_differ_by_the_current_only():
+    velocities = []
+    for V in (np.zeros(3), np.array([0.3, -0.1, 0.2])):
+        (wet, _) = pair(n=3)
+        water.attach(wet, oracle.elements(3), form="kirchhoff", current=V, usual_speed=0.01)
+        data = mujoco.MjData(wet)
+        oracle.random_state(wet, data)
+        data.qvel[:3] += V
+        for _ in range(300):
+            mujoco.mj_step(wet, data)
+        velocities.append(data.qvel - np.concatenate([V, np.zeros(wet.nv - 3)]))
+    np.testing.assert_allclose(velocities[0], velocities[1], atol=1e-9)
+
+
+def test_drag_only_takes_energy():
+    (wet, _) = pair('integrator="RK4"')
+    handle = water.attach(wet, oracle.elements(), usual_speed=0.01)
+    data = mujoco.MjData(wet)
+    for seed in range(20):
+        oracle.random_state(wet, data, seed, speed=2.0)
+        force = handle.forces(data)["drag"]
+        velocity = [
+            data.cvel[i + 1, 3:] + np.cross(data.cvel[i + 1, :3], at - data.subtree_com[1])
+            for i, at in enumerate(
+                data.xpos[i + 1] + data.xmat[i + 1].reshape(3, 3) @ e.position for i, e in enumerate(handle.elements)
+            )
+        ]
+        assert np.all(np.sum(force * np.array(velocity), axis=1) <= 0.0)
+
+
+# ---- several models, threads ----------------------------------------------------------------------------------------
+
+
+def test_models_of_one_process_are_kept_apart():
+    wet, dry = pair()
+    other, _ = pair(n=3)
+    water.attach(wet, oracle.elements(), usual_speed=0.01)
+    handle = water.attach(other, oracle.elements(3), usual_speed=0.01)
+    accelerations = []
+    for model in (wet, dry, other):
+        data = mujoco.MjData(model)
+        oracle.random_state(model, data)
+        mujoco.mj_forward(model, data)
+        accelerations.append(data.qacc.copy())
+    assert np.max(np.abs(accelerations[0] - accelerations[1])) > 0.1
+    data = mujoco.MjData(other)
+    handle.detach()
+    oracle.random_state(other, data)
+    mujoco.mj_forward(other, data)
+    assert np.max(np.abs(accelerations[2] - data.qacc)) > 0.1
+    assert handle.active
+
+
+def test_a_copy_of_a_model_has_its_water_and_outlives_it():
+    (wet, _) = pair()
+    water.attach(wet, oracle.elements(), usual_speed=0.01)
+    twin = copy.deepcopy(wet)
+    accelerations = []
+    for model in (wet, twin):
+        data = mujoco.MjData(model)
+        oracle.random_state(model, data)
+        mujoco.mj_forward(model, data)
+        accelerations.append(data.qacc.copy())
+    del wet, model, data
+    gc.collect()
+    data = mujoco.MjData(twin)
+    oracle.random_state(twin, data)
+    mujoco.mj_forward(twin, data)
+    np.testing.assert_array_equal(accelerations[1], accelerations[0])
+    np.testing.assert_array_equal(data.qacc, accelerations[0])
+
+
+def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
+    (wet, _) = pair(joint='damping=".1"')
+    water.attach(wet, oracle.elements(), form="kirchhoff", usual_speed=0.01)
+    loop = []
+    data = mujoco.MjData(wet)
+    kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    starts = np.empty((8, mujoco.mj_stateSize(wet, kind)))
+    for seed in range(8):
+        oracle.random_state(wet, data, seed)
+        mujoco.mj_getState(wet, data, starts[seed], kind)
+        for _ in range(50):
+            mujoco.mj_step(wet, data)
+        loop.append(data.qpos.copy())
+    batch = mujoco.batch.Batch(wet, 8, nthread=2)
+    qpos, qvel = batch.bind("qpos"), batch.bind("qvel")
+    for seed in range(8):
+        oracle.random_state(wet, data, seed)
+        qpos[seed], qvel[seed] = data.qpos, data.qvel
+    for _ in range(50):
+        batch.step()
+    np.testing.assert_array_equal(qpos, loop)
+    states, _ = mujoco.rollout.rollout(wet, [mujoco.MjData(wet) for _ in range(2)], starts, nstep=50)
+    np.testing.assert_array_equal(states[:, -1, 1 : 1 + wet.nq], loop)
+
+
+# ---- bad input ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        ('density="1000"', "must have option density and viscosity 0"),
+        ('solver="PGS"', "must have the solver Newton or CG"),
+        ('integrator="discrete"', "must have one of the integrators Euler, RK4, implicit, implicitfast"),
+    ],
+)
+def test_what_added_mass_does_not_hold_for_is_refused(option: str, says: str):
+    (wet, _) = pair(option)
+    with pytest.raises(ValueError, match=says):
+        water.attach(wet, oracle.elements())
+
+
+def test_a_model_that_keeps_its_diagonal_only_is_refused_with_the_remedy():
+    model = mujoco.MjModel.from_xml_string(body("sphere", ".1"))
+    element = Element(body="b", added_mass=(1, 1, 1))
+    with pytest.raises(ValueError, match="compile its MjSpec with"):
+        water.attach(model, [element])
+
+
+def test_a_model_that_is_compiled_for_water_is_the_same_model():
+    spec = mujoco.MjSpec.from_string(body("box", ".1 .2 .3", option='gravity="0 0 -9.81"'))
+    plain, full = spec.compile(), water.compiled(spec)
+    np.testing.assert_array_equal(full.body_inertia, plain.body_inertia)
+    states = []
+    for model in (plain, full):
+        data = mujoco.MjData(model)
+        data.qvel[:] = 1, 2, 3, 4, 5, 6
+        for _ in range(100):
+            mujoco.mj_step(model, data)
+        states.append(data.qpos.copy())
+    np.testing.assert_allclose(*states, rtol=1e-10)
+
+
+def test_bad_elements_and_geoms_are_refused_by_name():
+    with pytest.raises(ValueError, match=r"`drag\[1\]` must be >= 0 N s\^2/m\^2, got -1"):
+        Element(body="b", drag=(1, -1, 1))
+    with pytest.raises(ValueError, match="`added_mass` must hold 3 numbers"):
+        Element(body="b", added_mass=(1, 1))
+    model = mujoco.MjModel.from_xml_string(body("sphere", ".1", extra='<geom name="floor" type="plane" size="1 1 1"/>'))
+    with pytest.raises(ValueError, match="got `floor`, a plane"):
+        water.geom_element(model, "floor", GeomCoefficients())
+    with pytest.raises(ValueError, match="got 'nose'"):
+        water.attach(model, [Element(body="nose")])
+    with pytest.raises(ValueError, match="got the world"):
+        water.attach(model, [Element(body="world")])
+
+
+def test_a_geom_without_volume_is_refused_by_name():
+    model = mujoco.MjModel.from_xml_string(body("sphere", ".1"))
+    model.geom_size[0] = 0.0
+    with pytest.raises(ValueError, match="`geom` must have a volume, got `g`"):
+        water.geom_element(model, "g", GeomCoefficients())
+
+
+def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
+    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
+    element = Element(body="b", drag=(2000.0,) * 3, reference_speed=1.0)
+    with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s it is stable up to"):
+        handle = water.attach(model, [element])
+    limit = water.stable_step(model, handle.elements, handle.fluid_law, 0.0)
+    for factor, grows in ((0.9, False), (1.1, True)):
+        model.opt.timestep = factor * limit
+        data = mujoco.MjData(model)
+        data.qvel[0] = 1e-6
+        for _ in range(20):
+            mujoco.mj_step(model, data)
+        assert (abs(data.qvel[0]) > 1e-6) == grows
+
+
+def test_buoyancy_without_a_free_joint_is_warned_of():
+    text = oracle.snake(2, root='<joint type="slide" axis="0 0 1"/>')
+    model = mujoco.MjModel.from_xml_string(text)
+    with pytest.warns(UserWarning, match="`b0` has buoyancy but no free joint"):
+        water.attach(model, [Element(body="b0", volume=1e-3)])
+
+
+def test_a_robot_that_will_turn_over_is_warned_of():
+    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1", option='gravity="0 0 -9.81"')))
+    with pytest.warns(UserWarning, match="center of buoyancy at or below its center of mass"):
+        water.attach(model, [Element(body="b", volume=1e-3, position=(0, 0, -0.01))])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        water.attach(model, [Element(body="b", volume=1e-3, position=(0, 0, 0.01))])
+
+
+def test_a_python_callback_that_is_there_already_is_refused():
+    (wet, _) = pair()
+    there = mujoco.get_mjcb_passive()
+    try:
+        mujoco.set_mjcb_passive(lambda model, data: None)
+        with pytest.raises(ValueError, match="a Python function is set there"):
+            water.attach(wet, oracle.elements())
+    finally:
+        mujoco.set_mjcb_passive(there)
