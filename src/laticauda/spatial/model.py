@@ -15,7 +15,7 @@ from laticauda.errors import finite, not_negative, one_of, positive, within
 from laticauda.fluid import laws
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
-from laticauda.spatial import driving, loads, mjcf, native, water
+from laticauda.spatial import driving, mjcf, native, table, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
 from laticauda.spatial.poses import ORIENTATION
@@ -304,8 +304,8 @@ class _Twin:
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
         self.water.numbers["hold"] = self._hold
-        self.water.table[loads.HOLD] = self._hold.ctypes.data
-        self.water.table[loads.HAS_INERTIA] = 1
+        self.water.table[table.HOLD] = self._hold.ctypes.data
+        self.water.table[table.HAS_INERTIA] = 1
         self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
