@@ -120,7 +120,7 @@ def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
     body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints="servo")
     command = Command(gait=replace(GAIT, amplitude=0.0))
-    state, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
+    _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
     assert failure is None
     height = robot.modules[0].section.half_height - body.ballast_depth
     assert log["center_of_mass"][-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
