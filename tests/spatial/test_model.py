@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -29,6 +30,15 @@ def test_it_is_a_plant_whose_state_is_a_value():
         in_steps = body.step(in_steps, command, 0.1)
     np.testing.assert_allclose(in_steps.values[15:], once[15:], atol=1e-9)
     np.testing.assert_array_equal(body.unpack(body.pack(in_steps)).values, in_steps.values)
+
+
+def test_the_water_is_there_again_when_somebody_took_the_callback():
+    body = plant(ROBOT, WATER, model="spatial")
+    command = Command(gait=GAIT)
+    start = body.init(Start(), command)
+    expected = body.march(start, command, 1.0, 0.1)[0].values
+    mujoco.set_mjcb_passive(None)
+    np.testing.assert_array_equal(body.march(start, command, 1.0, 0.1)[0].values, expected)
 
 
 def test_it_starts_straight_at_the_start_that_is_asked_for():

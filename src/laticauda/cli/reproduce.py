@@ -30,8 +30,8 @@ class Reproduce:
 
     only: Annotated[str | None, choice("efficiency", "path-following"), default("all")] = None
     """Run this half of the paper only."""
-    model: Annotated[str | None, choice("planar"), default("planar")] = None
-    """The model of the body."""
+    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
+    """The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one."""
     joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
     """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
     parameters: File = None

@@ -17,6 +17,8 @@ from laticauda.studies import (
     EfficiencyStudy,
     LinksSettings,
     LinksStudy,
+    ParitySettings,
+    ParityStudy,
     PathFollowingSettings,
     PathFollowingStudy,
     SideSettings,
@@ -30,6 +32,7 @@ from laticauda.studies import (
     run_beyond,
     run_efficiency,
     run_links,
+    run_parity,
     run_path_following,
     run_side_trials,
     run_stability,
@@ -43,10 +46,11 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "beyond": run_beyond,
     "side": run_side_trials,
     "links": run_links,
+    "parity": run_parity,
 }
 """What runs each study, by its name in `Experiments` and `Results`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {
-    "efficiency": ("efficiency", "links", "side"),
+    "efficiency": ("efficiency", "links", "side", "parity"),
     "path-following": ("path_following", "stability", "beyond"),
 }
 """The studies that belong to each half of the paper."""
@@ -68,6 +72,8 @@ class Experiments:
     """The loop with the mean heading, over look-ahead distance and gain."""
     beyond: BeyondSettings = field(default_factory=BeyondSettings)
     """What the paper did not try."""
+    parity: ParitySettings = field(default_factory=ParitySettings)
+    """Whether both models agree; only with the model spatial."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,11 +92,13 @@ class Results:
     """The loop with the mean heading, over look-ahead distance and gain."""
     beyond: BeyondStudy | None = None
     """What the paper did not try."""
+    parity: ParityStudy | None = None
+    """Whether both models agree."""
 
     @property
     def claims(self) -> tuple[Claim, ...]:
         """The paper's claims, judged by what was run."""
-        return claims(self.efficiency, self.path_following, self.links, self.side)
+        return claims(self.efficiency, self.path_following, self.links, self.side, self.parity)
 
 
 def paper_experiments(parameters: Parameters | None = None) -> Experiments:

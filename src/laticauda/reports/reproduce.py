@@ -18,6 +18,7 @@ from laticauda.reports.claims import claims_chapter
 from laticauda.reports.efficiency import efficiency_chapter
 from laticauda.reports.experiments import HALVES, RUNS, Experiments, Results
 from laticauda.reports.page import Paragraph, Section, page
+from laticauda.reports.parity import parity_chapter
 from laticauda.reports.path_following import path_following_chapter
 from laticauda.reports.stability import stability_chapter
 from laticauda.studies import Repeat
@@ -36,6 +37,7 @@ CHAPTERS: Mapping[str, Callable[..., Chapter]] = {
     "path_following": path_following_chapter,
     "stability": stability_chapter,
     "beyond": beyond_chapter,
+    "parity": parity_chapter,
 }
 """The studies that have a part of the report of their own, in its order."""
 
@@ -136,7 +138,7 @@ def reproduce(
     jobs = [
         _Job(name=name, settings=getattr(settings, name), model=model, joints=joints, folder=folder, repeats=repeats)
         for name in RUNS
-        if only is None or name in HALVES[only]
+        if (only is None or name in HALVES[only]) and (name != "parity" or model == "spatial")
     ]
     done = _run(jobs, min(workers, len(jobs)), progress or (lambda what, done, total: None))
     results = Results(**{name: part.study for name, part in done.items()})

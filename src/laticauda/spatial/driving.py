@@ -26,8 +26,8 @@ from laticauda.compiling import compiled, kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
-from laticauda.spatial.loads import field
 from laticauda.spatial.native import forward_skip, integrate_positions
+from laticauda.spatial.vectors import field
 
 # --- Rows of a state
 (
@@ -429,7 +429,7 @@ def _digest() -> str:
     digest = hashlib.sha256()
     for source in (
         "spatial/driving.py",
-        "spatial/loads.py",
+        "spatial/vectors.py",
         "spatial/native.py",
         "gaits/reference.py",
         "actuation/laws.py",

@@ -30,7 +30,15 @@ from laticauda.studies.paper import (
     group_name,
 )
 from laticauda.studies.parameters import Parameter, parameters
-from laticauda.studies.parity import Parity, ParityCase, parity, parity_cases
+from laticauda.studies.parity import (
+    Parity,
+    ParityCase,
+    ParitySettings,
+    ParityStudy,
+    parity,
+    parity_cases,
+    run_parity,
+)
 from laticauda.studies.path_following import (
     FollowingCase,
     HeldOutRun,
@@ -97,6 +105,8 @@ __all__ = [
     "Parameter",
     "Parity",
     "ParityCase",
+    "ParitySettings",
+    "ParityStudy",
     "PathFollowingSettings",
     "PathFollowingStudy",
     "Prediction",
@@ -143,6 +153,7 @@ __all__ = [
     "run_beyond",
     "run_efficiency",
     "run_links",
+    "run_parity",
     "run_path_following",
     "run_side_trials",
     "run_stability",

@@ -1,18 +1,25 @@
 """Do the closed form and the 3D engine agree? The same runs by both, and how the difference falls with the step."""
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import instance
+from laticauda import __version__
+from laticauda.errors import instance, one_of
 from laticauda.gaits import Gait, eel_like, lateral_undulation
 from laticauda.robot import Environment, Robot, load_robot, load_water
 from laticauda.simulate import swim
 from laticauda.trial import Trial
 
+STEPS: dict[str, tuple[float, ...]] = {
+    "prescribed": (0.05, 0.025, 0.0125, 0.00625, 0.003125),
+    "pd": (0.004, 0.002, 0.001, 0.0005),
+    "servo": (0.004, 0.002, 0.001, 0.0005),
+}
+"""Of the spatial model, by the joints' drive, each half of the one before [s]."""
 ORDERS = {"prescribed": 4, "pd": 2, "servo": 2}
 """Of both models' integrators in the step, by the joints' drive."""
 
@@ -49,6 +56,73 @@ class Parity:
     """Largest difference in heading [rad]."""
     richardson: float | None
     """As `path`, for the path extrapolated from this step and twice it; None if that was not run before [-]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParitySettings:
+    """What is compared."""
+
+    cases: tuple[ParityCase, ...] = field(default_factory=lambda: parity_cases())
+    """Settings in which both models swim."""
+    steps: tuple[float, ...] | None = None
+    """Of the spatial model, from large to small; None takes those of `STEPS` [s]."""
+    duration: float = 30.0
+    """Of every run [s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParityStudy:
+    """How far apart the closed form and the 3D engine are."""
+
+    settings: ParitySettings
+    """What was compared."""
+    joints: str
+    """How the joints followed the gait."""
+    version: str
+    """Version of laticauda that ran it."""
+    rows: tuple[Parity, ...]
+    """By case and, within, by step."""
+
+    def worst(self, figure: str) -> dict[float, float]:
+        """The largest of a figure over the cases, by step [s].
+
+        Args:
+            figure: path or heading.
+        """
+        steps = dict.fromkeys(row.dt for row in self.rows)
+        return {dt: max(getattr(row, figure) for row in self.rows if row.dt == dt) for dt in steps}
+
+
+def run_parity(
+    settings: ParitySettings | None = None,
+    *,
+    model: str = "spatial",
+    joints: str = "prescribed",
+    progress: Callable[[int, int], None] | None = None,
+) -> ParityStudy:
+    """Compare both models in every case at every step.
+
+    Args:
+        settings: None takes the defaults.
+        model: Only `spatial` can be compared with the planar model.
+        joints: See `laticauda.simulate.plant`.
+        progress: Called after every comparison with the number done, and of all.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        MissingExtra: If MuJoCo is not installed.
+    """
+    one_of("model", model, ("spatial",))
+    one_of("joints", joints, tuple(STEPS))
+    settings = settings or ParitySettings()
+    steps = STEPS[joints] if settings.steps is None else settings.steps
+    rows: list[Parity] = []
+    for case in settings.cases:
+        for row in parity(case, joints, steps, duration=settings.duration):
+            rows.append(row)
+            if progress is not None:
+                progress(len(rows), len(settings.cases) * len(steps))
+    return ParityStudy(settings=settings, joints=joints, version=__version__, rows=tuple(rows))
 
 
 def parity_cases() -> tuple[ParityCase, ...]:

@@ -44,7 +44,7 @@ class Statement:
     rule: str
     """As in `Claim`."""
     needs: tuple[str, ...] = ()
-    """Which studies it is judged by: efficiency, following, links, side."""
+    """Which studies it is judged by: efficiency, following, links, side, parity."""
     judge: Callable[..., Finding]
     """From these studies, in this order, to the finding."""
 

@@ -6,6 +6,7 @@ from laticauda.studies.claims import agreement, fin, following, links, trends
 from laticauda.studies.claims.claim import Claim, Statement
 from laticauda.studies.efficiency import EfficiencyStudy
 from laticauda.studies.links import LinksStudy
+from laticauda.studies.parity import ParityStudy
 from laticauda.studies.path_following import PathFollowingStudy
 from laticauda.studies.side_trials import SideTrials
 
@@ -21,6 +22,7 @@ STUDIES = {
     "following": "the path-following study",
     "links": "the links study",
     "side": "the side trials",
+    "parity": "the comparison with the 3D model (reproduce with the model spatial)",
 }
 
 
@@ -29,6 +31,7 @@ def claims(
     following: PathFollowingStudy | None = None,
     links: LinksStudy | None = None,
     side: SideTrials | None = None,
+    parity: ParityStudy | None = None,
 ) -> tuple[Claim, ...]:
     """What the paper's results, remarks and conclusions claim, and what the studies say to it.
 
@@ -39,8 +42,9 @@ def claims(
         following: What `run_path_following` returned.
         links: What `run_links` returned.
         side: What `run_side_trials` returned.
+        parity: What `run_parity` returned.
     """
-    studies = {"efficiency": efficiency, "following": following, "links": links, "side": side}
+    studies = {"efficiency": efficiency, "following": following, "links": links, "side": side, "parity": parity}
     return tuple(_judged(theme, statement, studies) for theme, statements in THEMES.items() for statement in statements)
 
 
