@@ -129,7 +129,7 @@ def _eel_drag() -> Finding:
 def _same_as_vortex(study: ParityStudy) -> Finding:
     dt, path = min(study.worst("path").items())
     text = (
-        "The same robot, coefficients and gaits in a 3D engine (MuJoCo with added mass, no gravity, root in the plane), "
+        "The same robot, coefficients and gaits in a 3D engine (MuJoCo with added mass, no gravity, planar root), "
         f"{study.joints} joints: paths over 30 s differ by {100.0 * path:.1g} % of the distance or less at a "
         f"step of {1000.0 * dt:g} ms. Vortex itself could not be run here."
     )
