@@ -10,6 +10,8 @@ from matplotlib.patches import FancyBboxPatch
 
 import laticauda as lc
 from laticauda.figures import save_figure, style, swim_sheet
+from laticauda.reports.front import front_figure
+from laticauda.studies import Problem, optimize
 
 FOLDER = Path(__file__).parent
 
@@ -75,7 +77,22 @@ def control_structure() -> Figure:
     return figure
 
 
+def fronts() -> Figure:
+    """Speed against power, for both of the paper's gaits."""
+    bounds = {
+        "gait.amplitude": (radians(10), radians(50)),
+        "gait.frequency": (radians(50), radians(150)),
+        "gait.phase_shift": (radians(10), radians(60)),
+    }
+    found = []
+    for kind in ("lateral_undulation", "eel_like"):
+        gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        found.append(optimize(Problem(robot=lc.load_robot("mamba"), gait=gait, bounds=bounds), seed=1))
+    return front_figure(found)
+
+
 if __name__ == "__main__":
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
     save_figure(control_structure(), FOLDER / "path-following.png")
+    save_figure(fronts(), FOLDER / "front.png")
