@@ -41,11 +41,16 @@ SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport")
 class SearchFlags:
     """What may change, and what is to be great or small; all else is fixed by the options below."""
 
-    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction, default(" ".join(VARY))] = ()
-    """LOW:HIGH of a number of robot, gait or water, with the unit in the name."""
-    objective: Annotated[Words, default(BOTH)] = ()
-    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small);
-    two give the front between them. speed-power stands for forward-velocity mechanical-power."""
+    vary: Annotated[
+        tuple[Words, ...],
+        tyro.conf.UseAppendAction,
+        tyro.conf.arg(metavar="NAME=LOW:HIGH ..."),
+        default(" ".join(VARY)),
+    ] = ()
+    """The range of a number of robot, gait or water, with the unit in the name."""
+    objective: Annotated[Words, tyro.conf.arg(metavar="NAME ..."), default(BOTH)] = ()
+    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small).
+    Two give the front between them; speed-power stands for forward-velocity mechanical-power."""
     budget: Annotated[Whole, default("4000")] = None
     """How many points to try; a greater one goes on where a smaller one ended."""
     population: Annotated[Whole, default("100 for two objectives, 40 for one")] = None
