@@ -7,7 +7,20 @@ standstill and the greatest power on any of a gait's fronts; all points that wer
 
     python benchmarks/pareto.py
 
-Last answer:
+Last answer (2 shared cores, AMD EPYC, 2026-11-21):
+    gait                 seed   NSGA-II    random      10 x    ratio  time [s]
+                                            equal    random            NSGA-II    random
+    lateral_undulation      1    8.4485    8.2989    8.4087   1.0047       3.7      19.2
+    lateral_undulation      2    8.4486    8.3368    8.4117   1.0044       3.0      22.8
+    lateral_undulation      3    8.4488    8.3673    8.4189   1.0035       4.2      24.5
+    lateral_undulation      4    8.4483    8.2846    8.4110   1.0044       2.9      19.1
+    lateral_undulation      5    8.4472    8.2524    8.4088   1.0046       3.7      24.8
+    eel_like                1    4.3418    4.1643    4.2873   1.0127       3.5      20.2
+    eel_like                2    4.3414    4.2228    4.2937   1.0111       3.9      19.0
+    eel_like                3    4.3419    4.1721    4.2905   1.0120       1.9      14.7
+    eel_like                4    4.3413    4.1976    4.2960   1.0105       1.5      12.8
+    eel_like                5    4.3405    4.2044    4.3032   1.0087       1.6       9.6
+    both fronts in 8.0 s; least ratio 1.0035, mean 1.0077
 """
 
 import argparse

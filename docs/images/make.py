@@ -11,7 +11,9 @@ from PIL import Image
 
 import laticauda as lc
 from laticauda.figures import save_figure, style, swim_sheet
+from laticauda.reports.front import front_figure
 from laticauda.spatial.render import still
+from laticauda.studies import Problem, optimize
 
 FOLDER = Path(__file__).parent
 
@@ -87,8 +89,23 @@ def swim_3d(path: Path) -> None:
     Image.open(path).resize((896, 504), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
+def fronts() -> Figure:
+    """Speed against power, for both of the paper's gaits."""
+    bounds = {
+        "gait.amplitude": (radians(10), radians(50)),
+        "gait.frequency": (radians(50), radians(150)),
+        "gait.phase_shift": (radians(10), radians(60)),
+    }
+    found = []
+    for kind in ("lateral_undulation", "eel_like"):
+        gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        found.append(optimize(Problem(robot=lc.load_robot("mamba"), gait=gait, bounds=bounds), seed=1))
+    return front_figure(found)
+
+
 if __name__ == "__main__":
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
     save_figure(control_structure(), FOLDER / "path-following.png")
     swim_3d(FOLDER / "swim-3d.png")
+    save_figure(fronts(), FOLDER / "front.png")

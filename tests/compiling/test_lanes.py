@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.planar import functions, lanes
-from laticauda.planar.specialize import compiled, in_lanes
+from laticauda.compiling import compiled, lanes
+from laticauda.planar import functions
+from laticauda.planar.specialize import in_lanes
 
 WIDTH = 8
 rows_of = lanes.rows_of(WIDTH)

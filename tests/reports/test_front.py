@@ -39,9 +39,8 @@ def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("mechanical power [W]", "forward velocity [m/s]")
     last = column.texts[-1].get_text()
     amplitude, shift, links = found.values[-1]
-    assert (
-        last == f"$\\alpha$ = {np.degrees(amplitude):.0f}°, $\\delta$ = {np.degrees(shift):.0f}°, n links = {links:.0f}"
-    )
+    words = f"$\\alpha$ = {np.degrees(amplitude):.0f}°, $\\delta$ = {np.degrees(shift):.0f}°"
+    assert last == f"{words}, $n$ = {links:.0f}"
 
 
 def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Front):
@@ -57,3 +56,11 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
 def test_another_robot_has_none_of_them(found: Front):
     other = replace(found, problem=replace(PROBLEM, robot=replace(PROBLEM.robot, name="eel")))
     assert paper_points(other).shape == (0, 2)
+
+
+def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
+    eel = lc.eel_like(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+    other = optimize(replace(PROBLEM, gait=eel, environment=lc.load_water("paper-eel")), budget=24, population=12)
+    assert front_figure([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
+    both = front_figure([found, other]).get_suptitle()
+    assert both.endswith("72 trials of 2 s, each gait with its own water: paper-lateral and paper-eel")

@@ -1,3 +1,5 @@
+import errno
+import os
 import re
 from dataclasses import replace
 from math import radians
@@ -8,6 +10,7 @@ import pytest
 from studies.sweeps import campaign
 
 import laticauda as lc
+from laticauda.errors import StorageFailed
 from laticauda.studies import Front, Problem, hypervolume, optimize
 from laticauda.studies.problem import evaluate, losses
 from laticauda.studies.search import Search
@@ -114,10 +117,10 @@ def test_a_greater_budget_goes_on_and_a_smaller_one_looks_back(tmp_path: Path):
 
 
 def test_one_that_is_killed_comes_out_the_same_bit_for_bit(tmp_path: Path):
-    expected = kills.contents(kills.run(None, 2400))
-    assert kills.kill_at_moments(tmp_path / "a", 2400, kills=1, seed=1) == 1
+    expected = kills.contents(kills.run(None, 960))
+    assert kills.kill_at_moments(tmp_path / "a", 960, kills=1, seed=1) == 1
     assert 0 < len(list((tmp_path / "a").iterdir())) <= 2
-    assert kills.contents(kills.run(tmp_path / "a", 2400)) == expected
+    assert kills.contents(kills.run(tmp_path / "a", 960)) == expected
 
 
 def test_whole_numbers_stay_whole():
@@ -195,3 +198,28 @@ def test_a_checkpoint_that_the_search_does_not_repeat_is_refused(tmp_path: Path)
 def test_bad_input_is_refused(how: dict[str, int], message: str):
     with pytest.raises(ValueError, match=message):
         small(**how)
+
+
+@pytest.mark.parametrize("call", ["np.savez", "os.fsync", "os.replace"])
+def test_a_full_disk_costs_nothing_that_was_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str):
+    small(folder=tmp_path / "a", budget=24)
+
+    def full(*_, **__) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as context:
+        context.setattr({"np": np, "os": os}[call[:2]], call[3:], full)
+        message = "the disk is full. Nothing that was stored is lost: 24 trials are stored; make room and run the same"
+        with pytest.raises(StorageFailed, match=message):
+            small(folder=tmp_path / "a")
+    seen: list[int] = []
+    assert same(small(folder=tmp_path / "a", progress=lambda done, total: seen.append(done)), small())
+    assert seen[0] == 24
+
+
+def test_no_second_process_works_in_the_same_folder(tmp_path: Path):
+    def again(done: int, total: int) -> None:
+        small(folder=tmp_path / "a")
+
+    with pytest.raises(ValueError, match="`folder` must be one that no other process writes to now"):
+        small(folder=tmp_path / "a", progress=again)

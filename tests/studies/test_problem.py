@@ -34,6 +34,15 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     assert np.isnan(found["forward_velocity"]).tolist() == [False, True, True]
 
 
+def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(
+        module, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
+    )
+    problem = replace(PROBLEM, least_velocity=0.2)
+    found = module.evaluate(problem, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))
+    assert found["violation"].tolist() == [0.75, 0.0, module.FAILED]
+
+
 def _figures(n: int) -> dict[str, np.ndarray]:
     return {name: np.ones(n, dtype=bool if name == "succeeded" else float) for name in QUANTITIES}
 
@@ -50,6 +59,7 @@ def _figures(n: int) -> dict[str, np.ndarray]:
         ({"objectives": "speed"}, "`objectives` must be one of `forward_velocity`, .*got 'speed'"),
         ({"objectives": ()}, "`objectives` must be one, or two that differ, got none"),
         ({"objectives": ("mean_power", "mean_power")}, "`objectives` must be one, or two that differ, got mean_power"),
+        ({"least_velocity": -1.0}, "`least_velocity` must be > 0 m/s, got -1.0"),
         ({"joint_rate_limit": 0.0}, "`joint_rate_limit` must be > 0 rad/s, got 0.0"),
     ],
 )  # fmt: skip

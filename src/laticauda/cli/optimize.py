@@ -41,11 +41,16 @@ SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport")
 class SearchFlags:
     """What may change, and what is to be great or small; all else is fixed by the options below."""
 
-    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction, default(" ".join(VARY))] = ()
-    """LOW:HIGH of a number of robot, gait or water, with the unit in the name."""
-    objective: Annotated[Words, default(BOTH)] = ()
-    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small);
-    two give the front between them. speed-power stands for forward-velocity mechanical-power."""
+    vary: Annotated[
+        tuple[Words, ...],
+        tyro.conf.UseAppendAction,
+        tyro.conf.arg(metavar="NAME=LOW:HIGH ..."),
+        default(" ".join(VARY)),
+    ] = ()
+    """The range of a number of robot, gait or water, with the unit in the name."""
+    objective: Annotated[Words, tyro.conf.arg(metavar="NAME ..."), default(BOTH)] = ()
+    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small).
+    Two give the front between them; speed-power stands for forward-velocity mechanical-power."""
     budget: Annotated[Whole, default("4000")] = None
     """How many points to try; a greater one goes on where a smaller one ended."""
     population: Annotated[Whole, default("100 for two objectives, 40 for one")] = None
@@ -54,6 +59,8 @@ class SearchFlags:
     """Of everything random; another one takes another way."""
     joint_rate_limit_deg_s: Annotated[Number, default("none")] = None
     """Largest rate that a gait may ask of a joint; its angle stays within the joint's limit in any case [deg/s]."""
+    least_velocity: Annotated[Number, default("none")] = None
+    """Least forward velocity that will do: without one the cheapest gait hardly moves [m/s]."""
     both_gaits: Switch = False
     """Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure."""
     names: Switch = False
@@ -153,6 +160,7 @@ class Optimize:
                 bounds=vary.ranges(words, one.known(), vary.RANGE_FORM),
                 objectives=objectives,
                 joint_rate_limit=None if limit is None else radians(limit, 0.0),
+                least_velocity=self.search.least_velocity,
             )
             for one in setups
         ]
@@ -214,7 +222,7 @@ def _as_json(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Seque
             "version": front.problem.definition()["laticauda"],
             "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
             "n_points": len(front),
-            "points": [_point(front, i) for i in map(int, front.spread(N_SHOWN))],
+            "points": [_point(front, i) for i in front.spread(N_SHOWN)],
         }
         for front, folder in zip(fronts, folders, strict=True)
     ]
@@ -249,7 +257,7 @@ def _table(front: "Front") -> str:
     head = [vary.spelled(parameter) for parameter in columns]
     head += [f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures]
     rows = [head]
-    for i in map(int, front.spread(N_SHOWN)):
+    for i in front.spread(N_SHOWN):
         cells = [read_in(float(front.values[i, k]), parameter.unit)[0] for k, parameter in enumerate(columns)]
         rows.append(cells + [number(float(front.figures[name][i])) for name in figures])
     return aligned(rows, right=range(len(head)))
@@ -264,7 +272,7 @@ def _status(front: "Front") -> str:
     what = f"{problem.gait.kind.replace('_', '-')}, robot {problem.robot.name}, {words}: {tried}"
     if not len(front):
         return (
-            f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller `dt` may help), or "
-            "runs too short for the objective."
+            f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller --dt may help), that "
+            "are too slow, or too short for the objective."
         )
     return f"{what}, {len(front)} on the front." if len(problem.objectives) > 1 else f"{what}; the best is:"

@@ -16,7 +16,11 @@ _INSTEAD: dict[Any, Any] = {scalars.where: cast(Any, lanes).where, scalars.magni
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Decorator of inner functions: compiled into whatever calls them."""
+    """Decorator of inner functions: compiled into whatever calls them.
+
+    Args:
+        function: Of a kernel.
+    """
     return njit(**INLINED)(function)
 
 
@@ -24,6 +28,9 @@ def compiled(function: Callable[..., Any]) -> Any:
     """Compile a plain scalar function together with the plain functions that it calls.
 
     Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
+
+    Args:
+        function: Of numbers; it may close over numbers and call functions like itself.
     """
     function = getattr(function, "py_func", function)
     code = function.__code__
@@ -38,7 +45,11 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
-    """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to."""
+    """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to.
+
+    Args:
+        function: Any Python function, or one that Numba has compiled.
+    """
     digest = hashlib.sha256()
     for part in _parts(function, set()):
         digest.update(part.encode())

@@ -29,6 +29,7 @@ LETTER = 6.5  # size of its letter [pt]
 AWAY = 8.0  # from the point to its letter, to either side [pt]
 OTHER: Any = {"linestyle": "", "marker": "D", "markersize": 4.0, "markerfacecolor": "white"}
 SHEET_HEIGHT = 3.9  # [in]
+LINE_HEIGHT = 0.11  # of what stands below a body, beyond its first line [in]
 COLUMN = 1.75  # width of a column of bodies [in]
 LEFT = 0.04  # for letters beside the first point, as a share of the axis
 ROOM = 1.06  # beyond the farthest point
@@ -165,7 +166,8 @@ def front_sheet(lines: Sequence[FrontLine], title: str, note: str, *, xlabel: st
         xlabel: With the unit.
         ylabel: With the unit.
     """
-    figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT)
+    more = max(sum(mark.text.count("\n") for mark in line.marks) for line in lines)
+    figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT + LINE_HEIGHT * more)
     widths = (style.DOUBLE_COLUMN - COLUMN * len(lines), *[COLUMN] * len(lines))
     grid = figure.add_gridspec(1, 1 + len(lines), width_ratios=widths)
     front(lines, figure.add_subplot(grid[0]), xlabel=xlabel, ylabel=ylabel)

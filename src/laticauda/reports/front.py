@@ -9,6 +9,7 @@ import numpy as np
 
 from laticauda.simulate import swim_many
 from laticauda.studies import GAIT_WORDS, Front, efficiency_settings
+from laticauda.studies.parameters import place
 from laticauda.studies.trials import QUANTITIES
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     from laticauda.figures.front import FrontLine
 
 N_MARKS = 5
-SYMBOLS = {"gait.amplitude": "$\\alpha$", "gait.frequency": "$\\omega$", "gait.phase_shift": "$\\delta$"}
-PER_LINE = 3  # numbers in a line below a body
+SYMBOLS = {"amplitude": "$\\alpha$", "frequency": "$\\omega$", "phase shift": "$\\delta$", "n links": "$n$"}
+MOST = 34  # characters in a line below a body
 
 
 def write_front(front: Front, folder: str | Path) -> list[Path]:
@@ -71,10 +72,16 @@ def front_figure(fronts: Sequence[Front]) -> "Figure":
     return front_sheet(
         [_line(front) for front in fronts],
         f"{_words(first).capitalize()} against {_words(last)}: robot {problem.robot.name}",
-        f"{len(problem.names)} parameters free, {trials} trials of {problem.duration:g} s",
+        f"{len(problem.names)} parameters free, {trials} trials of {problem.duration:g} s, {_waters(fronts)}",
         xlabel=_label(last),
         ylabel=_label(first),
     )
+
+
+def _waters(fronts: Sequence[Front]) -> str:
+    names = list(dict.fromkeys(front.problem.where.name for front in fronts))
+    word = place(fronts[0].problem.where)
+    return f"{word} {names[0]}" if len(names) == 1 else f"each gait with its own {word}: {' and '.join(names)}"
 
 
 def _line(front: Front) -> "FrontLine":
@@ -83,7 +90,7 @@ def _line(front: Front) -> "FrontLine":
     y, x = (front.figures[name] for name in front.problem.objectives)
     marks: list[Mark] = []
     # The slowest end is left out: nobody swims there, and all fronts meet there.
-    for i in map(int, front.spread(N_MARKS + 1)[1:]):
+    for i in front.spread(N_MARKS + 1)[1:]:
         robot, gait, _ = front.things(i)
         marks.append(Mark(x=float(x[i]), y=float(y[i]), text=_numbers(front, i), robot=robot, gait=gait))
     words = GAIT_WORDS.get(front.problem.gait.kind, "custom gait")
@@ -129,16 +136,23 @@ def paper_points(front: Front) -> np.ndarray:
 
 
 def _numbers(front: Front, i: int) -> str:
-    """What the parameters of a point are, in a line or two."""
+    """What the parameters of a point are, in a line or more."""
     known = front.problem.known()
-    words: list[str] = []
+    words: list[tuple[str, str]] = []
     for name, value in zip(front.problem.names, front.values[i], strict=True):
-        angle, unit = known[name].unit.startswith("rad"), known[name].unit
-        number = f"{math.degrees(value):.0f}°{unit.removeprefix('rad')}" if angle else f"{value:.3g}"
-        number = number if angle or not unit else f"{number} {unit}"
-        words.append(f"{SYMBOLS.get(name, name.rsplit('.', 1)[-1].replace('_', ' '))} = {number}")
-    lines = [words[k : k + PER_LINE] for k in range(0, len(words), PER_LINE)]
-    return "\n".join(", ".join(line) for line in lines)
+        unit, angle = known[name].unit, known[name].unit.startswith("rad")
+        number = f"{math.degrees(value):.0f}°{unit.removeprefix('rad')}" if angle else f"{value:.3g} {unit}".strip()
+        words.append((_words(name.split(".", 1)[1]).replace(".", " ").removeprefix("caudal "), number))
+    lines: list[str] = []
+    room = 0
+    for word, number in sorted(words, key=lambda pair: pair[0] not in SYMBOLS):
+        length = len(f"{'x' if word in SYMBOLS else word} = {number}, ")
+        if length > room:
+            lines.append("")
+            room = MOST
+        room -= length
+        lines[-1] += f"{', ' if lines[-1] else ''}{SYMBOLS.get(word, word)} = {number}"
+    return "\n".join(lines)
 
 
 def _words(name: str) -> str:

@@ -33,6 +33,10 @@ class RobotNotFound(RobotFileError, FileNotFoundError):
 
     __str__ = Exception.__str__  # OSError's own would look for an errno
 
+    def __reduce__(self) -> tuple[type["RobotNotFound"], tuple[object, ...]]:
+        """The way between processes; what tools that pickle tracebacks make of two builtin parents does not hold."""
+        return type(self), self.args
+
 
 def to_toml(thing: Described) -> str:
     """Write a robot, water or ground as TOML.

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from laticauda.gaits import Gait
 from laticauda.robot import Environment, Robot
@@ -39,7 +39,7 @@ class Front:
     n_trials: int
     """How many points were tried."""
     n_infeasible: int
-    """How many of them were beyond the limits of the joints, blew up, or have no value of an objective."""
+    """How many of them were not feasible; see `Problem`."""
     seed: int
     """Of the search."""
 
@@ -64,18 +64,18 @@ class Front:
         """
         return self.things(point)[1]
 
-    def spread(self, count: int) -> Int[np.ndarray, " n_chosen"]:
+    def spread(self, count: int) -> list[int]:
         """Numbers of points that lie evenly along the front, its ends included.
 
         Args:
             count: How many at most.
         """
         if len(self) <= count:
-            return np.arange(len(self))
+            return list(range(len(self)))
         scaled = np.stack([self.figures[name] / np.ptp(self.figures[name]) for name in self.problem.objectives], axis=1)
         way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1))))
         wanted = np.linspace(0.0, float(way[-1]), count)
-        return np.unique(np.argmin(np.abs(way[:, np.newaxis] - wanted), axis=0))
+        return sorted({int(np.argmin(np.abs(way - at))) for at in wanted})
 
     def to_dataset(self) -> xarray.Dataset:
         """The front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""

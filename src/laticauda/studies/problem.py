@@ -28,7 +28,7 @@ class Problem(Setup):
     """A setup, the numbers of it that may change, and what is to be great or small.
 
     A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run reaches
-    its end, and every objective has a value.
+    its end, it is fast enough for `least_velocity`, and every objective has a value.
 
     Raises:
         ValueError: If a field is out of its range, or a parameter does not exist (the message has the nearest names).
@@ -50,6 +50,8 @@ class Problem(Setup):
     """One of `OBJECTIVES`, or two for the front between them."""
     joint_rate_limit: float | None = None
     """Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none [rad/s]."""
+    least_velocity: float | None = None
+    """Least `forward_velocity` that will do: without one the cheapest gait hardly moves; None for none [m/s]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -64,6 +66,8 @@ class Problem(Setup):
         object.__setattr__(self, "objectives", wanted)
         if self.joint_rate_limit is not None:
             positive("joint_rate_limit", self.joint_rate_limit, "rad/s")
+        if self.least_velocity is not None:
+            positive("least_velocity", self.least_velocity, "m/s")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -80,6 +84,7 @@ class Problem(Setup):
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
             "joint_rate_limit": self.joint_rate_limit,
+            "least_velocity": self.least_velocity,
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
@@ -121,6 +126,9 @@ def evaluate(problem: Problem, table: Table, threads: int | None = None) -> dict
     if swims.any():
         for name, values in swim_points(problem, problem.names, table[swims], threads).items():
             found[name][swims] = values
+    if problem.least_velocity is not None:
+        missing = 1.0 - found["forward_velocity"] / problem.least_velocity
+        violation = np.where(swims & (missing > 0.0), missing, violation)
     has_values = np.all([np.isfinite(found[name]) for name in problem.objectives], axis=0)
     found[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return found

@@ -1,0 +1,29 @@
+"""What does speed cost? The front of speed against power for Mamba's eel-like motion, with and without the caudal fin.
+
+No other gait within the bounds is both faster and cheaper than one on the front.
+
+    python examples/07_pareto.py
+"""
+
+from math import radians
+
+import numpy as np
+
+import laticauda as lc
+from laticauda.studies import Problem, optimize
+
+bounds = {
+    "gait.amplitude": (radians(10), radians(50)),
+    "gait.frequency": (radians(50), radians(150)),
+    "gait.phase_shift": (radians(10), radians(60)),
+}
+gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+
+for name in ("mamba", "mamba-fin"):
+    problem = Problem(robot=lc.load_robot(name), gait=gait, bounds=bounds)
+    front = optimize(problem, budget=400, population=40, seed=1)
+    print(name)
+    for i in front.spread(5):
+        alpha, omega, delta = np.degrees(front.values[i])
+        speed, power = front.figures["forward_velocity"][i], front.figures["mechanical_power"][i]
+        print(f"  {speed:.3f} m/s for {power:6.2f} W: {alpha:.0f} deg, {omega:.0f} deg/s, {delta:.0f} deg")
