@@ -4,11 +4,11 @@ Question: does a prescribed trial take under 2 ms of one core at an error of 1e-
 trial under 60 ms at 1e-4? Times are the least of many runs; the ratio is to the same accelerations by the printed
 matrices (`planar.equations`, NumPy), as many evaluations as the run makes.
 
-Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes 1.6 of the 1.9 ms:
+Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes 1.0 of the 1.4 ms:
     joints      dt [s]   time [ms]   matrices / kernel   error / distance
-    prescribed   0.025         1.9               x 650            1.9e-07
-    pd           0.002        13.4               x 600            1.0e-05
-    servo        0.002        17.4               x 460            2.7e-05
+    prescribed   0.050         1.4               x 700            3.7e-07
+    pd           0.002        11.5               x 690            1.0e-05
+    servo        0.002        15.7               x 510            2.7e-05
 """
 
 import time
@@ -21,7 +21,7 @@ from laticauda.fluid import link_coefficients
 from laticauda.planar import equations
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
-STAGES = {"prescribed": 4, "pd": 2, "servo": 2}
+STAGES = {"prescribed": 6, "pd": 2, "servo": 2}
 
 
 def least(action: Callable[[], object], runs: int) -> float:

@@ -4,7 +4,8 @@ Each law returns the torque and the two slopes K_p = -du/dphi and K_d = -du/dphi
 torque u > 0 turns the head side of the joint to the left against the tail side. The skin around the joint is not in it.
 
 They are plain scalar functions; the kernels compile them. The annotations say float; complex numbers work too, for
-complex-step derivatives, so conditions look at the real part only.
+complex-step derivatives, and lanes, for many trials at once; so conditions look at the real part only, and choices come
+from `where`.
 """
 
 import numpy as np

@@ -5,8 +5,10 @@ one's own has the signature of `polynomial_drag` and is handed to `laticauda.sim
 
 All quantities are in the element's own axes: t along the element towards the head, n to its left. Velocities are those
 of the element's middle relative to the water, or to the ground. The annotations say float; complex numbers work too,
-which is how derivatives with respect to any argument are taken (complex step). So conditions look at the real part
-only, magnitudes come from `magnitude`, and transcendental functions from numpy.
+which is how derivatives with respect to any argument are taken (complex step), and so do lanes, which is how many
+trials are computed at once. So conditions look at the real part only, magnitudes come from `magnitude`, choices from
+`laticauda.scalars.where`, and transcendental functions from numpy. A law with an `if` works as well; in a batch it is
+then called trial by trial.
 """
 
 import numpy as np

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import cast
 
 from laticauda.errors import finite, not_negative, one_of, whole
@@ -67,12 +68,17 @@ class Gait:
             ValueError: If a custom envelope has another number of joints.
         """
         if self.envelope is None:
-            shape = _ENVELOPES[self.kind]
-            return tuple(shape(i, n_links) for i in range(1, n_links))
+            return _named_envelope(self.kind, n_links)
         if len(self.envelope) != n_links - 1:
             need = f"one value per joint, {n_links - 1} for {n_links} links"
             raise ValueError(f"`envelope` must have {need}, got {len(self.envelope)}.")
         return self.envelope
+
+
+@lru_cache(maxsize=64)  # a sweep asks for the same few a million times
+def _named_envelope(kind: str, n_links: int) -> tuple[float, ...]:
+    shape = _ENVELOPES[kind]
+    return tuple(shape(i, n_links) for i in range(1, n_links))
 
 
 def lateral_undulation(*, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0) -> Gait:

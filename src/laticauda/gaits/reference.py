@@ -8,7 +8,7 @@ The envelope alone is not filtered: bring the amplitude to zero before another k
 The filter has a closed-form solution for a constant input, so a time step of any size is exact.
 
 These are plain scalar functions: the kernels compile them; `laticauda.gaits.Generator` wraps them for a real robot.
-The annotations say float; complex numbers work too, for complex-step derivatives.
+The annotations say float; complex numbers work too, for complex-step derivatives, and lanes, for many trials at once.
 """
 
 from laticauda.scalars import where

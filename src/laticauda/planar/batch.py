@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -26,9 +26,12 @@ Result = TypeVar("Result")
 # What fills a register of AVX-512; processors without it take two or four registers for the same numbers, and 16 lanes
 # are no faster.
 WIDTH = 8
-# Blocks that one thread takes at a time, and samples that a block keeps whole before it strips them to the path.
-_BLOCKS = 8
+# Blocks that one thread takes at a time, and samples that are logged at a time.
+_BLOCKS = 2
 _SAMPLES = 2000
+# The log holds the header's state rows from TIME to VY: few enough to stay near the processor.
+_X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
+_PATH_ROWS = _VX + 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +48,7 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """What a few runs of the same kind left behind, the last axis the runs."""
+    """What a few runs of the same kind left behind, the last axis the runs; the next block overwrites its path."""
 
     index: Int[np.ndarray, " n_runs"]
     """Which of the batch's runs these are."""
@@ -89,7 +92,9 @@ def march_many(
     tasks = _tasks(runs, duration / n_intervals)
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
-        return [use(_march([runs[int(i)] for i in index], index, duration, n_intervals)) for index in task]
+        log = _aligned((1 + min(n_intervals, _SAMPLES), _PATH_ROWS, WIDTH))
+        kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
+        return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
     n_threads = threads or usable_cores()
     with ThreadPoolExecutor(n_threads) as pool:
@@ -134,7 +139,9 @@ def _kind(plant: PlanarPlant, interval: float) -> object:
     return shape, plant.joints, plant.steps_in(interval), law, fingerprint(law)
 
 
-def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
+def _march(
+    runs: Sequence[Run], index: np.ndarray, kernel: Any, duration: float, n_intervals: int, log: np.ndarray
+) -> Block:
     """Up to WIDTH runs of one kind, side by side; lanes without a run repeat the last one."""
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
@@ -143,8 +150,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     lanes += [lanes[-1]] * (WIDTH - len(lanes))
     S = _aligned((lanes[0].size, WIDTH))
     S[:] = np.transpose(lanes)
-    kernel, implicit = plant.kernels_of(WIDTH).run, plant.joints != "prescribed"
-    log = _aligned((1 + min(n_intervals, _SAMPLES), rows.LOG_STATE, WIDTH))
+    implicit = plant.joints != "prescribed"
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):
@@ -154,23 +160,21 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
         here = S[rows.SAMPLES].astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
-        paths.append(part[0 if first == 0 else 1 :, _PATH].copy())
+        if n_intervals > _SAMPLES:
+            paths.append(part[0 if first == 0 else 1 :].copy())
         if not well.any():
             break
     n = len(runs)
-    path = paths[0] if len(paths) == 1 else np.concatenate(paths)
+    path = np.concatenate(paths) if paths else log
     return Block(
         index=index,
         time=path[:, 0, 0],
-        center_of_mass=path[:, 1:3, :n],
-        center_of_mass_velocity=path[:, 3:5, :n],
+        center_of_mass=path[:, _X : _X + 2, :n],
+        center_of_mass_velocity=path[:, _VX : _VX + 2, :n],
         heading=S[rows.HEADING, :n].copy(),
         work=S[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1, :n].copy(),
         n_samples=n_samples[:n],
     )
-
-
-_PATH = np.array([rows.TIME, rows.X, rows.Y, rows.VX, rows.VY]) - rows.TIME
 
 
 def _aligned(shape: tuple[int, ...]) -> np.ndarray:

@@ -51,7 +51,7 @@ WEIGHTS = (
 def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or only LOG_STATE rows: then without joints. A
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or fewer rows: then only the first of them. A
     lane whose numbers leave the finite range stops counting its SAMPLES there; the others do not notice. Returns the
     most samples that any lane counted.
     """
@@ -69,7 +69,7 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
         holding_torques(S, n, is_free)
         count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
-            write_sample(S, n, rows_of(log[step // every]), log.shape[1] > LOG_STATE)
+            write_sample(S, n, rows_of(log[step // every]), log.shape[1])
             S[WELL] = where(finite(S, n), S[WELL], 0.0)
             if not any_lane(S[WELL].real > 0.0):
                 break
@@ -87,7 +87,7 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
 @entry
 @no_type_check
 def evaluate(flat, n, first_strip, first_plate, is_free, tether_body, has_extras):
-    """Accelerations and torques in `flat`, given REFERENCE_2 of prescribed and TOTAL_TORQUE of free joints."""
+    """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
     accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
     holding_torques(S, n, is_free)
@@ -203,12 +203,12 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 @kernel
 @no_type_check
-def write_sample(S, n, sample, joints_too):
-    """One sample: the header's state rows, then angle, rate, reference and torque of every joint."""
+def write_sample(S, n, sample, n_rows):
+    """One sample: the header's state rows, then angle, rate, reference and torque of every joint; or the first rows."""
     joints = n - 1
-    for r in range(LOG_STATE):
+    for r in range(min(n_rows, LOG_STATE)):
         sample[r] = S[TIME + r]
-    for i in range(joints if joints_too else 0):
+    for i in range(joints if n_rows > LOG_STATE else 0):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
         sample[LOG_STATE + i] = S[b + ANGLE]
         sample[LOG_STATE + joints + i] = S[b + RATE]

@@ -155,19 +155,22 @@ def _collected(
     numbers = np.full((len(_FIGURES), n), np.nan)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
-    def figures(block: Block) -> tuple[Block, dict[str, np.ndarray]]:
-        return block, _figures([runs[int(i)] for i in block.index], block)
+    def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+        mine = [runs[int(i)] for i in block.index]
+        return block.index, block.n_samples, _figures(mine, np.array([weight[id(run.plant)] for run in mine]), block)
 
+    plants = {id(run.plant): run.plant for run in runs}
+    weight = {key: metrics.carried_weight(body.robot, body.environment) for key, body in plants.items()}
+    n_intervals = max(1, round(duration / sample_interval))
     finished = 0
-    for block, found in march_many(runs, duration, sample_interval, figures, threads=threads):
-        well = block.n_samples == block.time.size
-        succeeded[block.index] = well
+    for index, n_samples, found in march_many(runs, duration, sample_interval, figures, threads=threads):
+        well = n_samples == n_intervals + 1
+        succeeded[index] = well
         for row, name in enumerate(_FIGURES):
-            numbers[row, block.index[well]] = found[name][well]
-        for i, reached in zip(block.index[~well], block.n_samples[~well], strict=True):
-            when = float(reached) * duration / max(1, round(duration / sample_interval))
-            status[i] = runs[int(i)].plant.what_went_wrong(when)
-        finished += block.index.size
+            numbers[row, index[well]] = found[name][well]
+        for i, reached in zip(index[~well], n_samples[~well], strict=True):
+            status[i] = runs[int(i)].plant.what_went_wrong(float(reached) * duration / n_intervals)
+        finished += index.size
         if progress is not None:
             progress(finished / n)
     named = dict(zip(_FIGURES, numbers, strict=True))
@@ -189,7 +192,7 @@ _FIGURES = (
 )
 
 
-def _figures(runs: Sequence[Run], block: Block) -> dict[str, np.ndarray]:
+def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str, np.ndarray]:
     """The figures of one block; numbers without meaning where a run diverged."""
     with np.errstate(all="ignore"):
         duration = block.time[-1] - block.time[0]
@@ -197,7 +200,6 @@ def _figures(runs: Sequence[Run], block: Block) -> dict[str, np.ndarray]:
         speed = np.linalg.norm(end - block.center_of_mass[0], axis=0) / duration
         power = block.work / duration
         mean = power[3] if runs[0].plant.joints == "servo" else power[0]
-        weight = np.array([metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs])
         moving = speed > metrics.STILL
         return {
             "forward_velocity": speed,
@@ -207,8 +209,8 @@ def _figures(runs: Sequence[Run], block: Block) -> dict[str, np.ndarray]:
             "positive_power": power[2],
             "mean_power": mean,
             "cost_of_transport": np.where(moving, mean / (weight * speed), np.nan),
-            "x": end[0],
-            "y": end[1],
+            "x": end[0].copy(),
+            "y": end[1].copy(),
             "heading": block.heading,
         }
 
