@@ -35,6 +35,7 @@ _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
     "planar/lanes.py",
+    "planar/duals.py",
     "planar/functions.py",
     "planar/loads.py",
     "planar/recursion.py",
