@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         load_water,
     )
     from laticauda.simulate import Swims, plant, resume, run, swim, swim_many
+    from laticauda.studies import Sensitivities, sensitivities
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
@@ -57,6 +58,7 @@ _HOMES = {
         "load_water",
     ),
     "simulate": ("Swims", "plant", "resume", "run", "swim", "swim_many"),
+    "studies": ("Sensitivities", "sensitivities"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -76,6 +78,7 @@ __all__ = [
     "Plant",
     "Polyline",
     "Robot",
+    "Sensitivities",
     "Spline",
     "Start",
     "StraightLine",
@@ -95,6 +98,7 @@ __all__ = [
     "plant",
     "resume",
     "run",
+    "sensitivities",
     "swim",
     "swim_many",
 ]

@@ -1,7 +1,7 @@
 """Arithmetic of numbers with an imaginary part so small that its square is nothing: what a complex step is, to rounding.
 
 A number is a pair: what it is, and its derivative times the step; the second is None where it is known to be 0. The
-first is computed exactly as without a second. Functions get the builder of LLVM instructions, and `emit`, which gives
+first is computed as without a second. Functions get the builder of LLVM instructions, and `emit`, which gives
 the first; values may be floats or vectors of them.
 
 Where a function has a kink, it is differentiated on the side where the number lies; roots and powers of 0, whose slope

@@ -34,6 +34,7 @@ from laticauda.studies.path_following import (
 )
 from laticauda.studies.repeats import Repeat, load_repeats
 from laticauda.studies.scores import Score, mape, scores
+from laticauda.studies.sensitivities import Sensitivities, sensitivities
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
@@ -87,6 +88,7 @@ __all__ = [
     "Prediction",
     "Repeat",
     "Score",
+    "Sensitivities",
     "SideSettings",
     "SideTrials",
     "StabilityMap",
@@ -120,6 +122,7 @@ __all__ = [
     "run_side_trials",
     "run_stability",
     "scores",
+    "sensitivities",
     "simulated",
     "stability_dataset",
     "swimmers",

@@ -1,0 +1,211 @@
+"""What can be swept: every number in the robot, the gait and the environment, by a dotted name.
+
+A name is the way to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. What a robot has
+several of goes by its singular and means all of them alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A
+pair of numbers is two: `water.current_x`, `water.current_y`. `robot.n_links` is the number of links. Units are those of
+the fields: SI and radians.
+"""
+
+import difflib
+import functools
+import types
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+
+from laticauda.fields import field_docs, split_unit
+from laticauda.gaits import Gait
+from laticauda.robot import Environment, Robot, Water
+
+Changes = dict[str, Any]
+
+_SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
+_PLURAL = {one: several for several, one in _SINGULAR.items()}
+_ENDS = ("_x", "_y")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A number that can be swept."""
+
+    name: str
+    """The way to it, with dots."""
+    unit: str
+    """Its unit; "" for a pure number."""
+    title: str
+    """What it is, in a few words."""
+    is_whole: bool = False
+    """Whether it counts something, and must be a whole number."""
+
+
+def parameters(robot: Robot, gait: Gait, environment: Environment) -> dict[str, Parameter]:
+    """What can be swept, by name.
+
+    A fin, a thruster or a tether's drag can be swept if the robot has one; coefficients that are None until now can.
+
+    Args:
+        robot: What swims.
+        gait: What the joints are asked for.
+        environment: Where it swims; its names begin with `water` or `ground`.
+    """
+    found = [*_numbers(gait, "gait"), *_numbers(environment, place(environment))]
+    found.append(Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True))
+    found += _numbers(robot, "robot")
+    return {parameter.name: parameter for parameter in found}
+
+
+def place(environment: Environment) -> str:
+    """What the names of an environment's parameters begin with."""
+    return "water" if isinstance(environment, Water) else "ground"
+
+
+def look_up(name: object, known: Mapping[str, Parameter]) -> Parameter:
+    """The parameter of that name.
+
+    Args:
+        name: Its name, with dots.
+        known: What can be swept.
+
+    Raises:
+        ValueError: If there is none; the message has the nearest names.
+    """
+    if isinstance(name, str) and name in known:
+        return known[name]
+    near = _near(name, known) if isinstance(name, str) else []
+    hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}." if near else "."
+    raise ValueError(
+        f"`points` must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, "
+        f"got {name!r}{hint}"
+    )
+
+
+def changed(
+    robot: Robot, gait: Gait, environment: Environment, values: Mapping[str, float]
+) -> tuple[Robot, Gait, Environment]:
+    """Robot, gait and environment with other values; what does not change stays the same object.
+
+    Args:
+        robot: What swims.
+        gait: What the joints are asked for.
+        environment: Where it swims.
+        values: By name of the parameter, all of them known.
+
+    Raises:
+        ValueError: If a value is out of its range, or they do not go together.
+    """
+    wanted: Changes = {}
+    for name, value in values.items():
+        *way, last = name.split(".")
+        inner = wanted
+        for step in way:
+            inner = inner.setdefault(step, {})
+        inner[last] = value
+    body = dict(wanted.get("robot", {}))
+    if "n_links" in body:
+        robot = robot.with_links(int(body.pop("n_links")))
+    return (
+        _applied(robot, body),
+        _applied(gait, wanted.get("gait", {})),
+        _applied(environment, wanted.get(place(environment), {})),
+    )
+
+
+def _applied(thing: Any, wanted: Changes) -> Any:
+    """A dataclass with other values at the ends of the ways in `wanted`, all checked at once."""
+    if not wanted:
+        return thing
+    kind = cast("type[object]", type(thing))
+    new: Changes = {}
+    for step, value in wanted.items():
+        if step in _PLURAL:
+            name = _PLURAL[step]
+            new[name] = _all_applied(getattr(thing, name), value)
+        elif isinstance(value, dict):
+            new[step] = _applied(getattr(thing, step), cast("Changes", value))
+        elif step[:-2] and step.endswith(_ENDS) and isinstance(getattr(thing, step[:-2], None), tuple):
+            pair = list(new.get(step[:-2], getattr(thing, step[:-2])))
+            pair[_ENDS.index(step[-2:])] = value
+            new[step[:-2]] = tuple(pair)
+        else:
+            new[step] = int(value) if step in _whole_fields(kind) else value
+    return replace(thing, **new)
+
+
+def _all_applied(things: Sequence[Any], wanted: Changes) -> tuple[Any, ...]:
+    """As `_applied` for all of them; the same object stays the same object."""
+    done: dict[int, Any] = {}
+    for thing in things:
+        if id(thing) not in done:
+            done[id(thing)] = _applied(thing, wanted)
+    return tuple(done[id(thing)] for thing in things)
+
+
+def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
+    """The numbers in a dataclass, and in what it holds."""
+    kind = cast("type[object]", type(thing))
+    hints, docs = _hints(kind), field_docs(kind)
+    for field in fields(thing):
+        value = getattr(thing, field.name)
+        title, unit = split_unit(docs.get(field.name, ""))
+        name = f"{prefix}.{field.name}"
+        if hints[field.name] in (float, int):
+            yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] is int)
+        elif hints[field.name] == tuple[float, float]:
+            for end in _ENDS:
+                yield Parameter(name=name + end, unit=unit, title=f"{title}: {end[1]}")
+        elif is_dataclass(value):
+            yield from _numbers(value, name)
+        elif field.name in _SINGULAR and value:
+            yield from _numbers(value[0], f"{prefix}.{_SINGULAR[field.name]}")
+
+
+@functools.cache
+def _hints(kind: type) -> dict[str, Any]:
+    """The types of a dataclass's fields; a number that may be None is a number."""
+    return {name: _without_none(hint) for name, hint in typing.get_type_hints(kind).items()}
+
+
+def _without_none(hint: Any) -> Any:
+    if typing.get_origin(hint) not in (types.UnionType, typing.Union):
+        return hint
+    parts = [part for part in typing.get_args(hint) if part is not types.NoneType]
+    return parts[0] if len(parts) == 1 else hint
+
+
+@functools.cache
+def _whole_fields(kind: type) -> frozenset[str]:
+    return frozenset(name for name, hint in _hints(kind).items() if hint is int)
+
+
+def check_whole(parameter: Parameter, values: Any) -> None:
+    """Refuse fractions where only whole numbers have a meaning.
+
+    Args:
+        parameter: What is swept.
+        values: Of it, an array.
+
+    Raises:
+        ValueError: If one is none.
+    """
+    fractions = values[values != np.rint(values)]
+    if parameter.is_whole and fractions.size:
+        raise ValueError(f"`{parameter.name}` must be a whole number, got {fractions[0]}.")
+
+
+def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:
+    """Up to three names that somebody who typed `name` may have meant: alike as a whole, or alike at their ends."""
+    plain = name.casefold().replace("-", "_")
+    by_end: dict[str, list[str]] = {}
+    for word in known:
+        by_end.setdefault(word.rsplit(".", 1)[-1], []).append(word)
+    ends = difflib.get_close_matches(plain.rsplit(".", 1)[-1], by_end, n=2, cutoff=0.75)
+    found = [word for end in ends for word in by_end[end]]
+    found.sort(key=lambda word: -difflib.SequenceMatcher(None, plain, word).ratio())
+    return list(dict.fromkeys([*found, *difflib.get_close_matches(plain, known, n=3)]))[:3]
+
+
+def _environment_word(known: Mapping[str, Parameter]) -> str:
+    return "ground" if any(name.startswith("ground.") for name in known) else "water"
