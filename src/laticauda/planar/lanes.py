@@ -237,9 +237,8 @@ def _parted(context, builder, fromty, kind, value):
 
 def _joined(context, builder, kind, parts):
     pair = cgutils.create_struct_proxy(kind)(context, builder)
-    pair.real, pair.imag = parts
-    if parts[1] is None:
-        pair.imag = ir.Constant(parts[0].type, None)
+    pair.real = parts[0]
+    pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]
     return pair._getvalue()
 
 

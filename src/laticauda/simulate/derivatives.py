@@ -107,7 +107,7 @@ def slopes(
     found = collected(derived, weights, duration, sample_interval, threads, progress)
     return Slopes(
         value={name: figure.real for name, figure in found.figures.items()},
-        slope={name: figure.imag / STEP for name, figure in found.figures.items()},
+        slope={name: np.where(np.isnan(f.real), np.nan, f.imag / STEP) for name, f in found.figures.items()},
         succeeded=found.succeeded,
         status=found.status,
     )

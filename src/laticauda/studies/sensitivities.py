@@ -124,7 +124,7 @@ def sensitivities(
         >>> gait = lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70)
         >>> found = lc.sensitivities(lc.load_robot("mamba"), gait, names=["gait.frequency", "water.normal_drag"])
         >>> found.of("forward_velocity", "gait.frequency").round(4)
-        array([0.0688])
+        array([0.0486])
     """
     from laticauda.simulate.derivatives import Number, slopes
     from laticauda.simulate.many import runs_of
@@ -140,9 +140,7 @@ def sensitivities(
         raise ValueError(f"`names` must hold at least one name of a parameter, got {names!r}.")
     runs = runs_of(robots, gaits, environments, starts, **settings)
     every_robot = robots if isinstance(robots, Sequence) else [robots] * len(runs)
-    trials = [
-        (robot, run.command.gait, run.plant.environment) for robot, run in zip(every_robot, runs, strict=True)
-    ]
+    trials = [(robot, run.command.gait, run.plant.environment) for robot, run in zip(every_robot, runs, strict=True)]
     chosen = [_chosen(names, *trial) for trial in trials]
     point = [[_value(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
     numbers = [
@@ -201,7 +199,9 @@ def _value(name: str, robot: Robot, gait: Gait, environment: Environment) -> flo
     # A module's or fin's own coefficient that is None is the water's.
     things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
     if len(set(things)) > 1:
-        raise ValueError(f"`names` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}.")
+        raise ValueError(
+            f"`names` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}."
+        )
     if things[0] is None:
         raise ValueError(f"`names` must be of numbers that the trial has, got `{name}`, which is None.")
     return float(things[0])
