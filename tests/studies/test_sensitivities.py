@@ -117,7 +117,7 @@ def test_a_modules_own_coefficient_begins_at_the_waters():
 
 def test_a_trial_that_diverges_has_no_derivatives():
     wild = replace(WATER, normal_drag=1e4)
-    found = lc.sensitivities(FINNED, GAIT, 12.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05)
+    found = lc.sensitivities(FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05)
     assert found.succeeded.tolist() == [True, False]
     assert np.isfinite(found.jacobian[0]).all()
     assert np.isnan(found.jacobian[1]).all()

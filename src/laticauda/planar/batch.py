@@ -9,7 +9,7 @@ derivative to the run's parameter.
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
@@ -22,7 +22,7 @@ from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.lanes import split
 from laticauda.planar.layout import Layout
-from laticauda.planar.model import PlanarPlant, law_of
+from laticauda.planar.model import PlanarPlant
 from laticauda.planar.specialize import fingerprint
 
 Result = TypeVar("Result")
@@ -37,7 +37,7 @@ _SAMPLES = 2000
 STEP = 2.0**-100
 # The log holds the header's state rows from TIME to VY: few enough to stay near the processor.
 _X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
-_PATH_ROWS = _VX + 2
+PATH_ROWS = _VX + 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +106,7 @@ def march_many(
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
         kind = float if runs[0].slope is None else complex
-        log = _aligned((1 + min(n_intervals, _SAMPLES), _PATH_ROWS, WIDTH), kind)
+        log = _aligned((1 + min(n_intervals, _SAMPLES), PATH_ROWS, WIDTH), kind)
         kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
@@ -132,6 +132,14 @@ def usable_cores() -> int:
 
 def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
     """Indices of runs that can go side by side, in blocks of up to WIDTH, a few blocks per task."""
+    for alike in kinds_of(runs, interval):
+        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
+        for i in range(0, len(blocks), _BLOCKS):
+            yield blocks[i : i + _BLOCKS]
+
+
+def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
+    """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
     for i, run in enumerate(runs):
@@ -139,18 +147,14 @@ def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
         if id(plant) not in of_plant:
             of_plant[id(plant)] = _kind(plant, interval)
         kinds.setdefault(of_plant[id(plant)], []).append(i)
-    for alike in kinds.values():
-        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
-        for i in range(0, len(blocks), _BLOCKS):
-            yield blocks[i : i + _BLOCKS]
+    return kinds.values()
 
 
 def _kind(plant: PlanarPlant, interval: float) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    law = law_of(plant.environment, plant.fluid_law)
-    return shape, plant.joints, plant.steps_in(interval), law, fingerprint(law)
+    return shape, plant.joints, plant.steps_in(interval), plant.law, fingerprint(plant.law)
 
 
 def _march(
@@ -175,17 +179,21 @@ def _march(
             paths.append(_numbers(part[0 if first == 0 else 1 :]).copy())
         if not well.any():
             break
-    n = len(runs)
     path = np.concatenate(paths) if paths else _numbers(log)
-    end = _numbers(S)
+    n = len(runs)
+    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
+
+
+def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:
+    """What runs left behind, from their logs and their rows at the end."""
     return Block(
         index=index,
         time=path[:, 0, 0].real,
-        center_of_mass=path[:, _X : _X + 2, :n],
-        center_of_mass_velocity=path[:, _VX : _VX + 2, :n],
-        heading=end[rows.HEADING, :n].copy(),
-        work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1, :n].copy(),
-        n_samples=n_samples[:n],
+        center_of_mass=path[:, _X : _X + 2],
+        center_of_mass_velocity=path[:, _VX : _VX + 2],
+        heading=end[rows.HEADING].copy(),
+        work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
+        n_samples=n_samples,
     )
 
 

@@ -12,7 +12,9 @@ import importlib.util
 import math
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any, cast, no_type_check
@@ -28,8 +30,24 @@ from laticauda.planar.lanes import INLINED, OPTIONS
 
 FluidLaw = Callable[..., tuple[float, float, float]]
 
-# What the kernels compute with instead of these, for floats, complex steps and lanes.
-_INSTEAD: dict[Any, Any] = {scalars.where: cast(Any, lanes).where, scalars.magnitude: cast(Any, lanes).magnitude}
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Target:
+    """What the templates are compiled for: how, and what stands in the place of some functions."""
+
+    kernel: Callable[[Callable[..., Any]], Any]
+    """Decorator of inner functions."""
+    entry: Callable[[Callable[..., Any]], Any]
+    """Decorator of entry points."""
+    in_lanes: Callable[[Any], Any]
+    """Makes of a compiled function of numbers one of lanes."""
+    where: Any
+    """Of laws, see `scalars.where`."""
+    magnitude: Any
+    """Of laws, see `scalars.magnitude`."""
+    instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """What stands in the place of names that the templates import or define."""
+
 
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
@@ -51,19 +69,22 @@ _one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
 
-def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> ModuleType:
+def specialize(
+    width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag, target: Target | None = None
+) -> ModuleType:
     """The stepping kernels for `width` lanes and one fluid law.
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
         fluid_law: Function with the signature of `laticauda.fluid.laws.polynomial_drag`; plain Python that Numba can
             compile. What it closes over, and the functions it calls, count as part of it.
+        target: What to compile for; None for this machine's processor.
 
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
     with _one_at_a_time:
-        return _specialize(width, fluid_law, fingerprint(fluid_law))
+        return _specialize(width, fluid_law, fingerprint(fluid_law), target or PROCESSOR)
 
 
 def check_law(fluid_law: FluidLaw) -> None:
@@ -94,12 +115,18 @@ def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> b
 
 
 @functools.cache
-def _specialize(width: int, fluid_law: FluidLaw, law_digest: str) -> ModuleType:
-    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()}".encode()).hexdigest()[:16]
+def _specialize(width: int, fluid_law: FluidLaw, law_digest: str, target: Target) -> ModuleType:
+    other = "" if target is PROCESSOR else id(target)
+    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()} {other}".encode()).hexdigest()[:16]
     names: dict[str, Any] = {"WIDTH": width, "fluid_law": fluid_law}
-    for template in ("loads", "recursion", "drives"):
-        names[template] = _load(template, key, names)
-    return _load("stepping", key, names)
+    before = _target.set(target)
+    try:
+        for template in ("loads", "recursion", "drives", "stepping"):
+            names[template] = _load(template, key, names)
+            vars(names[template]).update({k: v for k, v in target.instead.items() if hasattr(names[template], k)})
+    finally:
+        _target.reset(before)
+    return names["stepping"]
 
 
 def bindings(module_name: str) -> dict[str, Any]:
@@ -109,7 +136,7 @@ def bindings(module_name: str) -> dict[str, Any]:
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Decorator of a template's inner functions: compiled into whatever calls them."""
-    return njit(**INLINED)(function)
+    return _target.get().kernel(function)
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -130,10 +157,17 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def _compiled_inner(function: Callable[..., Any]) -> Any:
-    return _INSTEAD[function] if function in _INSTEAD else compiled(function)
+    if function is scalars.where or function is scalars.magnitude:
+        return getattr(_target.get(), function.__name__)
+    return compiled(function)
 
 
 def in_lanes(function: Any) -> Any:
+    """A compiled function of floats that takes lanes too."""
+    return _target.get().in_lanes(function)
+
+
+def _all_or_each(function: Any) -> Any:
     """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
 
     def call(*arguments: Any) -> Any:
@@ -153,13 +187,28 @@ def in_lanes(function: Any) -> Any:
 
 
 def entry(function: Callable[..., Any]) -> Any:
-    """Decorator of a template's entry points: compile, and keep the machine code on disk.
+    """Decorator of a template's entry points: what Python calls."""
+    return _target.get().entry(function)
+
+
+def _kept(function: Callable[..., Any]) -> Any:
+    """Compile, and keep the machine code on disk.
 
     Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
     which is the end of the module's name, goes into that name.
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
     return njit(cache=True, nogil=True, **OPTIONS)(function)
+
+
+PROCESSOR = Target(
+    kernel=njit(**INLINED),
+    entry=_kept,
+    in_lanes=_all_or_each,
+    where=cast(Any, lanes).where,
+    magnitude=cast(Any, lanes).magnitude,
+)
+_target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
 
 
 def fingerprint(function: Callable[..., Any]) -> str:

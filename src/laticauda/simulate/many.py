@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from laticauda.errors import instance, positive, whole
+from laticauda.errors import instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
@@ -21,6 +21,7 @@ from laticauda.simulate.swimming import default_water, preset_water
 from laticauda.trial import metrics
 from laticauda.trial.cycles import hermite, steady_part
 
+DEVICES = ("cpu", "cuda")
 Item = TypeVar("Item")
 Figure = Float[np.ndarray, " n_trials"]
 
@@ -75,6 +76,7 @@ def swim_many(
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Progress | None = None,
 ) -> Swims:
     """Let many robots swim, each from straight and at rest; trial i is what `swim` makes of the i-th of everything.
@@ -96,13 +98,16 @@ def swim_many(
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
+        device: cpu, or cuda for a GPU, one trial per thread of it: it needs the extra `gpu`, and pays for thousands of
+            trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
 
     Returns:
         The figures, as arrays.
 
     Raises:
-        ValueError: If an argument is out of its range, or sequences differ in length.
+        ValueError: If an argument is out of its range, or sequences differ in length, or there is no GPU.
+        MissingExtra: If numba-cuda is not installed and `device` asks for it.
 
     Example:
         >>> import laticauda as lc
@@ -123,7 +128,7 @@ def swim_many(
     )
     weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
     weights = np.array([weight[id(run.plant)] for run in runs])
-    found = collected(runs, weights, duration, sample_interval, threads, progress)
+    found = collected(runs, weights, duration, sample_interval, threads, progress, device=device)
     named = dict(found.figures)
     end = np.stack((named.pop("x"), named.pop("y")), axis=1)
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
@@ -177,6 +182,8 @@ def collected(
     sample_interval: float,
     threads: int | None,
     progress: Progress | None,
+    *,
+    device: str = "cpu",
 ) -> Collected:
     """Run a batch, and put all blocks' figures where they belong; `weights` are what the robots carry [N]."""
     positive("duration", duration, "s")
@@ -188,6 +195,11 @@ def collected(
         )
     if threads is not None:
         whole("threads", threads, 1)
+    march = march_many
+    if one_of("device", device, DEVICES) == "cuda":
+        from laticauda.planar.cuda import march_many as march_on_gpu
+
+        march = march_on_gpu
     n = len(runs)
     numbers = np.full((len(_FIGURES), n), np.nan, dtype=weights.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
@@ -198,7 +210,7 @@ def collected(
 
     n_intervals = max(1, round(duration / sample_interval))
     finished = 0
-    for index, n_samples, found in march_many(runs, duration, sample_interval, figures, threads=threads):
+    for index, n_samples, found in march(runs, duration, sample_interval, figures, threads=threads):
         well = n_samples == n_intervals + 1
         succeeded[index] = well
         for row, name in enumerate(_FIGURES):
