@@ -1,11 +1,12 @@
 """What does the speed depend on? Derivatives to any number of robot, gait and water.
 
-    python examples/06_sensitivities.py
+python examples/06_sensitivities.py
 """
 
 from math import radians
 
 import laticauda as lc
+from laticauda.studies import sensitivities
 
 robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
@@ -21,7 +22,7 @@ names = [
     "robot.caudal_fin.length",
     "robot.caudal_fin.height",
 ]
-found = lc.sensitivities(robot, gait, names=names)
+found = sensitivities(robot, gait, names=names)
 speed, power = (found.figures.index(figure) for figure in ("forward_velocity", "mean_power"))
 
 print(f"{found.values[0, speed]:.4f} m/s, {found.values[0, power]:.2f} W. One percent more of")

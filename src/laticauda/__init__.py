@@ -32,7 +32,6 @@ if TYPE_CHECKING:
         load_water,
     )
     from laticauda.simulate import Swims, plant, resume, run, swim, swim_many
-    from laticauda.studies import Sensitivities, sensitivities
     from laticauda.trial import Trial, compare, joined, load_trial
 
 _HOMES = {
@@ -58,7 +57,6 @@ _HOMES = {
         "load_water",
     ),
     "simulate": ("Swims", "plant", "resume", "run", "swim", "swim_many"),
-    "studies": ("Sensitivities", "sensitivities"),
     "trial": ("Trial", "compare", "joined", "load_trial"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -78,7 +76,6 @@ __all__ = [
     "Plant",
     "Polyline",
     "Robot",
-    "Sensitivities",
     "Spline",
     "Start",
     "StraightLine",
@@ -98,7 +95,6 @@ __all__ = [
     "plant",
     "resume",
     "run",
-    "sensitivities",
     "swim",
     "swim_many",
 ]

@@ -6,7 +6,7 @@ import pytest
 import laticauda as lc
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.studies.parameters import changed
-from laticauda.studies.sensitivities import UNITS
+from laticauda.studies.sensitivities import UNITS, sensitivities
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
@@ -37,7 +37,7 @@ def by_differences(robot, gait, water, names, **settings):
     steps = 2.0 ** -np.arange(19, 22)
     points = []
     for name in names:
-        value = lc.sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[0, 0]
+        value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[0, 0]
         points += [(*changed(robot, gait, water, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)]
     robots, gaits, waters, values = zip(*points, strict=True)
     many = lc.swim_many(robots, gaits, 30.0, environments=waters, **settings)
@@ -56,7 +56,7 @@ def check(found, expected, bound):
 
 
 def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
-    found = lc.sensitivities(FINNED, GAIT, environments=WATER, names=NAMES, dt=0.05)
+    found = sensitivities(FINNED, GAIT, environments=WATER, names=NAMES, dt=0.05)
     check(found, by_differences(FINNED, GAIT, WATER, NAMES, dt=0.05), 1e-7)
     trial = lc.swim(FINNED, GAIT, environment=WATER, dt=0.05)
     assert found.values[0, 0] == pytest.approx(trial.forward_velocity, rel=1e-10)
@@ -64,7 +64,7 @@ def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
 
 
 def test_the_dimensionless_form_says_by_how_many_percent():
-    found = lc.sensitivities(FINNED, GAIT, names=["gait.amplitude", "water.current_x"])
+    found = sensitivities(FINNED, GAIT, names=["gait.amplitude", "water.current_x"])
     share = found.of("net_power", "gait.amplitude") * GAIT.amplitude / found.values[:, found.figures.index("net_power")]
     assert found.elasticity[:, found.figures.index("net_power"), 0] == pytest.approx(share, rel=1e-15)
     assert found.elasticity[0, 0, 1] == 0.0
@@ -74,7 +74,7 @@ def test_the_dimensionless_form_says_by_how_many_percent():
 def test_driven_joints_have_derivatives_to_their_actuators_too(joints):
     robot = load_robot("mamba")
     name = {"pd": "robot.joint.actuator.proportional_gain", "servo": "robot.joint.actuator.stall_torque"}[joints]
-    found = lc.sensitivities(robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002)
+    found = sensitivities(robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002)
     value, step = found.point[0, 0], 1e-5
     around = [changed(robot, GAIT, WATER, {name: value * (1 + s)})[0] for s in (step, -step)]
     many = lc.swim_many(around, GAIT, 1.0, environments=WATER, joints=joints, dt=0.002)
@@ -88,9 +88,9 @@ def test_a_batch_has_the_derivatives_of_its_trials():
     gaits = [replace(GAIT, amplitude=a) for a in (0.3, 0.4, 0.5)]
     robots = [load_robot("mamba"), FINNED, load_robot("mamba")]
     names = ["gait.frequency", "water.normal_drag", "robot.module.mass"]
-    whole = lc.sensitivities(robots, gaits, 15.0, environments=WATER, names=names, threads=2)
+    whole = sensitivities(robots, gaits, 15.0, environments=WATER, names=names, threads=2)
     for i in range(3):
-        alone = lc.sensitivities(robots[i], gaits[i], 15.0, environments=WATER, names=names[::-1], threads=1)
+        alone = sensitivities(robots[i], gaits[i], 15.0, environments=WATER, names=names[::-1], threads=1)
         np.testing.assert_array_equal(whole.values[i], alone.values[0])
         np.testing.assert_allclose(whole.jacobian[i], alone.jacobian[0, :, ::-1], rtol=1e-12, atol=1e-15)
 
@@ -99,7 +99,7 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
     # Neither a tether nor tangential added mass: both are at 0, and a tether is a load that the kernels leave out then.
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     names = ["robot.tether.drag", "water.tangential_added_mass"]
-    found = lc.sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
+    found = sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
     step = 2.0**-16
     for k, name in enumerate(names):
         trials = [changed(robot, GAIT, water, {name: j * step}) for j in range(3)]
@@ -110,14 +110,14 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
 
 
 def test_a_modules_own_coefficient_begins_at_the_waters():
-    found = lc.sensitivities(load_robot("mamba"), GAIT, 5.0, names=["robot.module.normal_drag", "water.normal_drag"])
+    found = sensitivities(load_robot("mamba"), GAIT, 5.0, names=["robot.module.normal_drag", "water.normal_drag"])
     np.testing.assert_array_equal(found.point[:, 0], found.point[:, 1])
     np.testing.assert_allclose(found.jacobian[..., 0], found.jacobian[..., 1], rtol=1e-10, atol=1e-15)
 
 
 def test_a_trial_that_diverges_has_no_derivatives():
     wild = replace(WATER, normal_drag=1e4)
-    found = lc.sensitivities(FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05)
+    found = sensitivities(FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05)
     assert found.succeeded.tolist() == [True, False]
     assert np.isfinite(found.jacobian[0]).all()
     assert np.isnan(found.jacobian[1]).all()
@@ -136,7 +136,7 @@ def test_a_trial_that_diverges_has_no_derivatives():
 )
 def test_names_of_no_use_are_refused(names, message):
     with pytest.raises(ValueError) as refused:
-        lc.sensitivities(load_robot("mamba"), GAIT, 1.0, names=names)
+        sensitivities(load_robot("mamba"), GAIT, 1.0, names=names)
     assert message in str(refused.value)
 
 
@@ -144,4 +144,4 @@ def test_modules_that_differ_have_no_common_number():
     robot = load_robot("mamba")
     odd = replace(robot, modules=(replace(robot.modules[0], mass=2.0), *robot.modules[1:]))
     with pytest.raises(ValueError, match=r"the same in all parts, got `robot\.module\.mass`"):
-        lc.sensitivities(odd, GAIT, 1.0, names=["robot.module.mass"])
+        sensitivities(odd, GAIT, 1.0, names=["robot.module.mass"])

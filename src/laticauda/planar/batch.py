@@ -51,7 +51,7 @@ class Run:
     start: Start = Start()  # noqa: RUF009 - frozen
     """Straight and at rest."""
     slope: Float[np.ndarray, " rows"] | None = None
-    """Derivative of the run's rows to a parameter, if that of its results is wanted; then all runs of a batch have one."""
+    """Derivative of the run's rows to a parameter, if that of its results is wanted: in all runs of a batch."""
 
     @property
     def rows(self) -> Float[np.ndarray, " rows"]:
@@ -172,7 +172,7 @@ def _march(
         count = min(_SAMPLES, n_intervals - first)
         part = log[: count + 1]
         kernel(S, *plant.layout.chain, implicit, count * every, dt, every, part)
-        here = _numbers(S[rows.SAMPLES]).real.astype(int)
+        here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
         if n_intervals > _SAMPLES:
@@ -188,7 +188,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
     """What runs left behind, from their logs and their rows at the end."""
     return Block(
         index=index,
-        time=path[:, 0, 0].real,
+        time=np.real(path[:, 0, 0]),
         center_of_mass=path[:, _X : _X + 2],
         center_of_mass_velocity=path[:, _VX : _VX + 2],
         heading=end[rows.HEADING].copy(),
@@ -200,11 +200,10 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
 def _side_by_side(values: Sequence[np.ndarray], slopes: Sequence[np.ndarray | None]) -> np.ndarray:
     """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
     index = np.minimum(np.arange(WIDTH), len(values) - 1)
+    S = _aligned((values[0].size, WIDTH), float if slopes[0] is None else complex)
     if slopes[0] is None:
-        S = _aligned((values[0].size, WIDTH), float)
         S[:] = np.stack(values, axis=1)[:, index]
         return S
-    S = _aligned((values[0].size, WIDTH), complex)
     real, imaginary = split(S)
     real[:] = np.stack(values, axis=1)[:, index]
     imaginary[:] = STEP * np.stack(cast("Sequence[np.ndarray]", slopes), axis=1)[:, index]
@@ -222,6 +221,7 @@ def _numbers(lanes: np.ndarray) -> np.ndarray:
 def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array of zeros that begins where a vector register's worth of memory does."""
     size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
-    raw = np.zeros(size + 8)
+    raw: np.ndarray = np.zeros(size + 8)
     first = -raw.ctypes.data % 64 // 8
-    return raw[first : first + size].view(kind).reshape(shape)
+    aligned: np.ndarray = raw[first : first + size].view(kind)
+    return aligned.reshape(shape)

@@ -10,7 +10,7 @@ way: results agree with the processor's to rounding, not to the last digit.
 import functools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, TypeVar, no_type_check
+from typing import Any, TypeVar, cast, no_type_check
 
 import numpy as np
 
@@ -18,6 +18,12 @@ from laticauda.errors import MissingExtra
 from laticauda.planar import rows
 from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
 from laticauda.planar.specialize import FluidLaw, Target, specialize
+
+try:
+    import numba_cuda as _  # noqa: F401 - it puts itself in the place of the module that numba has
+    from numba import cuda
+except ImportError as _err:
+    raise MissingExtra("Running on a GPU", "numba-cuda", "gpu") from _err
 
 Result = TypeVar("Result")
 
@@ -36,10 +42,8 @@ def march_many(
     """As `laticauda.planar.batch.march_many`, on the GPU; `threads` of the processor make no difference to it.
 
     Raises:
-        MissingExtra: If numba-cuda is not installed.
         ValueError: If there is no GPU that it can use.
     """
-    cuda = _cuda()
     if not cuda.is_available():
         raise ValueError("`device` must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'.")
     n_intervals = max(1, round(duration / sample_interval))
@@ -52,11 +56,10 @@ def march_many(
 
 def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
     """Runs of one kind, one thread each."""
-    cuda = _cuda()
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    n, first_strip, first_plate, law, tether_body, has_extras = plant.layout.chain
+    n, first_strip, first_plate, law, tether_body, has_extras = cast(Any, plant.layout.chain)
     S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
     march = kernel_of(plant.law)
@@ -86,7 +89,6 @@ def _with_freedom(law: np.ndarray) -> np.ndarray:
 @functools.cache
 def kernel_of(fluid_law: FluidLaw) -> Any:
     """The kernel for a fluid law: arguments as for `stepping.run`, with a column of `flat` and of `log` per run."""
-    cuda = _cuda()
     run = specialize(1, fluid_law, _target()).run
 
     @cuda.jit
@@ -103,7 +105,6 @@ def kernel_of(fluid_law: FluidLaw) -> Any:
 @functools.cache
 def _target() -> Target:
     """How the templates become functions of the GPU: every number is one float, and rows are columns."""
-    cuda = _cuda()
     device = cuda.jit(device=True)
 
     @device
@@ -131,7 +132,9 @@ def _target() -> Target:
     def expm1(x):
         return math.expm1(x)
 
-    @cuda.jit(device=True, inline="always")  # no function of a GPU may return a part of an array
+    always: Any = "always"
+
+    @cuda.jit(device=True, inline=always)  # no function of a GPU may return a part of an array
     @no_type_check
     def free_joints(law):
         return law[law.size // 2 :]
@@ -152,17 +155,3 @@ def _target() -> Target:
             "free_joints": free_joints,
         },
     )
-
-
-def _cuda() -> Any:
-    """numba-cuda.
-
-    Raises:
-        MissingExtra: If it is not installed.
-    """
-    try:
-        import numba_cuda  # noqa: F401
-        from numba import cuda
-    except ImportError as err:
-        raise MissingExtra("Running on a GPU", "numba-cuda", "gpu") from err
-    return cuda

@@ -1,4 +1,4 @@
-"""Arithmetic of numbers with an imaginary part so small that its square is nothing: what a complex step is, to rounding.
+"""Arithmetic of numbers with an imaginary part so small that its square is nothing: a complex step, to rounding.
 
 A number is a pair: what it is, and its derivative times the step; the second is None where it is known to be 0. The
 first is computed as without a second. Functions get the builder of LLVM instructions, and `emit`, which gives

@@ -3,9 +3,9 @@
 With one lane it is a plain float or complex number. With more it is a vector of floats that the compiler keeps in a
 vector register: every statement of the kernels becomes one vector instruction, and nothing is left to a compiler's
 judgement whether a loop may be vectorized. Rows of complex numbers hold `Duals`, one number with its derivative per
-lane: a complex step so small that its square is nothing. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and
-`np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that branches cannot
-take lanes; `each_lane` calls it once per lane.
+lane: a complex step so small that its square is nothing. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``,
+`np.sqrt` and `np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that
+branches cannot take lanes; `each_lane` calls it once per lane.
 
 The door to Numba's extension interface; nothing else in the package knows how lanes are made.
 """
@@ -149,9 +149,9 @@ def rows_of(width):
     return as_rows
 
 
-def split(flat):
+def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Real and imaginary parts, as views, of an array that the kernels take as rows of complex numbers."""
-    parts = flat.view(flat.real.dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
+    parts = flat.view(np.real(flat).dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
     return parts[..., 0, :], parts[..., 1, :]
 
 
@@ -349,7 +349,7 @@ def _real_part(typingctx, x):
 @overload_attribute(Lanes, "real", inline="always")
 def _real(x):
     if isinstance(x, Duals):
-        return lambda x: _real_part(x)
+        return lambda x: _real_part(x)  # pyright: ignore[reportCallIssue]
     return lambda x: x
 
 
@@ -473,7 +473,7 @@ def _same(builder, kind, scalar):
 @intrinsic
 def each_lane(typingctx, function, arguments):
     """Call a compiled scalar function once per lane; `arguments` is a tuple of lanes and plain numbers."""
-    kind = _lanes_among(arguments)
+    kind: Any = _lanes_among(arguments)
     scalars = tuple(_alone(a) for a in arguments)
     inner = function.get_call_type(typingctx, scalars, {})
     results = tuple(inner.return_type)

@@ -69,9 +69,7 @@ _one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
 
-def specialize(
-    width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag, target: Target | None = None
-) -> ModuleType:
+def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag, target: Target | None = None) -> ModuleType:
     """The stepping kernels for `width` lanes and one fluid law.
 
     Args:
@@ -123,7 +121,9 @@ def _specialize(width: int, fluid_law: FluidLaw, law_digest: str, target: Target
     try:
         for template in ("loads", "recursion", "drives", "stepping"):
             names[template] = _load(template, key, names)
-            vars(names[template]).update({k: v for k, v in target.instead.items() if hasattr(names[template], k)})
+            for name, value in target.instead.items():
+                if hasattr(names[template], name):
+                    setattr(names[template], name, value)
     finally:
         _target.reset(before)
     return names["stepping"]

@@ -22,7 +22,7 @@ from laticauda.simulate.many import collected
 from laticauda.simulate.runner import Progress
 from laticauda.trial import metrics
 
-# Points of the differences in steps, and their weights: of order eight in the middle, four at an end of what is allowed.
+# Points of the differences, in steps, and their weights: of order eight; four at an end of what is allowed.
 _MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
 _AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 _BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
@@ -106,8 +106,8 @@ def slopes(
         weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * STEP * entry.weight
     found = collected(derived, weights, duration, sample_interval, threads, progress)
     return Slopes(
-        value={name: figure.real for name, figure in found.figures.items()},
-        slope={name: np.where(np.isnan(f.real), np.nan, f.imag / STEP) for name, f in found.figures.items()},
+        value={name: np.real(figure) for name, figure in found.figures.items()},
+        slope={name: np.where(np.isnan(f), np.nan, np.imag(f) / STEP) for name, f in found.figures.items()},
         succeeded=found.succeeded,
         status=found.status,
     )

@@ -220,7 +220,7 @@ def collected(
         finished += index.size
         if progress is not None:
             progress(finished / n)
-    figures_by_name = dict(zip(_FIGURES, numbers, strict=True))
+    figures_by_name: dict[str, np.ndarray] = dict(zip(_FIGURES, numbers, strict=True))
     return Collected(figures=figures_by_name, succeeded=succeeded, status=tuple(status))
 
 

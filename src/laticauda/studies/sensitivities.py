@@ -122,7 +122,7 @@ def sensitivities(
     Example:
         >>> import laticauda as lc
         >>> gait = lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70)
-        >>> found = lc.sensitivities(lc.load_robot("mamba"), gait, names=["gait.frequency", "water.normal_drag"])
+        >>> found = sensitivities(lc.load_robot("mamba"), gait, names=["gait.frequency", "water.normal_drag"])
         >>> found.of("forward_velocity", "gait.frequency").round(4)
         array([0.0486])
     """
@@ -159,7 +159,7 @@ def sensitivities(
         point=np.array(point),
         values=value,
         jacobian=jacobian,
-        succeeded=found.succeeded.reshape(shape).all(axis=1),
+        succeeded=found.succeeded[:: len(names)],
         status=found.status[:: len(names)],
     )
 
