@@ -223,5 +223,4 @@ def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
     size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
     raw: np.ndarray = np.zeros(size + 8)
     first = -raw.ctypes.data % 64 // 8
-    aligned: np.ndarray = raw[first : first + size].view(kind)
-    return aligned.reshape(shape)
+    return cast(np.ndarray, raw[first : first + size].view(kind)).reshape(shape)

@@ -26,6 +26,7 @@ from laticauda.trial import metrics
 _MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
 _AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 _BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
+_LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait are rows themselves
 # A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
 _SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
@@ -96,8 +97,9 @@ def slopes(
     extra_plants: dict[int, PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name
-        entry = known.get(key) or _entry(run, number)
-        if number.change(number.value)[1] is number.trial[1]:  # no number of the gait: the same for all gaits
+        of_gait = number.change(number.value)[1] is not number.trial[1]
+        entry = known.get(key) or _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
+        if not of_gait:  # the same for all gaits
             known[key] = entry
         plant = run.plant
         if entry.has_extras and not plant.layout.has_extras:
@@ -113,11 +115,11 @@ def slopes(
     )
 
 
-def _entry(run: Run, number: Number) -> _Entry:
+def _entry(run: Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
     """The derivative of all that the figures are made of: the kernels' rows, and the robot's weight."""
     size = 2.0 ** math.floor(math.log2(abs(number.value))) if number.value else 1.0
     refused: ValueError | None = None
-    for points in (_MIDDLE, _AHEAD, _BEHIND):
+    for points in differences:
         for share in _SHARES:
             step = share * size
             try:

@@ -92,7 +92,7 @@ def sensitivities(
 
     The derivatives are those of what the kernels compute, at the time step of the trial, exact to rounding: the kernels
     carry each number with its derivative (a complex step). Trials and parameters are computed side by side; each pair
-    costs about three trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a
+    costs three to four trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a
     servo), it is differentiated on either side of it; over a trial that does not show.
 
     Args:
