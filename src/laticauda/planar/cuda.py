@@ -77,8 +77,10 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
         every,
         log,
     )
-    end = S.copy_to_host()
-    return block_of(index, log.copy_to_host(), end, end[rows.SAMPLES].astype(int))
+    end, path = S.copy_to_host(), log.copy_to_host()
+    n_samples = end[rows.SAMPLES].astype(int)
+    path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
+    return block_of(index, path, end, n_samples)
 
 
 def _with_freedom(law: np.ndarray) -> np.ndarray:
