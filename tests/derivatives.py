@@ -37,7 +37,7 @@ def check_complex_steps(law: Law, arguments: Sequence[float]) -> None:
 
 def check_compiled(law: Law, arguments: Sequence[float]) -> None:
     """Compiled as the kernels do it, for real and for complex numbers, the law gives what Python gives."""
-    from laticauda.planar.specialize import compiled
+    from laticauda.compiling import compiled
 
     fast = compiled(law)
     for kind in (float, complex):

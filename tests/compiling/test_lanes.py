@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.compiling import compiled, lanes
+from laticauda.compiling import compiled, in_lanes, lanes
 from laticauda.planar import functions
-from laticauda.planar.specialize import in_lanes
 
 WIDTH = 8
 rows_of = lanes.rows_of(WIDTH)

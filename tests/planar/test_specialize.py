@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.compiling import fingerprint
 from laticauda.fluid import laws
-from laticauda.planar.specialize import fingerprint, is_compiled
+from laticauda.planar.specialize import is_compiled
 from laticauda.robot import load_robot
 
 SCRIPT = textwrap.dedent(

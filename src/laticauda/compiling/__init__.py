@@ -1,18 +1,38 @@
 """Compile scalar laws, which are plain Python functions, for the kernels of every model."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 from types import CellType, CodeType, FunctionType
-from typing import Any, cast
+from typing import Any, cast, no_type_check
 
 from numba import njit
+from numba.core.errors import NumbaError
+from numba.extending import overload
 
 from laticauda import scalars
 from laticauda.compiling import lanes
-from laticauda.compiling.lanes import INLINED
+from laticauda.compiling.lanes import INLINED, OPTIONS
 
-# What kernels compute with instead of these, for floats, complex steps and lanes.
-_INSTEAD: dict[Any, Any] = {scalars.where: cast(Any, lanes).where, scalars.magnitude: cast(Any, lanes).magnitude}
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Target:
+    """What kernels are compiled for: how, and what stands in the place of some functions."""
+
+    kernel: Callable[[Callable[..., Any]], Any]
+    """Decorator of inner functions."""
+    entry: Callable[[Callable[..., Any]], Any]
+    """Decorator of entry points."""
+    in_lanes: Callable[[Any], Any]
+    """Makes of a compiled function of numbers one of lanes."""
+    where: Any
+    """Of laws, see `scalars.where`."""
+    magnitude: Any
+    """Of laws, see `scalars.magnitude`."""
+    instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    """What stands in the place of names that the templates of kernels import or define."""
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -21,7 +41,7 @@ def kernel(function: Callable[..., Any]) -> Any:
     Args:
         function: Of a kernel.
     """
-    return njit(**INLINED)(function)
+    return _target.get().kernel(function)
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -44,6 +64,83 @@ def compiled(function: Callable[..., Any]) -> Any:
     return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
 
+def _compiled_inner(function: Callable[..., Any]) -> Any:
+    if function is scalars.where or function is scalars.magnitude:
+        return getattr(_target.get(), function.__name__)
+    return compiled(function)
+
+
+def in_lanes(function: Any) -> Any:
+    """A compiled function of floats that takes lanes too.
+
+    Args:
+        function: As `compiled` returned it.
+    """
+    return _target.get().in_lanes(function)
+
+
+def _all_or_each(function: Any) -> Any:
+    """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
+
+    def call(*arguments: Any) -> Any:
+        raise NotImplementedError("only kernels call this")
+
+    @overload(call, jit_options=INLINED)
+    @no_type_check  # Numba compares this signature with that of the lambdas
+    def choose(*arguments):  # pyright: ignore[reportUnusedFunction]
+        if any(isinstance(kind, lanes.Lanes) for kind in arguments):
+            try:
+                function.get_call_template(arguments, {})
+            except NumbaError:
+                return lambda *arguments: lanes.each_lane(function, arguments)
+        return lambda *arguments: function(*arguments)
+
+    return call
+
+
+def entry(function: Callable[..., Any]) -> Any:
+    """Decorator of entry points: what Python calls.
+
+    Args:
+        function: Of a module whose name ends in a digest of all that it is made of.
+    """
+    return _target.get().entry(function)
+
+
+def _kept(function: Callable[..., Any]) -> Any:
+    """Compile, and keep the machine code on disk.
+
+    Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
+    which is the end of the module's name, goes into that name.
+    """
+    function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
+    return njit(cache=True, nogil=True, **OPTIONS)(function)
+
+
+PROCESSOR = Target(
+    kernel=njit(**INLINED),
+    entry=_kept,
+    in_lanes=_all_or_each,
+    where=cast(Any, lanes).where,
+    magnitude=cast(Any, lanes).magnitude,
+)
+_target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
+
+
+@contextmanager
+def compiling_for(target: Target) -> Generator[None]:
+    """Compile for something else than this machine's processor in the meantime.
+
+    Args:
+        target: What.
+    """
+    before = _target.set(target)
+    try:
+        yield
+    finally:
+        _target.reset(before)
+
+
 def fingerprint(function: Callable[..., Any]) -> str:
     """Digest of a function's code, of the values it closes over and of the functions and numbers it refers to.
 
@@ -54,10 +151,6 @@ def fingerprint(function: Callable[..., Any]) -> str:
     for part in _parts(function, set()):
         digest.update(part.encode())
     return digest.hexdigest()
-
-
-def _compiled_inner(function: Callable[..., Any]) -> Any:
-    return _INSTEAD[function] if function in _INSTEAD else compiled(function)
 
 
 def _parts(value: Any, seen: set[int]) -> list[str]:

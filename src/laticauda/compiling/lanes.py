@@ -2,15 +2,17 @@
 
 With one lane it is a plain float or complex number. With more it is a vector of floats that the compiler keeps in a
 vector register: every statement of the kernels becomes one vector instruction, and nothing is left to a compiler's
-judgement whether a loop may be vectorized. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and
-`np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that branches cannot
-take lanes; `each_lane` calls it once per lane.
+judgement whether a loop may be vectorized. Rows of complex numbers hold `Duals`, one number with its derivative per
+lane: a complex step so small that its square is nothing. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``,
+`np.sqrt` and `np.floor` work on such `Lanes`; a comparison gives a `Mask`, and `where` picks by it. A function that
+branches cannot take lanes; `each_lane` calls it once per lane.
 
 The door to Numba's extension interface; nothing else in the package knows how lanes are made.
 """
 
 # pyright: basic
 
+import functools
 import operator
 from typing import Any
 
@@ -28,6 +30,8 @@ from numba.extending import (
     register_model,
     type_callable,
 )
+
+from laticauda.compiling import duals
 
 # Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
@@ -51,6 +55,23 @@ class Lanes(types.Type):
         return self if isinstance(other, types.Float | types.Integer) else None
 
 
+class Duals(Lanes):
+    """One float and an imaginary part, its derivative times some step, per lane; comparisons look at the floats."""
+
+    def __init__(self, dtype, width):
+        super().__init__(dtype, width)
+        self.part = dtype if width == 1 else Lanes(dtype, width)
+        self.name = f"Duals({dtype}, {width})"
+
+    def can_convert_from(self, typingctx, other):
+        """What has no imaginary part is a number whose derivative is 0."""
+        return Conversion.safe if other == self.part else super().can_convert_from(typingctx, other)
+
+    def unify(self, typingctx, other):
+        """As for lanes."""
+        return self if other == self.part else super().unify(typingctx, other)
+
+
 class Mask(types.Type):
     """One truth value per lane."""
 
@@ -72,7 +93,12 @@ class Rows(types.Type):
 
     def __init__(self, dtype, width):
         self.dtype, self.width = dtype, width
-        self.item = dtype if width == 1 else Lanes(dtype, width)
+        if width == 1:
+            self.item = dtype
+        elif isinstance(dtype, types.Complex):
+            self.item = Duals(dtype.underlying_float, width)
+        else:
+            self.item = Lanes(dtype, width)
         super().__init__(f"Rows({dtype}, {width})")
 
 
@@ -89,6 +115,12 @@ class _VectorModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, _vector(fe_type))
 
 
+@register_model(Duals)
+class _DualsModel(models.StructModel):
+    def __init__(self, dmm, fe_type):
+        super().__init__(dmm, fe_type, [("real", fe_type.part), ("imag", fe_type.part)])
+
+
 @register_model(Rows)
 class _RowsModel(models.PrimitiveModel):
     def __init__(self, dmm, fe_type):
@@ -99,7 +131,10 @@ class _RowsModel(models.PrimitiveModel):
 
 
 def rows_of(width):
-    """The compiled function that takes an array, contiguous, the lanes of a row next to each other, as `Rows`."""
+    """The compiled function that takes an array, contiguous, the lanes of a row next to each other, as `Rows`.
+
+    A row of several complex numbers holds all real parts, then all imaginary parts (see `split`).
+    """
 
     @intrinsic
     def as_rows(typingctx, array):
@@ -112,6 +147,12 @@ def rows_of(width):
         return kind(array), codegen
 
     return as_rows
+
+
+def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Real and imaginary parts, as views, of an array that the kernels take as rows of complex numbers."""
+    parts = flat.view(np.real(flat).dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
+    return parts[..., 0, :], parts[..., 1, :]
 
 
 @type_callable(operator.getitem)
@@ -145,6 +186,9 @@ def _getitem(context, builder, sig, args):
     address = _address(context, builder, sig, args)
     if rows.width == 1:
         return context.unpack_value(builder, rows.item, address)
+    if isinstance(rows.item, Duals):
+        parts = [cgutils.gep_inbounds(builder, address, 0, k) for k in range(2)]
+        return _joined(context, builder, rows.item, [builder.load(part, align=8) for part in parts])
     return builder.load(address, align=8)  # of the lane: arrays need not be aligned to whole rows
 
 
@@ -155,6 +199,9 @@ def _setitem(context, builder, sig, args):
     value = context.cast(builder, args[2], sig.args[2], rows.item)
     if rows.width == 1:
         context.pack_value(builder, rows.item, value, address)
+    elif isinstance(rows.item, Duals):
+        for k, part in enumerate(_parted(context, builder, rows.item, rows.item, value)):
+            builder.store(part, cgutils.gep_inbounds(builder, address, 0, k), align=8)
     else:
         builder.store(value, address, align=8)
 
@@ -165,7 +212,11 @@ def _setitem(context, builder, sig, args):
 @lower_cast(types.Float, Lanes)
 @lower_cast(types.Integer, Lanes)
 @lower_cast(types.Boolean, Mask)
+@lower_cast(Lanes, Duals)
 def _broadcast(context, builder, fromty, toty, value):
+    if isinstance(toty, Duals):
+        real, _ = _parted(context, builder, fromty, toty, value)
+        return _joined(context, builder, toty, (real, ir.Constant(real.type, None)))
     scalar = value if isinstance(toty, Mask) else context.cast(builder, value, fromty, toty.dtype)
     return _splat(builder, _vector(toty), scalar)
 
@@ -176,16 +227,36 @@ def _splat(builder, vector, scalar):
     return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(index, vector.count), None))
 
 
+def _parted(context, builder, fromty, kind, value):
+    """Real and imaginary part of anything that can become duals; the imaginary part is None where there is none."""
+    if isinstance(fromty, Duals):
+        pair = cgutils.create_struct_proxy(fromty)(context, builder, value=value)
+        return pair.real, pair.imag
+    return context.cast(builder, value, fromty, kind.part), None
+
+
+def _joined(context, builder, kind, parts):
+    pair = cgutils.create_struct_proxy(kind)(context, builder)
+    pair.real = parts[0]
+    pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]
+    return pair._getvalue()
+
+
 def _lanes_among(args):
     """The lanes' type, if there are lanes among the types and all others are numbers; else None."""
     kinds = {a for a in args if isinstance(a, Lanes)}
+    if any(isinstance(a, Duals) for a in kinds):
+        kinds -= {a.part for a in kinds if isinstance(a, Duals)}
     if len(kinds) == 1 and all(isinstance(a, Lanes | types.Float | types.Integer) for a in args):
         return kinds.pop()
     return None
 
 
-def _define(function, emit, result=lambda kind: kind, arity=2):
-    """Teach the compiler a function of lanes, or of lanes and plain numbers; `emit(builder, kind, *vectors)`."""
+def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
+    """Teach the compiler a function of lanes, or of lanes and plain numbers; `emit(builder, kind, *vectors)`.
+
+    `dual(builder, emit, *parts)` does the same for duals; without it the function looks at the real parts only.
+    """
 
     def typer_1(a):
         kind = _lanes_among((a,))
@@ -201,6 +272,11 @@ def _define(function, emit, result=lambda kind: kind, arity=2):
 
     def lower(context, builder, sig, args):
         kind = _lanes_among(sig.args)
+        if isinstance(kind, Duals):
+            parts = [_parted(context, builder, t, kind, v) for v, t in zip(args, sig.args, strict=True)]
+            if dual is None:
+                return emit(builder, kind.part, *(real for real, _ in parts))
+            return _joined(context, builder, kind, dual(builder, functools.partial(emit, builder, kind.part), *parts))
         vectors = [context.cast(builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)]
         return emit(builder, kind, *vectors)
 
@@ -213,12 +289,17 @@ def _elementwise(name):
 
     def emit(builder, kind, *values):
         suffix = "f32" if getattr(kind, "dtype", kind) == types.float32 else "f64"
-        if isinstance(kind, Lanes):
+        if isinstance(kind, Lanes):  # a lane of duals alone is a float
             suffix = f"v{kind.width}{suffix}"
         signature = ir.FunctionType(values[0].type, [v.type for v in values])
         return builder.call(cgutils.get_or_insert_function(builder.module, signature, f"llvm.{name}.{suffix}"), values)
 
     return emit
+
+
+def _truth(kind):
+    """What a comparison of lanes gives."""
+    return Mask(kind.width) if kind.width > 1 else types.boolean
 
 
 def _binary(name):
@@ -235,28 +316,40 @@ def _picked(sign):
     return lambda builder, kind, a, b: builder.select(builder.fcmp_ordered(sign, a, b), a, b)
 
 
-for _name, _plain, _in_place in (
-    ("fadd", operator.add, operator.iadd),
-    ("fsub", operator.sub, operator.isub),
-    ("fmul", operator.mul, operator.imul),
-    ("fdiv", operator.truediv, operator.itruediv),
+for _name, _plain, _in_place, _dual in (
+    ("fadd", operator.add, operator.iadd, duals.add),
+    ("fsub", operator.sub, operator.isub, duals.subtract),
+    ("fmul", operator.mul, operator.imul, duals.multiply),
+    ("fdiv", operator.truediv, operator.itruediv, duals.divide),
 ):
-    _define(_plain, _binary(_name))
-    _define(_in_place, _binary(_name))
-_define(operator.pow, _elementwise("pow"))
-_define(operator.neg, lambda builder, kind, a: builder.fneg(a), arity=1)
-_define(operator.pos, lambda builder, kind, a: a, arity=1)
-for _function, _name in ((abs, "fabs"), (np.abs, "fabs"), (np.sqrt, "sqrt"), (np.floor, "floor")):
-    _define(_function, _elementwise(_name), arity=1)
+    _define(_plain, _binary(_name), dual=_dual)
+    _define(_in_place, _binary(_name), dual=_dual)
+_define(operator.pow, _elementwise("pow"), dual=duals.power)
+_define(operator.neg, lambda builder, kind, a: builder.fneg(a), arity=1, dual=duals.negate)
+_define(operator.pos, lambda builder, kind, a: a, arity=1, dual=lambda builder, emit, a: a)
+for _function, _name, _dual in (
+    (abs, "fabs", duals.magnitude),
+    (np.abs, "fabs", duals.magnitude),
+    (np.sqrt, "sqrt", duals.square_root),
+    (np.floor, "floor", duals.step),
+):
+    _define(_function, _elementwise(_name), arity=1, dual=_dual)
 for _sign in ("lt", "le", "gt", "ge", "eq", "ne"):
     _symbol = {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}[_sign]
-    _define(getattr(operator, _sign), _comparison(_symbol), lambda kind: Mask(kind.width))
-_define(min, _picked("<"))
-_define(max, _picked(">"))
+    _define(getattr(operator, _sign), _comparison(_symbol), _truth)
+_define(min, _picked("<"), dual=duals.pick("<"))
+_define(max, _picked(">"), dual=duals.pick(">"))
+
+
+@intrinsic
+def _real_part(typingctx, x):
+    return x.part(x), lambda context, builder, sig, args: _parted(context, builder, x, x, args[0])[0]
 
 
 @overload_attribute(Lanes, "real", inline="always")
 def _real(x):
+    if isinstance(x, Duals):
+        return lambda x: _real_part(x)  # pyright: ignore[reportCallIssue]
     return lambda x: x
 
 
@@ -294,9 +387,10 @@ def where(typingctx, condition, a, b):
 
     def codegen(context, builder, sig, args):
         one, other = (context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
-        if not isinstance(kind, types.Complex):
+        if not isinstance(kind, types.Complex | Duals):
             return builder.select(args[0], one, other)
-        one, other, out = (context.make_complex(builder, kind, value=v) for v in (one, other, None))
+        pair = cgutils.create_struct_proxy(kind)
+        one, other, out = pair(context, builder, value=one), pair(context, builder, value=other), pair(context, builder)
         out.real = builder.select(args[0], one.real, other.real)
         out.imag = builder.select(args[0], one.imag, other.imag)
         return out._getvalue()
@@ -309,6 +403,9 @@ def magnitude(typingctx, x):
     """|x|; the sign of its real part decides about a complex number, whose imaginary part carries a derivative."""
 
     def codegen(context, builder, sig, args):
+        if isinstance(x, Duals):
+            parts = _parted(context, builder, x, x, args[0])
+            return _joined(context, builder, x, duals.magnitude(builder, None, parts))
         if not isinstance(x, types.Complex):
             return _elementwise("fabs")(builder, x, args[0])
         number, out = context.make_complex(builder, x, value=args[0]), context.make_complex(builder, x)
@@ -376,8 +473,8 @@ def _same(builder, kind, scalar):
 @intrinsic
 def each_lane(typingctx, function, arguments):
     """Call a compiled scalar function once per lane; `arguments` is a tuple of lanes and plain numbers."""
-    kind = next(a for a in arguments if isinstance(a, Lanes))
-    scalars = tuple(kind.dtype if isinstance(a, Lanes) else a for a in arguments)
+    kind: Any = _lanes_among(arguments)
+    scalars = tuple(_alone(a) for a in arguments)
     inner = function.get_call_type(typingctx, scalars, {})
     results = tuple(inner.return_type)
     out = types.Tuple([kind] * len(results))
@@ -385,18 +482,37 @@ def each_lane(typingctx, function, arguments):
     def codegen(context, builder, sig, args):
         call = context.get_function(function, inner)
         values = cgutils.unpack_tuple(builder, args[1])
-        vector, i32 = _vector(kind), ir.IntType(32)
-        columns = [ir.Constant(vector, ir.Undefined) for _ in results]
+        columns = [context.get_constant_undef(kind) for _ in results]
         for lane in range(kind.width):
-            at = ir.Constant(i32, lane)
-            lane_values = [
-                builder.extract_element(v, at) if isinstance(a, Lanes) else v
-                for v, a in zip(values, arguments, strict=True)
-            ]
+            lane_values = [_picked_lane(context, builder, a, v, lane) for v, a in zip(values, arguments, strict=True)]
             got = cgutils.unpack_tuple(builder, call(builder, lane_values))
             for j, (value, result) in enumerate(zip(got, results, strict=True)):
-                scalar = context.cast(builder, value, result, kind.dtype)
-                columns[j] = builder.insert_element(columns[j], scalar, at)
+                scalar = context.cast(builder, value, result, _alone(kind))
+                columns[j] = _with_lane(context, builder, kind, columns[j], scalar, lane)
         return context.make_tuple(builder, out, columns)
 
     return out(function, arguments), codegen
+
+
+def _alone(kind):
+    """What one lane of it is."""
+    if isinstance(kind, Duals):
+        return Duals(kind.dtype, 1)
+    return kind.dtype if isinstance(kind, Lanes) else kind
+
+
+def _picked_lane(context, builder, kind, value, lane):
+    at = ir.Constant(ir.IntType(32), lane)
+    if isinstance(kind, Duals):
+        parts = _parted(context, builder, kind, kind, value)
+        return _joined(context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts])
+    return builder.extract_element(value, at) if isinstance(kind, Lanes) else value
+
+
+def _with_lane(context, builder, kind, value, scalar, lane):
+    at = ir.Constant(ir.IntType(32), lane)
+    if not isinstance(kind, Duals):
+        return builder.insert_element(value, scalar, at)
+    parts = _parted(context, builder, kind, kind, value)
+    new = _parted(context, builder, _alone(kind), _alone(kind), scalar)
+    return _joined(context, builder, kind, [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)])

@@ -2,24 +2,28 @@
 
 The kernels are those of a single run, compiled for more lanes; a run's numbers do not depend on its neighbors, on the
 order, or on the number of threads.
+
+Runs may carry derivatives: then every number of a block is complex, and its imaginary part is `STEP` times the
+derivative to the run's parameter.
 """
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Inexact, Int
 
+from laticauda.compiling import fingerprint
+from laticauda.compiling.lanes import split
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout
-from laticauda.planar.model import PlanarPlant, law_of
-from laticauda.planar.specialize import fingerprint
+from laticauda.planar.model import PlanarPlant
 
 Result = TypeVar("Result")
 
@@ -29,9 +33,11 @@ WIDTH = 8
 # Blocks that one thread takes at a time, and samples that are logged at a time.
 _BLOCKS = 2
 _SAMPLES = 2000
+# Of derivatives: far below rounding, and a power of two, so that it changes no digits.
+STEP = 2.0**-100
 # The log holds the header's state rows from TIME to VY: few enough to stay near the processor.
 _X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
-_PATH_ROWS = _VX + 2
+PATH_ROWS = _VX + 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +50,13 @@ class Run:
     """Held from start to end."""
     start: Start = Start()  # noqa: RUF009 - frozen
     """Straight and at rest."""
+    slope: Float[np.ndarray, " rows"] | None = None
+    """Derivative of the run's rows to a parameter, if that of its results is wanted: in all runs of a batch."""
+
+    @property
+    def rows(self) -> Float[np.ndarray, " rows"]:
+        """What the kernels get."""
+        return self.plant.rows(self.plant.init(self.start, self.command), self.command)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,13 +67,13 @@ class Block:
     """Which of the batch's runs these are."""
     time: Float[np.ndarray, " n_samples"]
     """Of the samples [s]."""
-    center_of_mass: Float[np.ndarray, "n_samples 2 n_runs"]
+    center_of_mass: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p [m]."""
-    center_of_mass_velocity: Float[np.ndarray, "n_samples 2 n_runs"]
+    center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
-    heading: Float[np.ndarray, " n_runs"]
+    heading: Inexact[np.ndarray, " n_runs"]
     """At the end [rad]."""
-    work: Float[np.ndarray, "4 n_runs"]
+    work: Inexact[np.ndarray, "4 n_runs"]
     """At the end: absolute, net and positive work of the joints, electrical work [J]."""
     n_samples: Int[np.ndarray, " n_runs"]
     """Samples before the run's numbers left all bounds; all of them if the run reached its end."""
@@ -92,7 +105,8 @@ def march_many(
     tasks = _tasks(runs, duration / n_intervals)
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
-        log = _aligned((1 + min(n_intervals, _SAMPLES), _PATH_ROWS, WIDTH))
+        kind = float if runs[0].slope is None else complex
+        log = _aligned((1 + min(n_intervals, _SAMPLES), PATH_ROWS, WIDTH), kind)
         kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
@@ -118,6 +132,14 @@ def usable_cores() -> int:
 
 def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
     """Indices of runs that can go side by side, in blocks of up to WIDTH, a few blocks per task."""
+    for alike in kinds_of(runs, interval):
+        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
+        for i in range(0, len(blocks), _BLOCKS):
+            yield blocks[i : i + _BLOCKS]
+
+
+def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
+    """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
     for i, run in enumerate(runs):
@@ -125,18 +147,14 @@ def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:
         if id(plant) not in of_plant:
             of_plant[id(plant)] = _kind(plant, interval)
         kinds.setdefault(of_plant[id(plant)], []).append(i)
-    for alike in kinds.values():
-        blocks = [np.array(alike[i : i + WIDTH]) for i in range(0, len(alike), WIDTH)]
-        for i in range(0, len(blocks), _BLOCKS):
-            yield blocks[i : i + _BLOCKS]
+    return kinds.values()
 
 
 def _kind(plant: PlanarPlant, interval: float) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    law = law_of(plant.environment, plant.fluid_law)
-    return shape, plant.joints, plant.steps_in(interval), law, fingerprint(law)
+    return shape, plant.joints, plant.steps_in(interval), plant.law, fingerprint(plant.law)
 
 
 def _march(
@@ -146,10 +164,7 @@ def _march(
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    lanes = [run.plant.rows(run.plant.init(run.start, run.command), run.command) for run in runs]
-    lanes += [lanes[-1]] * (WIDTH - len(lanes))
-    S = _aligned((lanes[0].size, WIDTH))
-    S[:] = np.transpose(lanes)
+    S = _side_by_side([run.rows for run in runs], [run.slope for run in runs])
     implicit = plant.joints != "prescribed"
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
@@ -157,29 +172,55 @@ def _march(
         count = min(_SAMPLES, n_intervals - first)
         part = log[: count + 1]
         kernel(S, *plant.layout.chain, implicit, count * every, dt, every, part)
-        here = S[rows.SAMPLES].astype(int)
+        here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
         if n_intervals > _SAMPLES:
-            paths.append(part[0 if first == 0 else 1 :].copy())
+            paths.append(_numbers(part[0 if first == 0 else 1 :]).copy())
         if not well.any():
             break
+    path = np.concatenate(paths) if paths else _numbers(log)
     n = len(runs)
-    path = np.concatenate(paths) if paths else log
+    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
+
+
+def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:
+    """What runs left behind, from their logs and their rows at the end."""
     return Block(
         index=index,
-        time=path[:, 0, 0],
-        center_of_mass=path[:, _X : _X + 2, :n],
-        center_of_mass_velocity=path[:, _VX : _VX + 2, :n],
-        heading=S[rows.HEADING, :n].copy(),
-        work=S[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1, :n].copy(),
-        n_samples=n_samples[:n],
+        time=np.real(path[:, 0, 0]),
+        center_of_mass=path[:, _X : _X + 2],
+        center_of_mass_velocity=path[:, _VX : _VX + 2],
+        heading=end[rows.HEADING].copy(),
+        work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
+        n_samples=n_samples,
     )
 
 
-def _aligned(shape: tuple[int, ...]) -> np.ndarray:
+def _side_by_side(values: Sequence[np.ndarray], slopes: Sequence[np.ndarray | None]) -> np.ndarray:
+    """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
+    index = np.minimum(np.arange(WIDTH), len(values) - 1)
+    S = _aligned((values[0].size, WIDTH), float if slopes[0] is None else complex)
+    if slopes[0] is None:
+        S[:] = np.stack(values, axis=1)[:, index]
+        return S
+    real, imaginary = split(S)
+    real[:] = np.stack(values, axis=1)[:, index]
+    imaginary[:] = STEP * np.stack(cast("Sequence[np.ndarray]", slopes), axis=1)[:, index]
+    return S
+
+
+def _numbers(lanes: np.ndarray) -> np.ndarray:
+    """What the kernels left behind as plain numbers, complex if they had slopes."""
+    if lanes.dtype == float:
+        return lanes
+    real, imaginary = split(lanes)
+    return real + 1j * imaginary
+
+
+def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array of zeros that begins where a vector register's worth of memory does."""
-    size = int(np.prod(shape))
-    raw = np.zeros(size + 8)
+    size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
+    raw: np.ndarray = np.zeros(size + 8)
     first = -raw.ctypes.data % 64 // 8
-    return raw[first : first + size].reshape(shape)
+    return cast(np.ndarray, raw[first : first + size].view(kind)).reshape(shape)

@@ -9,12 +9,12 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 
 from typing import no_type_check
 
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compiled, in_lanes, kernel
 from laticauda.compiling.lanes import where
 from laticauda.fluid import laws
 from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, in_lanes
+from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 law = in_lanes(compiled(_names["fluid_law"]))

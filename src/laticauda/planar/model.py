@@ -94,7 +94,12 @@ class PlanarPlant:
 
     def kernels_of(self, width: int) -> Any:
         """The same for `width` trials side by side."""
-        return specialize(width, law_of(self.environment, self.fluid_law))
+        return specialize(width, self.law)
+
+    @property
+    def law(self) -> FluidLaw:
+        """Loads on one element."""
+        return law_of(self.environment, self.fluid_law)
 
     def steps_in(self, interval: float) -> int:
         """How many equal steps, none longer than `dt`, make up an interval [s] between two samples."""

@@ -15,21 +15,20 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any, cast, no_type_check
+from typing import Any, cast
 
-from numba import njit
 from numba.core.errors import NumbaError
-from numba.extending import overload
 
-from laticauda.compiling import compiled, fingerprint, lanes
-from laticauda.compiling.lanes import INLINED, OPTIONS
+from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for, fingerprint
 from laticauda.fluid import laws
 
 FluidLaw = Callable[..., tuple[float, float, float]]
 
+
 _PACKAGE = Path(__file__).parent.parent
 _SOURCES = (
     "planar/rows.py",
+    "compiling/duals.py",
     "planar/functions.py",
     "planar/loads.py",
     "planar/recursion.py",
@@ -47,19 +46,20 @@ _one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
 
-def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> ModuleType:
+def specialize(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag, target: Target | None = None) -> ModuleType:
     """The stepping kernels for `width` lanes and one fluid law.
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
         fluid_law: Function with the signature of `laticauda.fluid.laws.polynomial_drag`; plain Python that Numba can
             compile. What it closes over, and the functions it calls, count as part of it.
+        target: What to compile for; None for this machine's processor.
 
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
     with _one_at_a_time:
-        return _specialize(width, fluid_law, fingerprint(fluid_law))
+        return _specialize(width, fluid_law, fingerprint(fluid_law), target or PROCESSOR)
 
 
 def check_law(fluid_law: FluidLaw) -> None:
@@ -90,46 +90,22 @@ def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> b
 
 
 @functools.cache
-def _specialize(width: int, fluid_law: FluidLaw, law_digest: str) -> ModuleType:
-    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()}".encode()).hexdigest()[:16]
+def _specialize(width: int, fluid_law: FluidLaw, law_digest: str, target: Target) -> ModuleType:
+    other = "" if target is PROCESSOR else id(target)
+    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()} {other}".encode()).hexdigest()[:16]
     names: dict[str, Any] = {"WIDTH": width, "fluid_law": fluid_law}
-    for template in ("loads", "recursion", "drives"):
-        names[template] = _load(template, key, names)
-    return _load("stepping", key, names)
+    with compiling_for(target):
+        for template in ("loads", "recursion", "drives", "stepping"):
+            names[template] = _load(template, key, names)
+            for name, value in target.instead.items():
+                if hasattr(names[template], name):
+                    setattr(names[template], name, value)
+    return names["stepping"]
 
 
 def bindings(module_name: str) -> dict[str, Any]:
     """What the template that is being loaded under this name is specialized for."""
     return _loading[module_name]
-
-
-def in_lanes(function: Any) -> Any:
-    """A compiled function of floats that takes lanes too: all at once if it can, one after the other if it branches."""
-
-    def call(*arguments: Any) -> Any:
-        raise NotImplementedError("only kernels call this")
-
-    @overload(call, jit_options=INLINED)
-    @no_type_check  # Numba compares this signature with that of the lambdas
-    def choose(*arguments):  # pyright: ignore[reportUnusedFunction]
-        if any(isinstance(kind, lanes.Lanes) for kind in arguments):
-            try:
-                function.get_call_template(arguments, {})
-            except NumbaError:
-                return lambda *arguments: lanes.each_lane(function, arguments)
-        return lambda *arguments: function(*arguments)
-
-    return call
-
-
-def entry(function: Callable[..., Any]) -> Any:
-    """Decorator of a template's entry points: compile, and keep the machine code on disk.
-
-    Numba files it under the function's qualified name and does not look at what the function calls, so the digest,
-    which is the end of the module's name, goes into that name.
-    """
-    function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    return njit(cache=True, nogil=True, **OPTIONS)(function)
 
 
 @functools.cache

@@ -15,10 +15,10 @@ A template (see `specialize`); its entry points are what Python calls.
 
 from typing import no_type_check
 
-from laticauda.compiling import kernel, lanes
+from laticauda.compiling import entry, kernel, lanes
 from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings, entry
+from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 rows_of = lanes.rows_of(_names["WIDTH"])
@@ -56,7 +56,7 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
     most samples that any lane counted.
     """
     S = rows_of(flat)
-    is_free = law >= FIRST_FREE
+    is_free = free_joints(law)
     set_decay(S, dt if implicit else 0.25 * dt)
     set_reference(S, n, law)
     S[WELL] = 1.0
@@ -101,13 +101,20 @@ def link_forces(flat, n, first_strip, first_plate, law, tether_body, has_extras,
     `force` has shape (n_samples, 3, n, 2, lanes).
     """
     S = rows_of(flat)
-    is_free = law >= FIRST_FREE
+    is_free = free_joints(law)
     for sample in range(len(log)):
         read_sample(S, n, rows_of(log[sample]))
         set_reference(S, n, law)
         joint_torques(S, n, law, 0.0)
         accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
         body_forces(S, n, first_strip, rows_of(force[sample]))
+
+
+@kernel
+@no_type_check
+def free_joints(law):
+    """Which joints are free, one truth value each."""
+    return law >= FIRST_FREE
 
 
 @kernel

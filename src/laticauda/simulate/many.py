@@ -3,15 +3,16 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Inexact
 
-from laticauda.errors import instance, positive, whole
+from laticauda.errors import instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
-from laticauda.planar.batch import Block, Run, march_many
+from laticauda.planar import rows
+from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water
 from laticauda.simulate.plants import FluidLaw, plant
@@ -20,6 +21,7 @@ from laticauda.simulate.swimming import default_water, preset_water
 from laticauda.trial import metrics
 from laticauda.trial.cycles import hermite, steady_part
 
+DEVICES = ("cpu", "cuda")
 Item = TypeVar("Item")
 Figure = Float[np.ndarray, " n_trials"]
 
@@ -74,6 +76,7 @@ def swim_many(
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Progress | None = None,
 ) -> Swims:
     """Let many robots swim, each from straight and at rest; trial i is what `swim` makes of the i-th of everything.
@@ -95,13 +98,16 @@ def swim_many(
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
+        device: cpu, or cuda for a GPU, one trial per thread of it: it needs the extra `gpu`, and pays for thousands of
+            trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
 
     Returns:
         The figures, as arrays.
 
     Raises:
-        ValueError: If an argument is out of its range, or sequences differ in length.
+        ValueError: If an argument is out of its range, or sequences differ in length, or there is no GPU.
+        MissingExtra: If numba-cuda is not installed and `device` asks for it.
 
     Example:
         >>> import laticauda as lc
@@ -109,15 +115,33 @@ def swim_many(
         >>> lc.swim_many(lc.load_robot("mamba"), gaits).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
     """
-    positive("duration", duration, "s")
-    positive("sample_interval", sample_interval, "s")
-    if duration > MOST_SAMPLES * sample_interval:
-        raise ValueError(
-            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}."
-        )
-    if threads is not None:
-        whole("threads", threads, 1)
+    runs = runs_of(
+        robots,
+        gaits,
+        environments,
+        starts,
+        joints=joints,
+        dt=dt,
+        offset_bandwidth=offset_bandwidth,
+        ramp=ramp,
+        fluid_law=fluid_law,
+    )
+    weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
+    weights = np.array([weight[id(run.plant)] for run in runs])
+    found = collected(runs, weights, duration, sample_interval, threads, progress, device=device)
+    named = dict(found.figures)
+    end = np.stack((named.pop("x"), named.pop("y")), axis=1)
+    return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
+
+
+def runs_of(
+    robots: Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait],
+    environments: Environment | Sequence[Environment] | None,
+    starts: Start | Sequence[Start] | None,
+    **settings: Any,
+) -> list[Run]:
+    """The runs of a batch, with one plant for all that share robot and environment; arguments as for `swim_many`."""
     given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)
     every_robot = _each("robots", robots, n, Robot)
@@ -132,38 +156,61 @@ def swim_many(
     for robot, gait, environment, start in zip(every_robot, every_gait, every_environment, every_start, strict=True):
         key = id(robot), id(environment)
         if key not in plants:
-            body = plant(
-                robot,
-                environment,
-                joints=joints,
-                dt=dt,
-                offset_bandwidth=offset_bandwidth,
-                ramp=ramp,
-                fluid_law=fluid_law,
-            )
+            body = plant(robot, environment, **settings)
             assert isinstance(body, PlanarPlant)
             plants[key] = body
         runs.append(Run(plant=plants[key], command=Command(gait=gait), start=start))
-    return _collected(runs, duration, sample_interval, threads, progress)
+    return runs
 
 
-def _collected(
-    runs: Sequence[Run], duration: float, sample_interval: float, threads: int | None, progress: Progress | None
-) -> Swims:
-    """All blocks' figures, each where it belongs."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Collected:
+    """All figures of a batch; complex if its runs have slopes (see `Run`)."""
+
+    figures: Mapping[str, Inexact[np.ndarray, " n_runs"]]
+    """By name, nan where a run has none."""
+    succeeded: Bool[np.ndarray, " n_runs"]
+    """Whether the run reached its end."""
+    status: tuple[str, ...]
+    """How it ended."""
+
+
+def collected(
+    runs: Sequence[Run],
+    weights: Inexact[np.ndarray, " n_runs"],
+    duration: float,
+    sample_interval: float,
+    threads: int | None,
+    progress: Progress | None,
+    *,
+    device: str = "cpu",
+) -> Collected:
+    """Run a batch, and put all blocks' figures where they belong; `weights` are what the robots carry [N]."""
+    positive("duration", duration, "s")
+    positive("sample_interval", sample_interval, "s")
+    if duration > MOST_SAMPLES * sample_interval:
+        raise ValueError(
+            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}."
+        )
+    if threads is not None:
+        whole("threads", threads, 1)
+    march = march_many
+    if one_of("device", device, DEVICES) == "cuda":
+        from laticauda.planar.cuda import march_many as march_on_gpu
+
+        march = march_on_gpu
     n = len(runs)
-    numbers = np.full((len(_FIGURES), n), np.nan)
+    numbers = np.full((len(_FIGURES), n), np.nan, dtype=weights.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
     def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
         mine = [runs[int(i)] for i in block.index]
-        return block.index, block.n_samples, _figures(mine, np.array([weight[id(run.plant)] for run in mine]), block)
+        return block.index, block.n_samples, _figures(mine, weights[block.index], block)
 
-    plants = {id(run.plant): run.plant for run in runs}
-    weight = {key: metrics.carried_weight(body.robot, body.environment) for key, body in plants.items()}
     n_intervals = max(1, round(duration / sample_interval))
     finished = 0
-    for index, n_samples, found in march_many(runs, duration, sample_interval, figures, threads=threads):
+    for index, n_samples, found in march(runs, duration, sample_interval, figures, threads=threads):
         well = n_samples == n_intervals + 1
         succeeded[index] = well
         for row, name in enumerate(_FIGURES):
@@ -173,9 +220,8 @@ def _collected(
         finished += index.size
         if progress is not None:
             progress(finished / n)
-    named = dict(zip(_FIGURES, numbers, strict=True))
-    end = np.stack((named.pop("x"), named.pop("y")), axis=1)
-    return Swims(**named, center_of_mass=end, succeeded=succeeded, status=tuple(status))
+    figures_by_name: dict[str, np.ndarray] = dict(zip(_FIGURES, numbers, strict=True))
+    return Collected(figures=figures_by_name, succeeded=succeeded, status=tuple(status))
 
 
 _FIGURES = (
@@ -197,13 +243,13 @@ def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str,
     with np.errstate(all="ignore"):
         duration = block.time[-1] - block.time[0]
         end = block.center_of_mass[-1]
-        speed = np.linalg.norm(end - block.center_of_mass[0], axis=0) / duration
+        speed = _size(end - block.center_of_mass[0]) / duration
         power = block.work / duration
         mean = power[3] if runs[0].plant.joints == "servo" else power[0]
-        moving = speed > metrics.STILL
+        moving = speed.real > metrics.STILL
         return {
             "forward_velocity": speed,
-            "steady_velocity": _steady_velocity([run.command.gait for run in runs], block),
+            "steady_velocity": _steady_velocity(runs, block),
             "mechanical_power": power[0],
             "net_power": power[1],
             "positive_power": power[2],
@@ -215,18 +261,34 @@ def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str,
         }
 
 
-def _steady_velocity(gaits: Sequence[Gait], block: Block) -> np.ndarray:
+def _size(vector: np.ndarray) -> np.ndarray:
+    """|vector|, complex steps included; the first axis holds x and y."""
+    return np.sqrt(vector[0] * vector[0] + vector[1] * vector[1])
+
+
+def _steady_velocity(runs: Sequence[Run], block: Block) -> np.ndarray:
     """`metrics.steady_velocity` for every run, nan where that refuses."""
     time = block.time
-    start = np.array([_steady_start(time, gait) for gait in gaits])
+    start = np.array([_steady_start(time, run.command.gait) for run in runs])
     possible = np.isfinite(start)
     start = np.where(possible, start, time[0])
     i = np.clip(np.searchsorted(time, start, side="right") - 1, 0, time.size - 2)
+    if runs[0].slope is not None:
+        start = start + 1j * STEP * np.array(
+            [_start_slope(run, time[-1] - at) for run, at in zip(runs, start, strict=True)]
+        )
     step = time[i + 1] - time[i]
-    k = np.arange(len(gaits))
+    k = np.arange(len(runs))
     p, v = block.center_of_mass, block.center_of_mass_velocity
     begin = hermite((start - time[i]) / step, step, (p[i, :, k].T, p[i + 1, :, k].T), (v[i, :, k].T, v[i + 1, :, k].T))
-    return np.where(possible, np.linalg.norm(p[-1] - begin, axis=0) / (time[-1] - start), np.nan)
+    return np.where(possible, _size(p[-1] - begin) / (time[-1] - start), np.nan)
+
+
+def _start_slope(run: Run, steady: float) -> float:
+    """How the begin of the steady part, a whole number of cycles before the end, follows the run's parameter."""
+    frequency = run.command.gait.frequency
+    assert run.slope is not None
+    return steady / frequency * float(run.slope[rows.FREQUENCY]) if frequency > 0.0 else 0.0
 
 
 def _steady_start(time: np.ndarray, gait: Gait) -> float:

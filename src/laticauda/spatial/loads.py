@@ -34,6 +34,7 @@ _SOURCES = (
     "spatial/hydrostatics.py",
     "fluid/laws.py",
     "compiling/__init__.py",
+    "compiling/duals.py",
     "compiling/lanes.py",
     "scalars.py",
 )

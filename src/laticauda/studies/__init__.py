@@ -49,6 +49,7 @@ from laticauda.studies.problem import OBJECTIVES, SPEED_POWER, Problem
 from laticauda.studies.repeats import Repeat, load_repeats
 from laticauda.studies.sampling import Grid, Rows, Samples
 from laticauda.studies.scores import Score, mape, scores
+from laticauda.studies.sensitivities import Sensitivities, sensitivities
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
@@ -115,6 +116,7 @@ __all__ = [
     "Rows",
     "Samples",
     "Score",
+    "Sensitivities",
     "SideSettings",
     "SideTrials",
     "StabilityMap",
@@ -159,6 +161,7 @@ __all__ = [
     "run_stability",
     "run_sweep",
     "scores",
+    "sensitivities",
     "simulated",
     "stability_dataset",
     "swimmers",

@@ -7,11 +7,12 @@ here knows about robots: signals in, signals out. A signal may have more axes be
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Inexact
 
 Time = Float[np.ndarray, " n_samples"]
 Signal = Float[np.ndarray, "n_samples ..."]
 Points = Float[np.ndarray, "n_points ..."]
+AnyPoints = Inexact[np.ndarray, "n_points ..."]  # or with a complex step
 Middles = Float[np.ndarray, " n_middles"]
 
 TRANSIENT = 10.0  # the start of a run counts as transient for its first third, and at least this long [s]
@@ -89,7 +90,7 @@ def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray,
     return hermite(s, step, (signal[i], signal[i + 1]), (rate[i], rate[i + 1]))
 
 
-def hermite(s: Any, step: Any, signal: tuple[Points, Points], rate: tuple[Points, Points]) -> Points:
+def hermite(s: Any, step: Any, signal: tuple[AnyPoints, AnyPoints], rate: tuple[AnyPoints, AnyPoints]) -> AnyPoints:
     """The cubic polynomial between two samples.
 
     Args:

@@ -1,0 +1,33 @@
+"""What does a derivative cost?
+
+Question: ten links, 30 s, prescribed joints: time of one core per trial and parameter of the gait, against a trial of a
+batch, and against central differences (two trials per parameter).
+"""
+
+import time
+
+from _timing import fastest, of_links, print_load, random_gaits
+
+import laticauda as lc
+from laticauda.studies import sensitivities
+
+NAMES = ("gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset")
+TRIALS = 64
+
+
+def main() -> None:
+    """Print the table."""
+    robot, gaits = of_links(10), random_gaits(TRIALS)
+    trial = fastest(time.process_time, lambda: lc.swim_many(robot, gaits * 8, threads=1)) / (8 * TRIALS)
+    pairs = TRIALS * len(NAMES)
+    derivative = fastest(time.process_time, lambda: sensitivities(robot, gaits, names=NAMES, threads=1)) / pairs
+    alone = fastest(time.perf_counter, lambda: sensitivities(robot, gaits[0], names=NAMES))
+    print(f"trial of a batch               {1e3 * trial:7.3f} ms")
+    print(f"derivative to one parameter    {1e3 * derivative:7.3f} ms, x {derivative / trial:.1f}")
+    print(f"by two trials                  {2e3 * trial:7.3f} ms, x 2.0")
+    print(f"gradient of one trial, 4 parameters, wall {1e3 * alone:.1f} ms")
+    print_load()
+
+
+if __name__ == "__main__":
+    main()

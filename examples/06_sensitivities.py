@@ -1,0 +1,31 @@
+"""What does the speed depend on? Derivatives to any number of robot, gait and water.
+
+python examples/06_sensitivities.py
+"""
+
+from math import radians
+
+import laticauda as lc
+from laticauda.studies import sensitivities
+
+robot = lc.load_robot("mamba-fin")
+gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+names = [
+    "gait.amplitude",
+    "gait.frequency",
+    "gait.phase_shift",
+    "water.tangential_friction",
+    "water.normal_drag",
+    "water.added_mass",
+    "robot.module.length",
+    "robot.module.mass",
+    "robot.caudal_fin.length",
+    "robot.caudal_fin.height",
+]
+found = sensitivities(robot, gait, names=names)
+speed, power = (found.figures.index(figure) for figure in ("forward_velocity", "mean_power"))
+
+print(f"{found.values[0, speed]:.4f} m/s, {found.values[0, power]:.2f} W. One percent more of")
+for k, parameter in enumerate(found.parameters):
+    share = found.elasticity[0, :, k]
+    print(f"  {parameter.name:<28} changes the speed by {share[speed]:+.2f} %, the power by {share[power]:+.2f} %")

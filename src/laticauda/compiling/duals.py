@@ -1,0 +1,98 @@
+"""Arithmetic of numbers with an imaginary part so small that its square is nothing: a complex step, to rounding.
+
+A number is a pair: what it is, and its derivative times the step; the second is None where it is known to be 0. The
+first is computed as without a second. Functions get the builder of LLVM instructions, and `emit`, which gives
+the first; values may be floats or vectors of them.
+
+Where a function has a kink, it is differentiated on the side where the number lies; roots and powers of 0, whose slope
+has no bound, get the slope 0, because what swims uses them in products that have that slope (|v| v).
+"""
+
+# pyright: basic
+
+from llvmlite import ir
+
+
+def add(builder, emit, a, b):
+    """a + b."""
+    return emit(a[0], b[0]), _sum(builder, a[1], b[1])
+
+
+def subtract(builder, emit, a, b):
+    """a - b."""
+    return emit(a[0], b[0]), _sum(builder, a[1], None if b[1] is None else builder.fneg(b[1]))
+
+
+def multiply(builder, emit, a, b):
+    """a b."""
+    return emit(a[0], b[0]), _sum(builder, _times(builder, a[1], b[0]), _times(builder, b[1], a[0]))
+
+
+def divide(builder, emit, a, b):
+    """a / b; a' / b - (a / b) b' / b."""
+    value = emit(a[0], b[0])
+    if b[1] is None:
+        return value, None if a[1] is None else emit(a[1], b[0])
+    share = builder.fneg(builder.fmul(value, b[1]))
+    return value, emit(_sum(builder, a[1], share), b[0])
+
+
+def negate(builder, emit, a):
+    """-a."""
+    return emit(a[0]), None if a[1] is None else builder.fneg(a[1])
+
+
+def magnitude(builder, emit, a):
+    """|a|, by the sign of its real part."""
+    negative = builder.fcmp_ordered("<", a[0], ir.Constant(a[0].type, None))
+    return tuple(part and builder.select(negative, builder.fneg(part), part) for part in a)
+
+
+def step(builder, emit, a):
+    """What is constant but where it jumps."""
+    return emit(a[0]), None
+
+
+def square_root(builder, emit, a):
+    """The root of a; a' / (2 root)."""
+    root = emit(a[0])
+    return root, _slope_or_none(builder, root, builder.fadd(root, root), a[1])
+
+
+def power(builder, emit, a, b):
+    """a to the power of b; b a^b a' / a. A derivative to the exponent is not there."""
+    value = emit(a[0], b[0])
+    if b[1] is not None:
+        raise NotImplementedError("the exponent of a power must not depend on what is differentiated")
+    if a[1] is None:
+        return value, None
+    return value, _slope_or_none(builder, a[0], a[0], builder.fmul(builder.fmul(b[0], value), a[1]))
+
+
+def pick(sign):
+    """The one of a and b that is on this side of the other."""
+
+    def of_two(builder, emit, a, b):
+        first = builder.fcmp_ordered(sign, a[0], b[0])
+        zero = ir.Constant(a[0].type, None)
+        return tuple(builder.select(first, x or zero, y or zero) for x, y in zip(a, b, strict=True))
+
+    return of_two
+
+
+def _sum(builder, a, b):
+    if a is None or b is None:
+        return a or b
+    return builder.fadd(a, b)
+
+
+def _times(builder, derivative, factor):
+    return None if derivative is None else builder.fmul(derivative, factor)
+
+
+def _slope_or_none(builder, value, divisor, derivative):
+    """derivative / divisor, but 0 where `value` is."""
+    if derivative is None:
+        return None
+    zero = ir.Constant(value.type, None)
+    return builder.select(builder.fcmp_ordered("==", value, zero), zero, builder.fdiv(derivative, divisor))

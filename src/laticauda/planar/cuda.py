@@ -1,0 +1,160 @@
+"""The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
+
+The door to numba-cuda; nothing else knows it. A run's rows are one column of an array, so that neighboring threads read
+neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications and additions in its own
+way: results agree with the processor's to rounding, not to the last digit.
+"""
+
+# pyright: basic
+
+import functools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar, cast, no_type_check
+
+import numpy as np
+
+from laticauda.compiling import Target
+from laticauda.errors import MissingExtra
+from laticauda.planar import rows
+from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
+from laticauda.planar.specialize import FluidLaw, specialize
+
+try:
+    import numba_cuda as _  # noqa: F401 - it puts itself in the place of the module that numba has
+    from numba import cuda
+except ImportError as _err:
+    raise MissingExtra("Running on a GPU", "numba-cuda", "gpu") from _err
+
+Result = TypeVar("Result")
+
+_THREADS = 64  # per block: a run takes many registers
+_LOG_BYTES = 2**28  # runs that go at a time are as many as have logs of this size together
+
+
+def march_many(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    use: Callable[[Block], Result],
+    *,
+    threads: int | None = None,
+) -> Iterator[Result]:
+    """As `laticauda.planar.batch.march_many`, on the GPU; `threads` of the processor make no difference to it.
+
+    Raises:
+        ValueError: If there is no GPU that it can use.
+    """
+    if not cuda.is_available():
+        raise ValueError("`device` must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'.")
+    n_intervals = max(1, round(duration / sample_interval))
+    at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
+    for alike in kinds_of(runs, duration / n_intervals):
+        for first in range(0, len(alike), at_a_time):
+            index = np.array(alike[first : first + at_a_time])
+            yield use(_march([runs[int(i)] for i in index], index, duration, n_intervals))
+
+
+def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals: int) -> Block:
+    """Runs of one kind, one thread each."""
+    plant = runs[0].plant
+    every = plant.steps_in(duration / n_intervals)
+    dt = duration / n_intervals / every
+    n, first_strip, first_plate, law, tether_body, has_extras = cast(Any, plant.layout.chain)
+    S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
+    log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
+    march = kernel_of(plant.law)
+    march[math.ceil(len(runs) / _THREADS), _THREADS](
+        S,
+        n,
+        cuda.to_device(first_strip),
+        cuda.to_device(first_plate),
+        cuda.to_device(_with_freedom(law)),
+        tether_body,
+        has_extras,
+        plant.joints != "prescribed",
+        n_intervals * every,
+        dt,
+        every,
+        log,
+    )
+    end, path = S.copy_to_host(), log.copy_to_host()
+    n_samples = end[rows.SAMPLES].astype(int)
+    path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
+    return block_of(index, path, end, n_samples)
+
+
+def _with_freedom(law: np.ndarray) -> np.ndarray:
+    """The joint laws, and behind them which joints are free: a kernel on a GPU cannot make arrays."""
+    return np.concatenate((law, law >= rows.FIRST_FREE))
+
+
+@functools.cache
+def kernel_of(fluid_law: FluidLaw) -> Any:
+    """The kernel for a fluid law: arguments as for `stepping.run`, with a column of `flat` and of `log` per run."""
+    run = specialize(1, fluid_law, _target()).run
+
+    @cuda.jit
+    @no_type_check
+    def march(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
+        i = cuda.grid(1)
+        if i < flat.shape[1]:
+            S, own = flat[:, i], log[:, :, i]
+            run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, own)
+
+    return march
+
+
+@functools.cache
+def _target() -> Target:
+    """How the templates become functions of the GPU: every number is one float, and rows are columns."""
+    device = cuda.jit(device=True)
+
+    @device
+    @no_type_check
+    def itself(x):
+        return x
+
+    @device
+    @no_type_check
+    def where(condition, a, b):
+        return a if condition else b
+
+    @device
+    @no_type_check
+    def magnitude(x):
+        return -x if x < 0.0 else x
+
+    @device
+    @no_type_check
+    def sincos(x):
+        return math.sin(x), math.cos(x)
+
+    @device
+    @no_type_check
+    def expm1(x):
+        return math.expm1(x)
+
+    always: Any = "always"
+
+    @cuda.jit(device=True, inline=always)  # no function of a GPU may return a part of an array
+    @no_type_check
+    def free_joints(law):
+        return law[law.size // 2 :]
+
+    return Target(
+        kernel=device,
+        entry=device,
+        in_lanes=lambda function: function,
+        where=where,
+        magnitude=magnitude,
+        instead={
+            "rows_of": itself,
+            "any_lane": itself,
+            "where": where,
+            "magnitude": magnitude,
+            "sincos": sincos,
+            "expm1": expm1,
+            "free_joints": free_joints,
+        },
+    )

@@ -1,0 +1,216 @@
+"""How the figures of trials follow the numbers that went into them: derivatives, not differences."""
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.errors import one_of
+from laticauda.gaits import Gait
+from laticauda.interfaces import Start
+from laticauda.robot import Environment, Robot
+from laticauda.simulate.plants import FluidLaw
+from laticauda.simulate.runner import Progress
+from laticauda.studies.parameters import Parameter, changed, look_up, parameters
+
+UNITS = {
+    "forward_velocity": "m/s",
+    "steady_velocity": "m/s",
+    "mechanical_power": "W",
+    "net_power": "W",
+    "positive_power": "W",
+    "mean_power": "W",
+    "cost_of_transport": "",
+    "x": "m",
+    "y": "m",
+    "heading": "rad",
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sensitivities:
+    """Figures of trials and their derivatives to parameters, nan where a trial has no such figure (see `Swims`)."""
+
+    figures: tuple[str, ...]
+    """Names of the figures, as in `Swims`; x, y: the center of mass at the end."""
+    parameters: tuple[Parameter, ...]
+    """What they are differentiated to: name, unit and title."""
+    point: Float[np.ndarray, "n_trials n_parameters"]
+    """Values of the parameters, in their units."""
+    values: Float[np.ndarray, "n_trials n_figures"]
+    """The figures, in the units of `UNITS`."""
+    jacobian: Float[np.ndarray, "n_trials n_figures n_parameters"]
+    """Derivative of each figure to each parameter, in the figure's unit per the parameter's."""
+    succeeded: Bool[np.ndarray, " n_trials"]
+    """Whether the trial reached its end."""
+    status: tuple[str, ...]
+    """How it ended."""
+
+    def of(self, figure: str, parameter: str) -> Float[np.ndarray, " n_trials"]:
+        """The derivative of one figure to one parameter, for every trial.
+
+        Args:
+            figure: Its name.
+            parameter: Its name, with dots.
+
+        Raises:
+            ValueError: If there is no such figure or parameter here.
+        """
+        names = tuple(known.name for known in self.parameters)
+        column = names.index(one_of("parameter", parameter, names))
+        return self.jacobian[:, self.figures.index(one_of("figure", figure, self.figures)), column]
+
+    @property
+    def elasticity(self) -> Float[np.ndarray, "n_trials n_figures n_parameters"]:
+        """By how many percent a figure grows when a parameter grows by one: (df/dq) q/f, nan where f is 0 [-]."""
+        with np.errstate(all="ignore"):
+            share = self.jacobian * self.point[:, np.newaxis, :] / self.values[:, :, np.newaxis]
+        return np.where(np.isfinite(share), share, np.nan)
+
+
+def sensitivities(
+    robots: Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait],
+    duration: float = 30.0,
+    *,
+    names: Sequence[str],
+    environments: Environment | Sequence[Environment] | None = None,
+    joints: str = "prescribed",
+    dt: float | None = None,
+    offset_bandwidth: float = 10.0,
+    ramp: float | None = None,
+    fluid_law: FluidLaw | None = None,
+    starts: Start | Sequence[Start] | None = None,
+    sample_interval: float = 0.05,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Sensitivities:
+    """Derivatives of the figures of one or many trials to any numbers of robot, gait and environment.
+
+    The derivatives are those of what the kernels compute, at the time step of the trial, exact to rounding: the kernels
+    carry each number with its derivative (a complex step). Trials and parameters are computed side by side; each pair
+    costs three to four trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a
+    servo), it is differentiated on either side of it; over a trial that does not show.
+
+    Args:
+        robots: See `swim_many`.
+        gaits: See `swim_many`.
+        duration: See `swim_many` [s].
+        names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
+            `robot.module.mass` (of all modules alike); see `laticauda.studies.parameters`.
+        environments: See `swim_many`.
+        joints: See `swim_many`.
+        dt: See `swim_many`; it does not change with a parameter [s].
+        offset_bandwidth: See `swim_many` [rad/s].
+        ramp: See `swim_many` [s].
+        fluid_law: See `swim_many`; one that branches is differentiated on the branch that it takes.
+        starts: See `swim_many`.
+        sample_interval: See `swim_many` [s].
+        threads: See `swim_many`.
+        progress: See `swim_many`.
+
+    Returns:
+        Figures and derivatives, as arrays.
+
+    Raises:
+        ValueError: If an argument is out of its range, or a parameter does not exist, counts something, or cannot
+            change.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gait = lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70)
+        >>> found = sensitivities(lc.load_robot("mamba"), gait, names=["gait.frequency", "water.normal_drag"])
+        >>> found.of("forward_velocity", "gait.frequency").round(4)
+        array([0.0486])
+    """
+    from laticauda.simulate.derivatives import Number, slopes
+    from laticauda.simulate.many import runs_of
+
+    settings: dict[str, Any] = {
+        "joints": joints,
+        "dt": dt,
+        "offset_bandwidth": offset_bandwidth,
+        "ramp": ramp,
+        "fluid_law": fluid_law,
+    }
+    if isinstance(names, str) or not names:
+        raise ValueError(f"`names` must hold at least one name of a parameter, got {names!r}.")
+    runs = runs_of(robots, gaits, environments, starts, **settings)
+    every_robot = robots if isinstance(robots, Sequence) else [robots] * len(runs)
+    trials = [(robot, run.command.gait, run.plant.environment) for robot, run in zip(every_robot, runs, strict=True)]
+    chosen = [_chosen(names, *trial) for trial in trials]
+    point = [[_value(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
+    numbers = [
+        Number(name=parameter.name, trial=trial, value=value, change=functools.partial(_moved, trial, parameter.name))
+        for trial, known, values in zip(trials, chosen, point, strict=True)
+        for parameter, value in zip(known, values, strict=True)
+    ]
+    pairs = [run for run in runs for _ in names]
+    found = slopes(pairs, numbers, duration, sample_interval=sample_interval, threads=threads, progress=progress)
+    shape = len(runs), len(names)
+    value = np.stack([found.value[figure].reshape(shape)[:, 0] for figure in UNITS], axis=1)
+    jacobian = np.stack([found.slope[figure].reshape(shape) for figure in UNITS], axis=1)
+    return Sensitivities(
+        figures=tuple(UNITS),
+        parameters=chosen[0],
+        point=np.array(point),
+        values=value,
+        jacobian=jacobian,
+        succeeded=found.succeeded[:: len(names)],
+        status=found.status[:: len(names)],
+    )
+
+
+def _chosen(names: Sequence[str], robot: Robot, gait: Gait, environment: Environment) -> tuple[Parameter, ...]:
+    """The parameters of these names.
+
+    Raises:
+        ValueError: If there is none of that name, or it counts something.
+    """
+    known = parameters(robot, gait, environment)
+    try:
+        found = tuple(look_up(name, known) for name in names)
+    except ValueError as err:
+        raise ValueError(str(err).replace("`points`", "`names`", 1)) from None
+    for parameter in found:
+        if parameter.is_whole:
+            raise ValueError(f"`names` must be of numbers that may change a little, got `{parameter.name}`, a count.")
+    return found
+
+
+def _moved(trial: tuple[Robot, Gait, Environment], name: str, value: float) -> tuple[Robot, Gait, Environment]:
+    """The trial with another value of one parameter."""
+    return changed(*trial, {name: value})
+
+
+def _value(name: str, robot: Robot, gait: Gait, environment: Environment) -> float:
+    """What a parameter is in a trial.
+
+    Raises:
+        ValueError: If it is not the same in all modules or joints that it stands for, or is None.
+    """
+    root, *way = name.split(".")
+    things: list[Any] = [{"robot": robot, "gait": gait}.get(root, environment)]
+    for step in way:
+        things = [part for thing in things for part in _parts(thing, step)]
+    # A module's or fin's own coefficient that is None is the water's.
+    things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
+    if len(set(things)) > 1:
+        raise ValueError(
+            f"`names` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}."
+        )
+    if things[0] is None:
+        raise ValueError(f"`names` must be of numbers that the trial has, got `{name}`, which is None.")
+    return float(things[0])
+
+
+def _parts(thing: Any, step: str) -> Sequence[Any]:
+    """What a step of a parameter's name leads to: all modules for `module`, one end of a pair for `current_x`."""
+    if hasattr(thing, step):
+        return [getattr(thing, step)]
+    if hasattr(thing, f"{step}s"):
+        return getattr(thing, f"{step}s")
+    return [getattr(thing, step[:-2])["xy".index(step[-1])]]

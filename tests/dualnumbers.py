@@ -1,0 +1,101 @@
+"""Dual numbers in plain Python, and the kernels' own sources run with them: a second way to the same derivatives."""
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from laticauda.fluid import laws
+from laticauda.planar import rows
+
+PLANAR = Path(rows.__file__).parent
+
+
+@dataclass(frozen=True, eq=False)
+class Dual:
+    """value + slope e, with e e = 0; `real` is the value, as for a complex step."""
+
+    real: float
+    slope: float = 0.0
+
+    def __add__(self, other):
+        other = dual(other)
+        return Dual(self.real + other.real, self.slope + other.slope)
+
+    def __sub__(self, other):
+        return self + -dual(other)
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __mul__(self, other):
+        other = dual(other)
+        return Dual(self.real * other.real, self.real * other.slope + self.slope * other.real)
+
+    def __truediv__(self, other):
+        other = dual(other)
+        return Dual(self.real / other.real, (self.slope * other.real - self.real * other.slope) / other.real**2)
+
+    def __rtruediv__(self, other):
+        return dual(other) / self
+
+    def __neg__(self):
+        return Dual(-self.real, -self.slope)
+
+    def __pow__(self, exponent):
+        return Dual(self.real**exponent, exponent * self.real ** (exponent - 1) * self.slope if self.real else 0.0)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def sin(self):
+        return Dual(math.sin(self.real), math.cos(self.real) * self.slope)
+
+    def cos(self):
+        return Dual(math.cos(self.real), -math.sin(self.real) * self.slope)
+
+    def tanh(self):
+        return Dual(math.tanh(self.real), (1.0 - math.tanh(self.real) ** 2) * self.slope)
+
+
+def dual(x):
+    return x if isinstance(x, Dual) else Dual(float(x))
+
+
+def _expm1(x):
+    x = dual(x)
+    return Dual(math.expm1(x.real), math.exp(x.real) * x.slope)
+
+
+def python_kernels(law=laws.polynomial_drag):
+    """The templates, not compiled."""
+    same = lambda function: function  # noqa: E731
+    namespace = {name: value for name, value in vars(rows).items() if name.isupper()}
+    namespace |= {
+        "np": np,
+        "no_type_check": same,
+        "kernel": same,
+        "entry": same,
+        "compiled": same,
+        "in_lanes": same,
+        "any_lane": same,
+        "where": lambda condition, a, b: a if condition else b,
+        "magnitude": lambda x: -x if x.real < 0.0 else x,
+        "sincos": lambda x: (dual(x).sin(), dual(x).cos()),
+        "expm1": _expm1,
+        "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
+        "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
+        "lanes": SimpleNamespace(rows_of=lambda width: same),
+    }
+    names = {"WIDTH": 1, "fluid_law": law}
+    for template in ("loads", "recursion", "drives", "stepping"):
+        source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
+        source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)
+        inside = {**namespace, "bindings": lambda name: names, "__name__": template}
+        if template == "loads":
+            inside["laws"] = laws
+        exec(compile(source, template, "exec"), inside)
+        names[template] = SimpleNamespace(**inside)
+    return names["stepping"]

@@ -1,0 +1,71 @@
+"""The kernels on a GPU: the real one where there is one, else numba-cuda's simulator, thread by thread in Python."""
+
+import os
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.errors import MissingExtra
+from laticauda.robot import load_robot
+
+GAITS = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7, offset=0.1) for a in (0.3, 0.5, 0.6)]
+SLICE = textwrap.dedent(
+    """
+    from dataclasses import replace
+    import numpy as np
+    import laticauda as lc
+
+    body = lc.load_robot("mamba-fin").planar()
+    robot = replace(body, modules=body.modules[:3], joints=body.joints[:2])
+    gaits = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7, offset=0.1) for a in (0.3, 0.5, 0.6)]
+    calm = lc.load_water("paper-eel")
+    waters = [replace(calm, normal_drag=1e7), calm, calm]  # the first one diverges
+    for joints, duration in (("prescribed", 0.3), ("servo", 0.01)):
+        settings = {"joints": joints, "environments": waters, "dt": 0.05 if joints == "prescribed" else 0.002}
+        here, there = (lc.swim_many(robot, gaits, duration, device=d, **settings) for d in ("cpu", "cuda"))
+        assert here.succeeded.tolist() == [False, True, True]
+        for name in ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
+            np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
+        assert there.status == here.status
+    """
+)
+
+
+def test_the_simulated_gpu_gives_what_the_processor_gives():
+    pytest.importorskip("numba_cuda", reason="numba-cuda (the extra `gpu`) is not installed")
+    environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
+    done = subprocess.run([sys.executable, "-c", SLICE], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def gpu_or_skip():
+    pytest.importorskip("numba_cuda", reason="numba-cuda (the extra `gpu`) is not installed")
+    from numba import cuda
+
+    if not cuda.is_available():
+        pytest.skip("there is no CUDA GPU here")
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
+def test_a_gpu_gives_what_the_processor_gives(joints):
+    gpu_or_skip()
+    here, there = (lc.swim_many(load_robot("mamba-fin"), GAITS, 15.0, joints=joints, device=d) for d in ("cpu", "cuda"))
+    for name in ("forward_velocity", "steady_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
+        np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9)
+
+
+def test_a_machine_without_a_gpu_or_numba_cuda_says_so():
+    try:
+        gpu_or_skip()
+    except pytest.skip.Exception:
+        with pytest.raises((ValueError, MissingExtra), match=r"without a CUDA GPU|laticauda\[gpu\]"):
+            lc.swim_many(load_robot("mamba"), GAITS, 1.0, device="cuda")
+
+
+def test_a_device_of_another_name_is_refused():
+    with pytest.raises(ValueError, match="`device` must be one of `cpu`, `cuda`, got 'gpu'"):
+        lc.swim_many(load_robot("mamba"), GAITS, 1.0, device="gpu")
