@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         Spline,
         StraightLine,
     )
-    from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
+    from laticauda.gaits import Gait, Wave, custom_gait, eel_like, lateral_undulation
     from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
     from laticauda.robot import Ground, Robot, Water, load_ground, load_robot, load_water
     from laticauda.simulate import plant, resume, run, swim
@@ -35,7 +35,7 @@ _HOMES = {
         "Spline",
         "StraightLine",
     ),
-    "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
+    "gaits": ("Gait", "Wave", "custom_gait", "eel_like", "lateral_undulation"),
     "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
     "robot": ("Ground", "Robot", "Water", "load_ground", "load_robot", "load_water"),
     "simulate": ("plant", "resume", "run", "swim"),
@@ -62,6 +62,7 @@ __all__ = [
     "StraightLine",
     "Trial",
     "Water",
+    "Wave",
     "compare",
     "custom_gait",
     "eel_like",

@@ -168,6 +168,8 @@ class PlanarPlant:
     def _rows(self, state: PlanarState, command: Command) -> np.ndarray:
         """All rows: the layout's parameters, the command, the state."""
         a, gait = self.layout, command.gait
+        if gait.pitch is not None or command.pitch_offset != 0.0:
+            raise ValueError(f"`pitch` must be None in the planar model, which has no pitch joints, got {gait.pitch}.")
         S = a.template.copy()
         S[rows.AMPLITUDE : rows.OFFSET + 1] = (
             gait.amplitude,

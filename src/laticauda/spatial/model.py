@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from laticauda.errors import finite, not_negative, one_of, positive, within
 from laticauda.fluid import laws
+from laticauda.gaits import Wave
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
 from laticauda.spatial import driving, loads, mjcf, native, water
@@ -24,6 +25,7 @@ from laticauda.spatial.water_robot import robot_elements
 JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
 FORCES = ("drag", "added_mass", "effector")
 LEAST_DT = 1e-6  # s
+STRAIGHT = Wave(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 
 
@@ -38,7 +40,7 @@ class SpatialState:
 class SpatialPlant:
     """A robot in MuJoCo: its modules in three dimensions, joints prescribed, or driven by pd control or servos.
 
-    Yaw joints follow the gait, pitch joints are held straight.
+    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
@@ -126,10 +128,15 @@ class SpatialPlant:
     def init(self, start: Start, command: Command) -> SpatialState:
         """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
         twin, rows = self._twin, driving
+        self._check(command)
         values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
         values[rows.AMPLITUDE_NOW] = command.gait.amplitude
         values[rows.FREQUENCY_NOW] = command.gait.frequency
         values[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
+        if command.gait.pitch is not None:
+            values[rows.SECOND + rows.AMPLITUDE_NOW] = command.gait.pitch.amplitude
+            values[rows.SECOND + rows.FREQUENCY_NOW] = command.gait.pitch.frequency
+            values[rows.SECOND + rows.PHASE_SHIFT_NOW] = command.gait.pitch.phase_shift
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
         x, y = start.center_of_mass
@@ -150,7 +157,8 @@ class SpatialPlant:
         """What can be seen of a state."""
         sample = self._go(state, self._rows(None), 0, 1.0, 1)[1]
         log = self._named(sample)
-        return Observation(**{name: value[0] for name, value in log.items()})
+        pitch = float(sample[0, driving.STATE_ROWS + driving.MEAN_PITCH])
+        return Observation(**{name: value[0] for name, value in log.items()}, pitch=pitch)
 
     def march(
         self,
@@ -215,10 +223,25 @@ class SpatialPlant:
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
-            rows[: driving.BANDWIDTH] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
-            driven = joints[:, driving.IS_DRIVEN] > 0.0
-            joints[driven, driving.ENVELOPE] = gait.joint_envelope(int(driven.sum()) + 1)
+            self._check(command)
+            rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
+            pitch = STRAIGHT if gait.pitch is None else gait.pitch
+            offset = pitch.offset + command.pitch_offset
+            second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
+            rows[driving.PITCH_COMMAND : driving.BANDWIDTH] = second
+            yaw = joints[:, driving.WAVE] == 0.0
+            joints[yaw, driving.ENVELOPE] = gait.joint_envelope(int(yaw.sum()) + 1)
+            joints[~yaw, driving.ENVELOPE] = 1.0
         return rows, joints
+
+    def _check(self, command: Command) -> None:
+        """Refuse what the robot cannot do."""
+        if command.gait.pitch is None and command.pitch_offset == 0.0:
+            return
+        if all(joint.axis == "yaw" for joint in self.robot.joints):
+            raise ValueError(f"`pitch` must be None for a robot without pitch joints, got {command.gait.pitch}.")
+        if self.root == "planar":
+            raise ValueError(f"`pitch` must be None with a planar root, got {command.gait.pitch}.")
 
     def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
         """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
@@ -268,7 +291,7 @@ class SpatialPlant:
         if self.joints == "servo":
             log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
         at = driving.STATE_ROWS + driving.ORIENTATION
-        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate(ORIENTATION)}
+        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
 
 
 class _Twin:
@@ -395,7 +418,7 @@ def _center_of_mass(robot: Robot) -> float:
 
 def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
     row = np.zeros(driving.JOINT_SIZE)
-    row[[driving.IS_DRIVEN, driving.STIFFNESS, driving.DAMPING]] = axis == "yaw", stiffness, damping
+    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
     if drive == "pd":
         row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
     else:
