@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         LineOfSight,
         PathFollowing,
         Polyline,
+        SpatialPathFollowing,
         Spline,
         StraightLine,
     )
@@ -32,6 +33,7 @@ _HOMES = {
         "LineOfSight",
         "PathFollowing",
         "Polyline",
+        "SpatialPathFollowing",
         "Spline",
         "StraightLine",
     ),
@@ -57,6 +59,7 @@ __all__ = [
     "Plant",
     "Polyline",
     "Robot",
+    "SpatialPathFollowing",
     "Spline",
     "Start",
     "StraightLine",

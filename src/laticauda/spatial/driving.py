@@ -50,7 +50,10 @@ from laticauda.spatial.native import forward_skip, integrate_positions
 SECOND, STATE_ROWS = PITCH - PHASE, 24
 
 # --- The command and the generator's settings
-(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, AHEAD, PITCH_COMMAND, BANDWIDTH, RAMP, COMMAND_ROWS) = (*range(6), 10, 11, 12)
+(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, AHEAD, PITCH_COMMAND, BANDWIDTH, RAMP, IS_LED, COMMAND_ROWS) = (
+    *range(6),
+    *range(10, 14),
+)
 
 # --- Whole numbers that the kernels need
 (
@@ -410,7 +413,9 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     set_reference(X, C, J, R)
     written = 0
     for step in range(steps + 1):
-        if N[LAW] == PRESCRIBED:
+        if C[IS_LED] == 0.0:
+            evaluate(N)
+        elif N[LAW] == PRESCRIBED:
             evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
         else:
             first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)

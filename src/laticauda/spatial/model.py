@@ -155,7 +155,7 @@ class SpatialPlant:
 
     def observe(self, state: SpatialState) -> Observation:
         """What can be seen of a state."""
-        sample = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+        sample = self._look(state)
         log = self._named(sample)
         pitch = float(sample[0, driving.STATE_ROWS + driving.MEAN_PITCH])
         return Observation(**{name: value[0] for name, value in log.items()}, pitch=pitch)
@@ -178,7 +178,7 @@ class SpatialPlant:
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):
-                samples = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+                samples = self._look(state)
             return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
         log = self._log(samples)
         if link_forces:
@@ -217,13 +217,14 @@ class SpatialPlant:
         return state.values[first : first + self._twin.n_qvel]
 
     def _rows(self, command: Command | None) -> tuple[np.ndarray, np.ndarray]:
-        """The command and the joints' parameters for the kernel; None: nothing moves."""
+        """The command and the joints' parameters for the kernel; None: the joints are let go."""
         rows = np.zeros(driving.COMMAND_ROWS)
         rows[driving.BANDWIDTH], rows[driving.RAMP] = self.offset_bandwidth, self.ramp
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
             self._check(command)
+            rows[driving.IS_LED] = 1.0
             rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
             pitch = STRAIGHT if gait.pitch is None else gait.pitch
             offset = pitch.offset + command.pitch_offset
@@ -265,6 +266,10 @@ class SpatialPlant:
         log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * (n - 1)))
         written = self._twin.run(values, rows, steps, dt, every, log)
         return SpatialState(values=values), log[:written]
+
+    def _look(self, state: SpatialState) -> np.ndarray:
+        """The sample of a state as it is: no reference takes the joints to where it would have them."""
+        return self._go(state, self._rows(None), 0, 1.0, 1)[1]
 
     def _named(self, samples: np.ndarray) -> Log:
         n, o = self.robot.n_links, driving.STATE_ROWS

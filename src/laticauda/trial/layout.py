@@ -96,6 +96,12 @@ SIGNALS = {
     "offset": ("rad", "offset of all joints that steering asks for"),
     "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
     **{f"orientation_{part}": ("1", f"quaternion of module 0 to the world axes, {part}") for part in "wxyz"},
+    "climb_ref": ("rad", "climb that guidance asks for"),
+    "climb_used": ("rad", "climb that the controller goes by"),
+    "height_error": ("m", "distance from the path in profile, positive above"),
+    "path_climb": ("rad", "climb of the path at the nearest point"),
+    "climb_offset": ("rad", "offset that climbing asks for, positive upward"),
+    "climb_is_saturated": ("1", "whether that offset is at its limit: 0 or 1"),
     "pitch": ("rad", "mean pitch of the links, positive downward"),
 }
 """Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
