@@ -30,7 +30,7 @@ from numba.extending import intrinsic
 
 from laticauda.compiling import OPTIONS, compiled, kernel
 from laticauda.fluid import laws
-from laticauda.spatial import hydrostatics
+from laticauda.spatial import ground, hydrostatics
 from laticauda.spatial.native import allocate, call_1, call_2, number_at, pointer, word_at
 
 # --- The table of one model: 64-bit integers -----------------------------------------------------------------------
@@ -82,7 +82,7 @@ from laticauda.spatial.native import allocate, call_1, call_2, number_at, pointe
 ) = range(41)
 
 # --- Numbers of the water
-(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, WATER_SIZE) = range(8)
+(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)
 
 # --- One record of numbers per element
 POSITION = 0  # in the body's frame, 3
@@ -103,7 +103,8 @@ PULL = 38  # 3
 TETHER_DRAG = 41
 WAKE_MASS = 42
 PLATE = 43  # 5, as in fluid.laws.plate
-ELEMENT_SIZE = 48
+CONTACT = 48  # 5, as in ground.Contact; the terrain is the water's: 4 numbers
+ELEMENT_SIZE = 53
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]
 
 # --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
@@ -117,6 +118,7 @@ _SYMBOL = "laticauda_water_registry"
 llvmlite.binding.add_symbol(_SYMBOL, registry.ctypes.data)
 wetted = compiled(hydrostatics.wetted)
 plate_law = compiled(laws.plate)
+ground_force = compiled(ground.ground_force)
 
 
 @intrinsic
@@ -194,7 +196,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         wet, c0, c1, c2 = wetted(
             E[o + SHAPE], E[o + HALF], E[o + HALF + 1], E[o + HALF + 2], r20, r21, r22, P[LEVEL] - Z
         )
-        if wet == 0.0:
+        if wet == 0.0 and E[o + CONTACT] == 0.0:
             return
     # Velocities and accelerations at the middle, world directions
     v = 6 * body
@@ -273,6 +275,21 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     tx = r00 * t0 + r01 * t1 + r02 * t2 + cy * bz - cz * by
     ty = r10 * t0 + r11 * t1 + r12 * t2 + cz * bx - cx * bz
     tz = r20 * t0 + r21 * t1 + r22 * t2 + cx * by - cy * bx
+    if E[o + CONTACT] != 0.0:
+        c, h = o + CONTACT, o + HALF
+        q0, q1, q2, s0, s1, s2 = ground_force(
+            (X, Y, Z),
+            (r00, r01, r02, r10, r11, r12, r20, r21, r22),
+            (vx, vy, vz),
+            (wx, wy, wz),
+            (E[h], E[h + 1], E[h + 2]),
+            (E[c], E[c + 1], E[c + 2], E[c + 3], E[c + 4]),
+            (P[TERRAIN], P[TERRAIN + 1], P[TERRAIN + 2], P[TERRAIN + 3]),
+        )
+        fx, fy, fz, tx, ty, tz = fx + q0, fy + q1, fz + q2, tx + s0, ty + s1, tz + s2
+        if T[OUT] != 0:
+            out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+            out[0], out[1], out[2] = out[0] + q0, out[1] + q1, out[2] + q2
     F = 6 * n_bodies + 6 * body
     S[F] += tx + ry * fz - rz * fy
     S[F + 1] += ty + rz * fx - rx * fz
@@ -480,7 +497,9 @@ def _passive(model, data):
 def _digest() -> str:
     folder = Path(__file__).parent.parent
     digest = hashlib.sha256()
-    for source in ("spatial/loads.py", "spatial/native.py", "spatial/hydrostatics.py", "fluid/laws.py", "compiling.py"):
+    for source in ("spatial/loads.py", "spatial/native.py", "spatial/hydrostatics.py", "spatial/ground.py"):
+        digest.update((folder / source).read_bytes())
+    for source in ("fluid/laws.py", "compiling.py"):
         digest.update((folder / source).read_bytes())
     return digest.hexdigest()[:16]
 

@@ -11,20 +11,21 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, not_negative, one_of, positive, within
+from laticauda.errors import finite, instance, not_negative, one_of, positive, within
 from laticauda.fluid import laws
 from laticauda.gaits import Wave
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.robot import Actuator, Environment, Ground, Robot, check_fits
-from laticauda.spatial import driving, loads, mjcf, native, water
+from laticauda.spatial import driving, ground, loads, mjcf, native, scene, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
 from laticauda.spatial.poses import ORIENTATION
-from laticauda.spatial.water_robot import robot_elements
+from laticauda.spatial.water_robot import on_ground, robot_elements
 
 JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
 FORCES = ("drag", "added_mass", "effector")
 LEAST_DT = 1e-6  # s
+CONTACT_SHARE = 0.5
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 
@@ -70,14 +71,19 @@ class SpatialPlant:
     a robot upright. Mamba's is not known; this is an assumption [m]."""
     tank: bool = False
     """Whether the tank's floor and walls are there."""
+    shore: Ground | None = None
+    """The ground of a shore that leads down into the water, on which the robot begins; None: there is no land."""
 
     def __post_init__(self) -> None:
         """Check every setting once and fill in what was left open."""
         one_of("joints", self.joints, tuple(JOINT_LAWS))
         one_of("root", self.root, mjcf.ROOTS)
         check_fits(self.robot, self.environment)
-        if isinstance(self.environment, Ground) and self.root == "free":
-            raise ValueError("`root` must be `planar` on the ground, got 'free'.")
+        instance("shore", self.shore, Ground, type(None))
+        if self.shore is not None and (self.tank or isinstance(self.environment, Ground)):
+            raise ValueError("`shore` must be None in the tank or without water, got a Ground.")
+        if self.shore is not None and not (self.root == "free" and self.gravity):
+            raise ValueError("`root` must be `free`, with `gravity`, for a robot that begins on a shore.")
         if self.dt is not None:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
@@ -91,6 +97,9 @@ class SpatialPlant:
                 limit = 0.5 * water.stable_step(
                     self._twin.model, self._twin.water.elements, self._twin.water.fluid_law, 0.5
                 )
+            contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
+            if contacts:
+                limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
             object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
 
     @property
@@ -108,7 +117,15 @@ class SpatialPlant:
             "root": self.root,
             "ballast_depth": self.ballast_depth,
             "tank": self.tank,
+            **({} if self.shore is None else {"ground": "ramp", "shore": repr(self.shore)}),
         }
+
+    @property
+    def land(self) -> Ground | None:
+        """The ground on which the robot lies with its weight; None: there is none, or it slides on it in the plane."""
+        if isinstance(self.environment, Ground) and self.root == "free" and self.gravity:
+            return self.environment
+        return self.shore
 
     @property
     def model(self) -> Any:
@@ -307,8 +324,18 @@ class _Twin:
         self._lock = Lock()
         robot, environment = plant.robot, plant.environment
         spec = mjcf.spec(
-            robot, environment, root=plant.root, actuators="none", sensors=False, visuals=False, tank=plant.tank
+            robot,
+            environment,
+            root=plant.root,
+            actuators="none",
+            sensors=False,
+            visuals=False,
+            tank=plant.tank,
+            ground=None if plant.shore is None else "ramp",
         )
+        if plant.land is not None:
+            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the elements
+            spec.option.gravity = (0.0, 0.0, -plant.land.gravity)
         if not plant.gravity or plant.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
         else:
@@ -346,8 +373,15 @@ class _Twin:
         if law is None:
             dry = isinstance(environment, Ground) and environment.friction == "coulomb"
             law = laws.coulomb_friction if dry else laws.polynomial_drag
+        if plant.land is not None:
+            elements = on_ground(elements, plant.robot, plant.land, wet=plant.shore is not None)
         if isinstance(environment, Ground):
             return water.attach(self.model, elements, fluid_law=law)
+        terrain = None
+        if plant.shore is not None:
+            terrain = ground.Terrain(
+                height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
+            )
         x, y = environment.current
         return water.attach(
             self.model,
@@ -357,6 +391,7 @@ class _Twin:
             surface=0.0 if plant.root == "free" and plant.gravity else None,
             form=environment.added_mass_form,
             fluid_law=law,
+            terrain=terrain,
         )
 
     def _numbers(self, plant: SpatialPlant) -> np.ndarray:

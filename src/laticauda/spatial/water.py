@@ -12,7 +12,7 @@ scratch memory is the data's own stack.
 
 import weakref
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from threading import Lock
 from typing import Any
 
@@ -23,11 +23,12 @@ from laticauda.fluid import laws
 from laticauda.spatial import loads, native, water_registry
 from laticauda.spatial.door import engine
 from laticauda.spatial.elements import Element
+from laticauda.spatial.ground import Contact, Terrain
 from laticauda.spatial.functions import Current, FluidLaw, compiled_current, compiled_law
 from laticauda.spatial.water_checks import body_of, check_model, stable_step, warn_of
 from laticauda.spatial.water_geoms import GeomCoefficients, geom_element
 
-__all__ = ["Element", "GeomCoefficients", "Water", "attach", "compiled", "geom_element", "stable_step"]
+__all__ = ["Contact", "Element", "GeomCoefficients", "Terrain", "Water", "attach", "compiled", "geom_element", "stable_step"]
 
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one look at the forces at a time: where they go to stands in the table
@@ -121,6 +122,7 @@ def attach(
     implicit_drag: bool = False,
     fluid_law: FluidLaw = laws.polynomial_drag,
     usual_speed: float = 1.0,
+    terrain: Terrain | None = None,
 ) -> Water:
     """Put a model under water. What was attached to it before is replaced; copies of the model have its water too.
 
@@ -137,6 +139,7 @@ def attach(
             step, and no longer forces over inertia.
         fluid_law: Drag on one element in one plane, with the signature of `laticauda.fluid.laws.polynomial_drag`.
         usual_speed: At which the step is checked against the drag [m/s].
+        terrain: The ground that elements with a `contact` touch; None: flat at height 0.
 
     Returns:
         A handle. The water stays without it, for as long as the model lives.
@@ -156,6 +159,7 @@ def attach(
     water[loads.DENSITY] = positive("density", density, "kg/m^3")
     water[loads.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
     water[loads.OWN_VELOCITY], water[loads.KIRCHHOFF] = form != "classic", form == "kirchhoff"
+    water[loads.TERRAIN :] = astuple(terrain or Terrain())
     bodies = np.array([body_of(model, element.body) for element in elements])
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
@@ -259,6 +263,7 @@ def _record(element: Element) -> np.ndarray:
         (loads.THRUST, element.thrust),
         (loads.PULL, element.pull),
         (loads.PLATE, element.plate or ()),
+        (loads.CONTACT, astuple(element.contact) if element.contact else ()),
     ):
         record[at : at + len(values)] = values
     record[loads.VOLUME], record[loads.SHAPE] = element.volume, element.shape_number
