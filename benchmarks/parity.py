@@ -8,6 +8,8 @@ Last answer (2026-11-21), the worst of lateral, eel-like, turning, fin and curre
     prescribed  0.0500 s   path 5.8e-05   Richardson -          heading 4.9e-04 rad
     prescribed  0.0250 s   path 3.1e-06   Richardson 6.5e-07    heading 3.0e-05 rad
     prescribed  0.0125 s   path 1.8e-07   Richardson 1.8e-08    heading 1.8e-06 rad
+    prescribed  0.0063 s   path 1.1e-08   Richardson 7.1e-09    heading 1.3e-07 rad
+    prescribed  0.0031 s   path 6.8e-09   Richardson 6.9e-09    heading 4.2e-08 rad
     prescribed  0.0010 s   path 6.9e-09   Richardson -          heading 3.6e-08 rad
     prescribed  0.0005 s   path 6.9e-09   Richardson 6.9e-09    heading 3.6e-08 rad
     pd          0.0040 s   path 7.4e-04   Richardson -          heading 2.2e-04 rad
@@ -20,19 +22,26 @@ Last answer (2026-11-21), the worst of lateral, eel-like, turning, fin and curre
     servo       0.0005 s   path 1.2e-05   Richardson 1.4e-07    heading 7.8e-06 rad
 """
 
-from laticauda.studies import parity, parity_cases
+import sys
+
+import numpy as np
+
+from laticauda.figures import ConvergenceCurve, convergence, new_figure, save_figure, style
+from laticauda.studies import Parity, parity, parity_cases
 
 STEPS = {
-    "prescribed": (0.05, 0.025, 0.0125, 0.001, 0.0005),
+    "prescribed": (0.05, 0.025, 0.0125, 0.00625, 0.003125, 0.001, 0.0005),
     "pd": (0.004, 0.002, 0.001, 0.0005),
     "servo": (0.004, 0.002, 0.001, 0.0005),
 }
+ORDERS = {"prescribed": 4, "pd": 2, "servo": 0}  # servo's slope would lie on that of pd
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table; with a file's name as argument, draw the picture of the docs into it."""
     names = f"{'path':>10}{'Richardson':>12}{'rotation [rad]':>16}{'heading [rad]':>15}"
     print(f"{'case':<10}{'joints':<12}{'dt [s]':>8}{names}")
+    rows: list[Parity] = []
     for joints, steps in STEPS.items():
         for case in parity_cases():
             for row in parity(case, joints, steps):
@@ -42,6 +51,33 @@ def main() -> None:
                     f"{row.rotation:>16.1e}{row.heading:>15.1e}",
                     flush=True,
                 )
+                rows.append(row)
+    if len(sys.argv) > 1:
+        draw(rows, sys.argv[1])
+
+
+def draw(rows: list[Parity], path: str) -> None:
+    """The worst case at every step."""
+    figure = new_figure(style.DOUBLE_COLUMN, 2.9)
+    left, right = figure.subplots(1, 2)
+    for ax, name, label in (
+        (left, "path", "path: largest difference / distance [-]"),
+        (right, "heading", "heading: largest difference [rad]"),
+    ):
+        curves = [
+            ConvergenceCurve(
+                label=joints,
+                dt=np.array(steps),
+                difference=np.array(
+                    [max(getattr(r, name) for r in rows if (r.joints, r.dt) == (joints, dt)) for dt in steps]
+                ),
+                order=ORDERS[joints],
+            )
+            for joints, steps in STEPS.items()
+        ]
+        convergence(curves, ax, ylabel=label, bounds=[(3e-3, "0.3 %")] if name == "path" else [])
+    style.legend(left, loc="lower right")
+    save_figure(figure, path)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -30,6 +31,15 @@ def test_it_is_a_plant_whose_state_is_a_value():
         in_steps = body.step(in_steps, command, 0.1)
     np.testing.assert_allclose(in_steps.values[STATE_ROWS:], once[STATE_ROWS:], atol=1e-9)
     np.testing.assert_array_equal(body.unpack(body.pack(in_steps)).values, in_steps.values)
+
+
+def test_the_water_is_there_again_when_somebody_took_the_callback():
+    body = plant(ROBOT, WATER, model="spatial")
+    command = Command(gait=GAIT)
+    start = body.init(Start(), command)
+    expected = body.march(start, command, 1.0, 0.1)[0].values
+    mujoco.set_mjcb_passive(None)
+    np.testing.assert_array_equal(body.march(start, command, 1.0, 0.1)[0].values, expected)
 
 
 def test_it_starts_straight_at_the_start_that_is_asked_for():
@@ -111,7 +121,7 @@ def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
     body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints="servo")
     command = Command(gait=replace(GAIT, amplitude=0.0))
-    state, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
+    _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
     assert failure is None
     height = robot.modules[0].section.half_height - body.ballast_depth
     assert log["center_of_mass"][-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)

@@ -25,8 +25,8 @@ from laticauda.actuation import laws
 from laticauda.compiling import OPTIONS, compiled, kernel
 from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
-from laticauda.spatial.loads import field
 from laticauda.spatial.native import forward_skip, integrate_positions
+from laticauda.spatial.vectors import field
 
 # --- Rows of a state
 (
@@ -443,7 +443,7 @@ def _digest() -> str:
     digest = hashlib.sha256()
     for source in (
         "spatial/driving.py",
-        "spatial/loads.py",
+        "spatial/vectors.py",
         "spatial/native.py",
         "gaits/reference.py",
         "actuation/laws.py",

@@ -16,7 +16,8 @@ from numba import (
 )
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import OPTIONS, compiled
+from laticauda.compiling import OPTIONS, compiled, fingerprint
+from laticauda.fluid import laws
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
 Current: TypeAlias = Callable[[float, float, float, float], tuple[float, float, float]]
@@ -38,7 +39,7 @@ def _compiled(name: str, function: Callable[..., Any], n: int, example: tuple[fl
     if not hasattr(getattr(function, "py_func", function), "__code__"):
         raise ValueError(f"{rule}, got {function!r}.")
     try:
-        result = compiled(function)(*example)
+        result = function(*example) if function in _BUILT_IN else compiled(function)(*example)
         if len(result) != 3 or not all(math.isfinite(x) for x in result):
             raise ValueError(f"{rule}, got {result!r} from it.")
         return _entry(function, n)
@@ -48,6 +49,8 @@ def _compiled(name: str, function: Callable[..., Any], n: int, example: tuple[fl
 
 @cache
 def _entry(function: Callable[..., Any], n: int) -> Any:
+    if function in _BUILT_IN:
+        return cfunc(_SIGNATURE, cache=True, **OPTIONS)(_BUILT_IN[function])
     inner = compiled(function)
     if n == 4:
 
@@ -62,3 +65,28 @@ def _entry(function: Callable[..., Any], n: int) -> Any:
             a[10], a[11], a[12] = inner(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
 
     return cfunc(_SIGNATURE, **OPTIONS)(call)
+
+
+# The laws that come with laticauda have functions of their own, which can be kept on disk.
+
+_polynomial_drag = compiled(laws.polynomial_drag)
+_coulomb_friction = compiled(laws.coulomb_friction)
+
+
+def _call_polynomial_drag(where):
+    a = carray(where, (13,), np.float64)
+    a[10], a[11], a[12] = _polynomial_drag(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+
+
+def _call_coulomb_friction(where):
+    a = carray(where, (13,), np.float64)
+    a[10], a[11], a[12] = _coulomb_friction(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+
+
+_BUILT_IN: dict[Any, Any] = {
+    laws.polynomial_drag: _call_polynomial_drag,
+    laws.coulomb_friction: _call_coulomb_friction,
+}
+for _law, _call in _BUILT_IN.items():
+    # Numba files compiled code under the function's qualified name and does not look at what it calls.
+    _call.__qualname__ += f"_{fingerprint(_law)[:16]}"

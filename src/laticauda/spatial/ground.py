@@ -17,7 +17,6 @@ from laticauda.fluid.laws import coulomb_friction, polynomial_drag
 from laticauda.robot import Ground
 
 SINK = 1e-3  # [m]
-_TINY = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,61 +109,3 @@ def touch(
     else:
         f_t, f_n, _ = polynomial_drag(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, 1.0, 1.0, 0.0)
     return f_t, f_n, normal
-
-
-def ground_force(
-    p: tuple[float, float, float],
-    r: tuple[float, float, float, float, float, float, float, float, float],
-    v: tuple[float, float, float],
-    w: tuple[float, float, float],
-    half: tuple[float, float, float],
-    c: tuple[float, float, float, float, float],
-    ground: tuple[float, float, float, float],
-) -> tuple[float, float, float, float, float, float]:
-    """Force of the ground on a piece and its torque about the middle, in world axes [N], [N m].
-
-    Args:
-        p: Its middle [m].
-        r: Rotation from its axes to the world's, row by row.
-        v: Velocity of the middle [m/s].
-        w: Angular velocity, world axes [rad/s].
-        half: Half its length, width and height [m].
-        c: The fields of `Contact`.
-        ground: The fields of `Terrain`.
-    """
-    f0, f1, f2, t0, t1, t2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for sign in (-1.0, 1.0):
-        _, fall = terrain(p[0] + sign * half[0] * r[0], ground[0], ground[1], ground[2], ground[3])
-        n_z = 1.0 / math.sqrt(1.0 + fall * fall)
-        n_x = fall * n_z
-        # The lowest point of the section, as seen along the ground's normal.
-        g_y, g_z = -(r[1] * n_x + r[7] * n_z), -(r[2] * n_x + r[8] * n_z)
-        size = math.sqrt(half[1] * half[1] * g_y * g_y + half[2] * half[2] * g_z * g_z) + _TINY
-        y, z = half[1] * half[1] * g_y / size, half[2] * half[2] * g_z / size
-        x = sign * half[0]
-        a0, a1, a2 = r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
-        height, _ = terrain(p[0] + a0, ground[0], ground[1], ground[2], ground[3])
-        depth = (height - p[2] - a2) * n_z
-        if depth > 0.0:
-            v0, v1, v2 = v[0] + w[1] * a2 - w[2] * a1, v[1] + w[2] * a0 - w[0] * a2, v[2] + w[0] * a1 - w[1] * a0
-            # Along the piece and across it, in the plane of the ground
-            lift = r[0] * n_x + r[6] * n_z
-            e0, e1, e2 = r[0] - lift * n_x, r[3], r[6] - lift * n_z
-            long = math.sqrt(e0 * e0 + e1 * e1 + e2 * e2) + _TINY
-            e0, e1, e2 = e0 / long, e1 / long, e2 / long
-            d0, d1, d2 = -n_z * e1, n_z * e0 - n_x * e2, n_x * e1
-            f_t, f_n, normal = touch(
-                depth,
-                -(v0 * n_x + v2 * n_z),
-                v0 * e0 + v1 * e1 + v2 * e2,
-                v0 * d0 + v1 * d1 + v2 * d2,
-                c[0],
-                c[1],
-                c[2],
-                c[3],
-                c[4],
-            )
-            q0, q1, q2 = f_t * e0 + f_n * d0 + normal * n_x, f_t * e1 + f_n * d1, f_t * e2 + f_n * d2 + normal * n_z
-            f0, f1, f2 = f0 + q0, f1 + q1, f2 + q2
-            t0, t1, t2 = t0 + a1 * q2 - a2 * q1, t1 + a2 * q0 - a0 * q2, t2 + a0 * q1 - a1 * q0
-    return f0, f1, f2, t0, t1, t2

@@ -20,15 +20,26 @@ import numpy as np
 
 from laticauda.errors import finite, one_of, positive
 from laticauda.fluid import laws
-from laticauda.spatial import loads, native, water_registry
+from laticauda.spatial import native, water_registry
+from laticauda.spatial import table as rows
 from laticauda.spatial.door import engine
 from laticauda.spatial.elements import Element
-from laticauda.spatial.ground import Contact, Terrain
 from laticauda.spatial.functions import Current, FluidLaw, compiled_current, compiled_law
+from laticauda.spatial.ground import Contact, Terrain
 from laticauda.spatial.water_checks import body_of, check_model, stable_step, warn_of
 from laticauda.spatial.water_geoms import GeomCoefficients, geom_element
 
-__all__ = ["Contact", "Element", "GeomCoefficients", "Terrain", "Water", "attach", "compiled", "geom_element", "stable_step"]
+__all__ = [
+    "Contact",
+    "Element",
+    "GeomCoefficients",
+    "Terrain",
+    "Water",
+    "attach",
+    "compiled",
+    "geom_element",
+    "stable_step",
+]
 
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one look at the forces at a time: where they go to stands in the table
@@ -67,7 +78,7 @@ class Water:
             velocity: World axes [m/s].
         """
         x, y, z = (finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity))
-        self.numbers["water"][[loads.V_X, loads.V_Y, loads.V_Z]] = x, y, z
+        self.numbers["water"][[rows.V_X, rows.V_Y, rows.V_Z]] = x, y, z
 
     def forces(self, data: Any) -> dict[str, np.ndarray]:
         """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
@@ -79,14 +90,14 @@ class Water:
             Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass`, `buoyancy` and `effector` (thrust,
             tether, wake, plate) [N]. The added mass is that of the accelerations in `data` afterward.
         """
-        out = np.zeros((len(self.elements), loads.OUT_SIZE))
+        out = np.zeros((len(self.elements), rows.OUT_SIZE))
         model = self._live()
         with _lock:
-            self.table[loads.OUT] = out.ctypes.data
+            self.table[rows.OUT] = out.ctypes.data
             try:
                 engine().mj_forward(model, data)
             finally:
-                self.table[loads.OUT] = 0
+                self.table[rows.OUT] = 0
         names = ("drag", "added_mass", "buoyancy", "effector")
         found = {name: out[:, 3 * i : 3 * i + 3].copy() for i, name in enumerate(names)}
         found["added_mass"] -= self._carried(model, data) * out[:, 12:]
@@ -155,28 +166,28 @@ def attach(
     if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"`elements` must hold one Element at least, and nothing else, got {elements!r:.60}.")
     one_of("form", form, FORMS)
-    water = np.zeros(loads.WATER_SIZE)
-    water[loads.DENSITY] = positive("density", density, "kg/m^3")
-    water[loads.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
-    water[loads.OWN_VELOCITY], water[loads.KIRCHHOFF] = form != "classic", form == "kirchhoff"
-    water[loads.TERRAIN :] = astuple(terrain or Terrain())
+    water = np.zeros(rows.WATER_SIZE)
+    water[rows.DENSITY] = positive("density", density, "kg/m^3")
+    water[rows.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
+    water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = form != "classic", form == "kirchhoff"
+    water[rows.TERRAIN :] = astuple(terrain or Terrain())
     bodies = np.array([body_of(model, element.body) for element in elements])
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
     table, arrays = _table(model, elements, bodies, water)
-    table[loads.HAS_INERTIA], table[loads.IMPLICIT_DRAG] = inertia, implicit_drag
-    table[loads.HAS_SURFACE] = surface is not None
+    table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
+    table[rows.HAS_SURFACE] = surface is not None
     law = compiled_law(fluid_law)
-    table[loads.LAW] = law.address
+    table[rows.LAW] = law.address
     keep: list[Any] = [law]
     if callable(current):
         flow = compiled_current(current)
-        table[loads.CURRENT] = flow.address
+        table[rows.CURRENT] = flow.address
         keep.append(flow)
     else:
         if len(current) != 3:
             raise ValueError(f"`current` must be a function or 3 numbers, got {current!r}.")
-        water[[loads.V_X, loads.V_Y, loads.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
+        water[[rows.V_X, rows.V_Y, rows.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     positive("usual_speed", usual_speed, "m/s")
     water_registry.install()
     mark = water_registry.enter(model, table, (arrays, keep))
@@ -234,40 +245,40 @@ def _table(
         "elements": np.concatenate([_record(element) for element in elements]),
         "water": water,
     }
-    table = np.zeros(loads.TABLE_SIZE, dtype=np.int64)
-    table[[loads.N_BODIES, loads.N_DOFS, loads.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
-    table[loads.PARENT : loads.WATER + 1] = [a.ctypes.data for a in arrays.values()]
+    table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
+    table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
+    table[rows.PARENT : rows.WATER + 1] = [a.ctypes.data for a in arrays.values()]
     inside = native.model_offsets()
     names = ("gravity", "timestep", "dof_armature")
-    table[loads.AT_GRAVITY : loads.AT_ARMATURE + 1] = [inside[name] for name in names]
+    table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
     names = ("mj_factorM", "mj_markStack", "mj_freeStack", "mj_stackAllocNum")
-    table[loads.FACTOR_M : loads.ALLOCATE + 1] = [native.address(name) for name in names]
+    table[rows.FACTOR_M : rows.ALLOCATE + 1] = [native.address(name) for name in names]
     where = native.offsets()
     fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
     fields += ("qfrc_passive", "qfrc_fluid", "time")
-    table[loads.AT_QVEL : loads.AT_TIME + 1] = [where[name] for name in fields]
+    table[rows.AT_QVEL : rows.AT_TIME + 1] = [where[name] for name in fields]
     return table, arrays
 
 
 def _record(element: Element) -> np.ndarray:
-    record = np.zeros(loads.ELEMENT_SIZE)
+    record = np.zeros(rows.ELEMENT_SIZE)
     for at, values in (
-        (loads.POSITION, element.position),
-        (loads.ROTATION, element.rotation.ravel()),
-        (loads.DRAG, element.drag),
-        (loads.TORQUE_LINEAR, element.torque_linear),
-        (loads.TORQUE_QUADRATIC, element.torque_quadratic),
-        (loads.MASS, element.added_mass),
-        (loads.INERTIA, element.added_inertia),
-        (loads.HALF, element.half_size),
-        (loads.THRUST, element.thrust),
-        (loads.PULL, element.pull),
-        (loads.PLATE, element.plate or ()),
-        (loads.CONTACT, astuple(element.contact) if element.contact else ()),
+        (rows.POSITION, element.position),
+        (rows.ROTATION, element.rotation.ravel()),
+        (rows.DRAG, element.drag),
+        (rows.TORQUE_LINEAR, element.torque_linear),
+        (rows.TORQUE_QUADRATIC, element.torque_quadratic),
+        (rows.MASS, element.added_mass),
+        (rows.INERTIA, element.added_inertia),
+        (rows.HALF, element.half_size),
+        (rows.THRUST, element.thrust),
+        (rows.PULL, element.pull),
+        (rows.PLATE, element.plate or ()),
+        (rows.CONTACT, astuple(element.contact) if element.contact else ()),
     ):
         record[at : at + len(values)] = values
-    record[loads.VOLUME], record[loads.SHAPE] = element.volume, element.shape_number
-    record[loads.REFERENCE_SPEED] = element.reference_speed
-    record[loads.TETHER_DRAG], record[loads.WAKE_MASS] = element.tether_drag, element.wake_mass
-    record[loads.LINEAR], record[loads.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
+    record[rows.VOLUME], record[rows.SHAPE] = element.volume, element.shape_number
+    record[rows.REFERENCE_SPEED] = element.reference_speed
+    record[rows.TETHER_DRAG], record[rows.WAKE_MASS] = element.tether_drag, element.wake_mass
+    record[rows.LINEAR], record[rows.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
     return record

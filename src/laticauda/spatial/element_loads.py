@@ -1,0 +1,241 @@
+"""The water's load on one element, and the inertia of the water that it takes along.
+
+Per element with velocity u relative to the water, angular velocity w (both in element axes), spatial acceleration a (at
+rest in the joints: what the velocities alone call for), added mass m and inertia I:
+
+    relative     f = -m (a + w x V)                    tau = -I alpha
+    kirchhoff    f = -m (a + w x V) - w x m u          tau = -I alpha - w x I w - u x m u
+    classic      f = -m (a + w x (v + V))              tau = -I alpha
+
+The part that is linear in the joint accelerations is not a force but inertia: it is added to MuJoCo's matrix M.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+# pyright: reportWildcardImportFromLibrary=false
+
+from typing import no_type_check
+
+from laticauda.compiling import compiled, kernel
+from laticauda.fluid import laws
+from laticauda.spatial import hydrostatics
+from laticauda.spatial.ground_loads import ground_load
+from laticauda.spatial.native import call_1, number_at
+from laticauda.spatial.table import *
+from laticauda.spatial.vectors import (
+    cross,
+    field,
+    integers,
+    nine,
+    numbers,
+    plus,
+    scaled,
+    three,
+    times,
+    to_own,
+    to_world,
+)
+
+wetted = compiled(hydrostatics.wetted)
+plate_law = compiled(laws.plate)
+
+
+@kernel
+@no_type_check
+def element_load(E, o, T, P, S, body, model, data, law_io, step):
+    """Add one element's load and inertia to those of its body in the scratch `S`.
+
+    `E` holds the elements' records, this one's from `o` on; `P` is the water's numbers; S is laid out as acceleration,
+    force (6 each) and inertia (21) of every body.
+    """
+    R, place, arm = pose(E, o, T, body, data)
+    wet, center = 1.0, (0.0, 0.0, 0.0)
+    if T[HAS_SURFACE]:
+        half, up = three(E, o + HALF), three(R, 6)
+        depth = P[LEVEL] - place[2]
+        wet, c_x, c_y, c_z = wetted(E[o + SHAPE], half[0], half[1], half[2], up[0], up[1], up[2], depth)
+        center = (c_x, c_y, c_z)
+        if wet == 0.0 and E[o + CONTACT] == 0.0:
+            return
+    u, w, a, alpha = motion(T, P, S, R, place, arm, body, data, law_io)
+    m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
+    added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
+    dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
+    own = effector(E, o, u)
+    lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], three(numbers(model + T[AT_GRAVITY], 3), 0))
+    pull = three(E, o + PULL)
+    if T[OUT] != 0:
+        write_loads(T, o, R, dragged, added, lift, own, pull, wet)
+    force = plus(to_world(R, plus(plus(added, dragged), own)), plus(lift, pull))
+    torque = plus(to_world(R, plus(added_torque, dragged_torque)), cross(to_world(R, center), lift))
+    if E[o + CONTACT] != 0.0:
+        pushed, pushed_torque = ground_load(T, E, o, P, R, place, arm, body, data)
+        force, torque = plus(force, pushed), plus(torque, pushed_torque)
+    torque = plus(torque, cross(arm, force))
+    F = 6 * (T[N_BODIES] + body)
+    for k in range(3):
+        S[F + k] += torque[k]
+        S[F + 3 + k] += force[k]
+    if T[HAS_INERTIA]:
+        if T[IMPLICIT_DRAG]:
+            m, i = plus(m, implicit(dragged, u, step)), plus(i, implicit(dragged_torque, w, step))
+        add_inertia(S, 12 * T[N_BODIES] + 21 * body, R, arm, m, i)
+
+
+@kernel
+@no_type_check
+def pose(E, o, T, body, data):
+    """Rotation from element to world axes, place of the middle, and that place from the tree's center of mass."""
+    n_bodies = T[N_BODIES]
+    xpos, xmat = field(data, T[AT_XPOS], 3 * n_bodies), field(data, T[AT_XMAT], 9 * n_bodies)
+    com = three(field(data, T[AT_SUBTREE_COM], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
+    B, Q = nine(xmat, 9 * body), nine(E, o + ROTATION)
+    x, y, z = to_world(B, (Q[0], Q[3], Q[6])), to_world(B, (Q[1], Q[4], Q[7])), to_world(B, (Q[2], Q[5], Q[8]))
+    R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+    place = plus(three(xpos, 3 * body), to_world(B, three(E, o + POSITION)))
+    return R, place, plus(place, scaled(-1.0, com))
+
+
+@kernel
+@no_type_check
+def motion(T, P, S, R, place, arm, body, data, law_io):
+    """In element axes: u, w, a (what the frame's turning adds included) and alpha; see the head of this module."""
+    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    w, alpha = three(cvel, 6 * body), three(S, 6 * body)
+    v = plus(three(cvel, 6 * body + 3), cross(w, arm))
+    a = plus(three(S, 6 * body + 3), cross(alpha, arm))
+    V = three(P, V_X)
+    if T[CURRENT] != 0:
+        law_io[0], law_io[1], law_io[2], law_io[3] = place[0], place[1], place[2], number_at(data + T[AT_TIME])
+        call_1(T[CURRENT], law_io.ctypes.data)
+        V = three(law_io, 4)
+    seen = plus(V, scaled(1.0 - P[OWN_VELOCITY], v))
+    u = plus(v, scaled(-1.0, V))
+    return to_own(R, u), to_own(R, w), to_own(R, plus(a, cross(w, seen))), to_own(R, alpha)
+
+
+@kernel
+@no_type_check
+def added_mass(keep, m, i, u, w, a, alpha):
+    """Force and torque of the added mass for joints that do not accelerate; keep: 1 for kirchhoff, else 0."""
+    momentum = times(m, u)
+    force = plus(times(m, a), scaled(keep, cross(w, momentum)))
+    turning = plus(cross(w, times(i, w)), cross(u, momentum))
+    return scaled(-1.0, force), scaled(-1.0, plus(times(i, alpha), scaled(keep, turning)))
+
+
+@kernel
+@no_type_check
+def drag(T, E, o, law_io, u, w, wet):
+    """Force and torque by the law of a plane: for x and y about z, then for z about y, then for the roll about x."""
+    c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
+    f_x, f_y, t_z = drag_in_plane(T, E, o, law_io, u[0], u[1], w[2], c[0], c[1], linear[2], quadratic[2])
+    _, f_z, t_y = drag_in_plane(T, E, o, law_io, 0.0, u[2], w[1], 0.0, c[2], linear[1], quadratic[1])
+    t_x = 0.0
+    if linear[0] != 0.0 or quadratic[0] != 0.0:
+        _, _, t_x = drag_in_plane(T, E, o, law_io, 0.0, 0.0, w[0], 0.0, 0.0, linear[0], quadratic[0])
+    return scaled(wet, (f_x, f_y, f_z)), scaled(wet, (t_x, t_y, t_z))
+
+
+@kernel
+@no_type_check
+def drag_in_plane(T, E, o, law_io, v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3):
+    """The fluid law."""
+    law_io[0], law_io[1], law_io[2] = v_t, v_n, rate
+    law_io[3], law_io[4], law_io[5], law_io[6] = c_t, c_n, lambda_2, lambda_3
+    law_io[7], law_io[8], law_io[9] = E[o + REFERENCE_SPEED], E[o + LINEAR], E[o + QUADRATIC]
+    call_1(T[LAW], law_io.ctypes.data)
+    return three(law_io, 10)
+
+
+@kernel
+@no_type_check
+def effector(E, o, u):
+    """Thrust, tether, wake and plate, in element axes: what only few elements have."""
+    force = three(E, o + THRUST)
+    if E[o + TETHER_DRAG] != 0.0:
+        speed = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) ** 0.5
+        force = plus(force, scaled(-E[o + TETHER_DRAG] * speed, u))
+    if E[o + WAKE_MASS] != 0.0 and u[0] > 0.0:
+        force = plus(force, scaled(E[o + WAKE_MASS], (0.5 * u[1] * u[1], -u[0] * u[1], 0.0)))
+    if E[o + PLATE] != 0.0:
+        k = o + PLATE
+        along, across = plate_law(u[0], u[1], E[k], E[k + 1], E[k + 2], E[k + 3], E[k + 4])
+        force = plus(force, (along, across, 0.0))
+    return force
+
+
+@kernel
+@no_type_check
+def implicit(load, velocity, step):
+    """Secant slopes -f / v of a drag, which are never negative, times the step: what an implicit step adds."""
+    return secant(load[0], velocity[0], step), secant(load[1], velocity[1], step), secant(load[2], velocity[2], step)
+
+
+@kernel
+@no_type_check
+def secant(load, velocity, step):
+    """The same for one axis."""
+    return -step * load / velocity if abs(velocity) > 1e-12 else 0.0
+
+
+@kernel
+@no_type_check
+def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
+    """What `Water.forces` shows, world axes."""
+    out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+    dragged, added, own = to_world(R, dragged), to_world(R, added), plus(to_world(R, own), pull)
+    for k in range(3):
+        out[k], out[3 + k], out[6 + k], out[9 + k] = dragged[k], added[k], lift[k], own[k]
+    out[12] = wet
+
+
+@kernel
+@no_type_check
+def add_inertia(S, A, R, arm, m, i):
+    """Add an element's inertia about the center of mass, world axes: [[K, B], [B^T, N]], B = [r] N, K = I - B [r]."""
+    n00, n01, n02, n11, n12, n22 = symmetric(R, m)
+    k00, k01, k02, k11, k12, k22 = symmetric(R, i)
+    x, y, z = cross(arm, (n00, n01, n02)), cross(arm, (n01, n11, n12)), cross(arm, (n02, n12, n22))  # columns of B
+    rx, ry, rz = arm
+    for k, value in enumerate(
+        (
+            k00 - y[0] * rz + z[0] * ry,
+            k01 + x[0] * rz - z[0] * rx,
+            k02 - x[0] * ry + y[0] * rx,
+            k11 + x[1] * rz - z[1] * rx,
+            k12 - x[1] * ry + y[1] * rx,
+            k22 - x[2] * ry + y[2] * rx,
+            x[0],
+            y[0],
+            z[0],
+            x[1],
+            y[1],
+            z[1],
+            x[2],
+            y[2],
+            z[2],
+            n00,
+            n01,
+            n02,
+            n11,
+            n12,
+            n22,
+        )
+    ):
+        S[A + k] += value
+
+
+@kernel
+@no_type_check
+def symmetric(R, d):
+    """Upper half of R diag(d) R^T, row by row."""
+    x, y, z = times(d, three(R, 0)), times(d, three(R, 3)), times(d, three(R, 6))
+    return (
+        x[0] * R[0] + x[1] * R[1] + x[2] * R[2],
+        x[0] * R[3] + x[1] * R[4] + x[2] * R[5],
+        x[0] * R[6] + x[1] * R[7] + x[2] * R[8],
+        y[0] * R[3] + y[1] * R[4] + y[2] * R[5],
+        y[0] * R[6] + y[1] * R[7] + y[2] * R[8],
+        z[0] * R[6] + z[1] * R[7] + z[2] * R[8],
+    )

@@ -1,0 +1,75 @@
+"""Where every number sits that the compiled loads read: the table of one model, its water, and its elements."""
+
+# --- The table of one model: 64-bit integers -----------------------------------------------------------------------
+(
+    N_BODIES,
+    N_DOFS,
+    N_ELEMENTS,
+    HAS_INERTIA,  # 1: M is written anew
+    IMPLICIT_DRAG,  # 1: the drag's secant slope, times the step, is added to the inertia
+    HAS_SURFACE,
+    # addresses
+    PARENT,  # of each body
+    FIRST_DOF,  # of each body, and the end
+    ROOT,  # of each body
+    DOF_BODY,
+    DOF_PARENT,
+    ROW_END,  # of each row of M: place of its diagonal element
+    ROW_LENGTH,
+    ELEMENT_BODY,
+    ELEMENTS,  # records of numbers, see below
+    WATER,  # numbers: see below
+    LAW,  # cfunc: ten numbers in, three out behind them
+    CURRENT,  # cfunc: x, y, z, t in, three out behind them; 0: constant
+    HOLD,  # inertia and force to be added to each degree of freedom; 0: none
+    OUT,  # loads per element; 0: not wanted
+    FACTOR_M,
+    MARK_STACK,
+    FREE_STACK,
+    ALLOCATE,
+    # offsets in the model
+    AT_GRAVITY,
+    AT_TIME_STEP,
+    AT_ARMATURE,
+    # offsets in the data
+    AT_QVEL,
+    AT_QACC,
+    AT_XPOS,
+    AT_XMAT,
+    AT_SUBTREE_COM,
+    AT_CDOF,
+    AT_CDOF_DOT,
+    AT_CVEL,
+    AT_CRB,
+    AT_M,
+    AT_QFRC_PASSIVE,
+    AT_QFRC_FLUID,
+    AT_TIME,
+    TABLE_SIZE,
+) = range(41)
+
+# --- Numbers of the water
+(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)
+
+# --- One record of numbers per element
+POSITION = 0  # in the body's frame, 3
+ROTATION = 3  # from element axes to the body's, 9, row by row
+DRAG = 12  # 3
+TORQUE_LINEAR = 15  # 3
+TORQUE_QUADRATIC = 18  # 3
+MASS = 21  # 3
+INERTIA = 24  # 3
+VOLUME = 27
+SHAPE = 28
+HALF = 29  # 3
+REFERENCE_SPEED = 32
+LINEAR = 33
+QUADRATIC = 34
+THRUST = 35  # 3
+PULL = 38  # 3
+TETHER_DRAG = 41
+WAKE_MASS = 42
+PLATE = 43  # 5, as in fluid.laws.plate
+CONTACT = 48  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+ELEMENT_SIZE = 53
+OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]

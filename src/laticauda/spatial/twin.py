@@ -1,0 +1,175 @@
+"""A spatial plant's model in MuJoCo, and what the kernels need of it."""
+
+import math
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from laticauda.fluid import laws
+from laticauda.robot import Actuator, Ground, Robot
+from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
+from laticauda.spatial.door import engine
+from laticauda.spatial.water_robot import on_ground, robot_elements
+
+if TYPE_CHECKING:
+    from laticauda.spatial.model import SpatialPlant
+
+JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
+FORCES = ("drag", "added_mass", "effector")
+
+
+class Twin:
+    """A plant's model in MuJoCo and what the kernels need of it. A resource: one march at a time."""
+
+    def __init__(self, plant: "SpatialPlant") -> None:
+        mujoco = engine()
+        self._lock = Lock()
+        robot, environment = plant.robot, plant.environment
+        spec = mjcf.spec(
+            robot,
+            environment,
+            root=plant.root,
+            actuators="none",
+            sensors=False,
+            visuals=False,
+            tank=plant.tank,
+            ground=None if plant.shore is None else "ramp",
+        )
+        if plant.land is not None:
+            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
+            spec.option.gravity = (0.0, 0.0, -plant.land.gravity)
+        if not plant.gravity or plant.root == "planar":
+            spec.option.gravity = (0.0, 0.0, 0.0)
+        else:
+            for i in range(robot.n_links):
+                body = spec.body(f"module_{i}")
+                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
+        self.model = water.compiled(spec)
+        if plant.joints == "prescribed":  # they go where the gait says; a stop would only push the rest of the body
+            self.model.jnt_limited[:] = 0
+        if plant.dt is not None:
+            self.model.opt.timestep = plant.dt
+        self._data = mujoco.MjData(self.model)
+        self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
+        self.height = float(self.model.body("module_0").pos[2])
+        self.center = _center_of_mass(robot)
+        self.joints = np.array(
+            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
+        )
+        self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
+        self.water = self._attach(plant)
+        # Among the water's own numbers, so that it lives as long as the compiled code may read it.
+        self._hold = np.zeros(2 * int(self.model.nv))
+        self.water.numbers["hold"] = self._hold
+        self.water.table[table.HOLD] = self._hold.ctypes.data
+        self.water.table[table.HAS_INERTIA] = 1
+        self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
+        own = self.model.body_rootid == self._order[0]
+        self._mass = np.where(own, self.model.body_mass, 0.0)
+        self._setup = self._numbers(plant)
+
+    def _attach(self, plant: "SpatialPlant") -> water.Water:
+        environment = plant.environment
+        elements = robot_elements(plant.robot, environment, floats=plant.gravity and plant.root == "free")
+        law = plant.fluid_law
+        if law is None:
+            dry = isinstance(environment, Ground) and environment.friction == "coulomb"
+            law = laws.coulomb_friction if dry else laws.polynomial_drag
+        if plant.land is not None:
+            elements = on_ground(elements, plant.robot, plant.land, wet=plant.shore is not None)
+        if isinstance(environment, Ground):
+            return water.attach(self.model, elements, fluid_law=law)
+        terrain = None
+        if plant.shore is not None:
+            terrain = water.Terrain(
+                height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
+            )
+        x, y = environment.current
+        return water.attach(
+            self.model,
+            elements,
+            density=environment.density,
+            current=(x, y, 0.0),
+            surface=0.0 if plant.root == "free" and plant.gravity else None,
+            form=environment.added_mass_form,
+            fluid_law=law,
+            terrain=terrain,
+        )
+
+    def _numbers(self, plant: "SpatialPlant") -> np.ndarray:
+        where = native.offsets()
+        base = (3, 3) if plant.root == "planar" else (7, 6)
+        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
+        return np.array(
+            [
+                self.model._address,
+                self._data._address,
+                native.address("mj_forwardSkip"),
+                native.address("mj_integratePos"),
+                self.n_qpos,
+                self.n_qvel,
+                *base,
+                plant.robot.n_links,
+                self.model.nbody,
+                JOINT_LAWS[plant.joints],
+                plant.root == "planar",
+                *(where[name] for name in fields),
+            ],
+            dtype=np.int64,
+        )
+
+    def run(
+        self,
+        values: np.ndarray,
+        rows: tuple[np.ndarray, np.ndarray],
+        steps: int,
+        dt: float,
+        every: int,
+        log: np.ndarray,
+    ) -> int:
+        """Advance `values` in place; see `driving.run`."""
+        with self._lock:
+            engine().mj_resetData(self.model, self._data)
+            self.model.opt.timestep = dt
+            water_registry.install()  # somebody else may have taken the callback since
+            robot = (self._mass, self._order, self._hold)
+            return int(driving.run(self._setup, values, *rows, *robot, steps, dt, every, log))
+
+    def forces(self) -> np.ndarray:
+        """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
+        loads_on = self.water.forces(self._data)
+        total = np.zeros((len(FORCES), self._order.size, 3))
+        for i, element in enumerate(self.water.elements):
+            link = int(element.body.removeprefix("module_")) if element.body.startswith("module_") else 0
+            for k, name in enumerate(FORCES):
+                total[k, link] += loads_on[name][i]
+        return total
+
+
+def _center_of_mass(robot: Robot) -> float:
+    """Center of mass of the straight robot from its tail end, on its axis [m]."""
+    moment, behind = 0.0, 0.0
+    for module in robot.modules:
+        moment += module.mass * (behind + module.half_length + module.center)
+        behind += module.length
+    if robot.caudal_fin is not None:
+        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
+    return moment / robot.mass
+
+
+def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
+    row = np.zeros(driving.JOINT_SIZE)
+    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
+    if drive == "pd":
+        row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
+    else:
+        row[driving.LAW_0 : driving.LAW_5 + 1] = (
+            actuator.servo_gain,
+            actuator.stall_torque,
+            actuator.no_load_speed,
+            actuator.friction_torque,
+            actuator.viscous_friction,
+            actuator.voltage * actuator.stall_current,
+        )
+    return row
