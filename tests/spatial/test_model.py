@@ -174,8 +174,6 @@ def test_bad_settings_are_refused_by_name():
         SpatialPlant(robot=ROBOT, environment=WATER, dt=0.0)
     with pytest.raises(ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"):
         plant(ROBOT, WATER, model="spatial").unpack({})
-    with pytest.raises(ValueError, match="`root` must be `planar` on the ground"):
-        plant(ROBOT, lc.load_ground("viscous"), model="spatial", root="free")
 
 
 @pytest.mark.filterwarnings("ignore:`timestep`")

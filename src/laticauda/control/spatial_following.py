@@ -5,6 +5,7 @@ the height (up). So every path, guidance law and heading law serves the vertical
 above it, and the heading is the climb, the mean pitch of the links with the opposite sign.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -117,8 +118,14 @@ class SpatialPathFollowing:
         if observation.center_of_mass.size != 3:
             raise ValueError("`observation` must be of a spatial model for a path in space, got one of a planar model.")
         plan, turn = self._plan.step(state.plan, observation)
-        at = np.array([plan.along_track_distance, observation.center_of_mass[2]])
-        seen = replace(observation, center_of_mass=at, heading=-observation.pitch)
+        at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
+        along = velocity[0] * math.cos(plan.path_tangential_angle) + velocity[1] * math.sin(plan.path_tangential_angle)
+        seen = replace(
+            observation,
+            center_of_mass=np.array([plan.along_track_distance, at[2]]),
+            center_of_mass_velocity=np.array([along, velocity[2]]),
+            heading=-observation.pitch,
+        )
         profile, rise = self._profile.step(state.profile, seen)
         return SpatialPathFollowingState(plan=plan, profile=profile), replace(turn, pitch_offset=-rise.offset)
 

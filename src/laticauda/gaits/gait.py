@@ -33,7 +33,7 @@ class Wave:
     phase_shift: float
     """delta between neighboring pitch joints; negative swims tail first [rad]."""
     phase: float = 0.0
-    """How far it is ahead: at the same frequency, of the tail-most pitch joint against the tail-most yaw joint [rad]."""
+    """How far it is ahead of the yaw wave, for equal frequencies: tail-most pitch against tail-most yaw joint [rad]."""
     offset: float = 0.0
     """phi_0 of every pitch joint; positive turns down [rad]."""
 

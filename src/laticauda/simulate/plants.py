@@ -99,9 +99,8 @@ def plant_of(trial: Trial) -> Plant[Any]:
         raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
     names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
     shore = from_toml(settings["shore"], Ground) if "shore" in settings else None
-    body: Any = plant(
-        trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings}, shore=shore
-    )
+    chosen = {name: settings[name] for name in names if name in settings}
+    body: Any = plant(trial.robot, trial.environment, **chosen, shore=shore)
     rest = {name: settings[name] for name in ("ballast_depth", "tank") if name in settings}
     return replace(body, **rest) if rest else body
 

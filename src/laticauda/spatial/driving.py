@@ -124,7 +124,7 @@ def advance_reference(X, C, J, R, dt):
 @kernel
 @no_type_check
 def set_reference(X, C, J, R):
-    """phi_ref of every joint and its derivatives, three rows of R: yaw joints follow the first wave, pitch the second."""
+    """phi_ref of every joint and its derivatives, three rows of R: the first wave moves yaw, the second pitch."""
     ramp = smooth_start(X[TIME], C[RAMP])
     set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, 0.0, J, R)
     set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, 1.0, J, R)

@@ -52,7 +52,7 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
 @kernel
 @no_type_check
 def lowest_point(E, o, P, R, place, sign):
-    """The lowest point of the elliptic section at one end, from the element's middle, and the ground's normal there."""
+    """From the element's middle to the lowest point of the section at one end, and the ground's normal there."""
     half = three(E, o + HALF)
     fall = terrain(place[0] + sign * half[0] * R[0], *three(P, TERRAIN), P[TERRAIN + 3])[1]
     steep = (1.0 + fall * fall) ** -0.5

@@ -22,8 +22,7 @@ from laticauda.spatial.poses import ORIENTATION
 from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
 
 LEAST_DT = 1e-6  # s
-# Of the step at which the stiffest contact moves by its own time constant; Runge-Kutta is stable up to 2.8 of it.
-CONTACT_SHARE = 1.5
+CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 
@@ -49,7 +48,7 @@ class SpatialPlant:
     robot: Robot
     """What swims, all of its modules."""
     environment: Environment
-    """The water it swims in, or the ground: with a free root it lies on it with its weight, else it slides in the plane."""
+    """The water it swims in, or the ground: a free root lies on it with its weight, a planar one slides along."""
     joints: str = "prescribed"
     """prescribed, pd or servo."""
     dt: float | None = None
