@@ -100,11 +100,13 @@ def test_a_trial_with_a_pitch_wave_is_saved_and_loaded_equal(tmp_path):
 
 def test_pitch_is_refused_where_there_are_no_pitch_joints():
     gait = replace(YAW, pitch=WAVE)
-    with pytest.raises(ValueError, match="`pitch` must be None in the planar model, which has no pitch joints"):
+    with pytest.raises(
+        ValueError, match=r"`gait.pitch` must be None unless `model` is `spatial`: the planar model has no"
+    ):
         lc.swim(ROBOT, gait, 1.0)
-    with pytest.raises(ValueError, match="`pitch` must be None for a robot without pitch joints"):
+    with pytest.raises(ValueError, match=r"`gait.pitch` must be None for a robot without pitch joints"):
         swim(gait, robot=lc.load_robot("mamba"))
-    with pytest.raises(ValueError, match="`pitch` must be None with a planar root"):
+    with pytest.raises(ValueError, match=r"`gait.pitch` must be None with a planar root"):
         swim(gait, root="planar")
     with pytest.raises(ValueError, match="`pitch` must be of class Wave or NoneType, got float"):
         replace(YAW, pitch=0.1)

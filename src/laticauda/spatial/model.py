@@ -256,9 +256,9 @@ class SpatialPlant:
         if command.gait.pitch is None and command.pitch_offset == 0.0:
             return
         if all(joint.axis == "yaw" for joint in self.robot.joints):
-            raise ValueError(f"`pitch` must be None for a robot without pitch joints, got {command.gait.pitch}.")
+            raise ValueError(f"`gait.pitch` must be None for a robot without pitch joints, got {command.gait.pitch}.")
         if self.root == "planar":
-            raise ValueError(f"`pitch` must be None with a planar root, got {command.gait.pitch}.")
+            raise ValueError(f"`gait.pitch` must be None with a planar root, got {command.gait.pitch}.")
 
     def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
         """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
