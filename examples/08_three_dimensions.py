@@ -13,7 +13,7 @@ import numpy as np
 import laticauda as lc
 
 robot = lc.load_robot("mamba-modules")
-water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)  # in which it neither rises nor sinks
+water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)  # it neither rises nor sinks
 yaw = lc.lateral_undulation(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40))
 wave = lc.Wave(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40))
 vertical, helix = replace(yaw, amplitude=0.0, pitch=wave), replace(yaw, pitch=replace(wave, phase=pi / 2))

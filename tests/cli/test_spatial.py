@@ -56,7 +56,7 @@ def test_a_second_wave_can_be_asked_for(run):
     assert found["gait_parameters"]["pitch"]["amplitude"] == pytest.approx(np.deg2rad(20.0))
     assert found["gait_parameters"]["pitch"]["frequency"] == found["gait_parameters"]["frequency"]
     assert found["measured"] is None  # the tank's robot had none
-    text = run("swim --model spatial --robot mamba-modules --pitch-amplitude-deg 20 --duration 2").out
+    text = " ".join(run("swim --model spatial --robot mamba-modules --pitch-amplitude-deg 20 --duration 2").out.split())
     assert "pitch wave: amplitude 20 deg, 0 deg ahead" in text
 
 

@@ -10,6 +10,7 @@ import laticauda as lc
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.simulate import plant, plant_of, resume, run
 from laticauda.spatial.ground import SINK
+from laticauda.spatial.lines import path_dashes
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")
@@ -150,6 +151,20 @@ def test_it_converges_to_a_line_in_space(profile):
     assert np.max(np.abs(y)) < 0.05
     ends = profile.points(trial.signals["along_track_distance"][late])
     assert np.max(np.abs(z - ends[:, 1])) < 0.15  # points at that length along the profile, not at that x
+
+
+def test_the_path_is_drawn_at_its_own_height():
+    trial = follow(lc.StraightLine(point=(0.0, -1.0)), 15.0)
+    dashes = np.array([end for dash in path_dashes(trial, 0.0) for end in dash])
+    assert len(dashes) > 10
+    np.testing.assert_allclose(dashes[:, 2], -1.0 - 1.3 * 0.055, atol=0.01)
+
+
+@pytest.mark.parametrize("joints", ["pd", "servo"])
+def test_driven_joints_crawl_too(joints):
+    trial = crawl(YAW, 4.0, joints=joints)
+    assert displacement(trial)[0] > 0.5
+    assert abs(trial.center_of_mass[-1, 2] - 0.049) < 2e-3
 
 
 def test_path_following_in_space_refuses_what_cannot_climb():
