@@ -68,10 +68,10 @@ def path_dashes(trial: Trial, height: float) -> Dashes:
         return []
     distance, line = along[keep], points[keep]
     under = 1.3 * max(module.section.half_height for module in trial.robot.modules)
-    line = np.column_stack((line, _path_heights(trial, height)[keep] - under))
+    columns: list[np.ndarray] = [line[:, 0], line[:, 1], _path_heights(trial, height)[keep] - under]
 
     def at(place: float) -> np.ndarray:
-        return np.array([np.interp(place, distance, column) for column in line.T])
+        return np.array([np.interp(place, distance, column) for column in columns])
 
     starts = np.arange(distance[0], distance[-1], 2.0 * dash)
     return [(at(start), at(start + dash)) for start in starts[:MOST_DASHES]]
