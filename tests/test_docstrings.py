@@ -33,7 +33,7 @@ def public() -> dict[str, Any]:
         module = importlib.import_module(name)
         offered = getattr(module, "__all__", [key for key in vars(module) if not key.startswith("_")])
         for thing in (getattr(module, key) for key in offered):
-            if getattr(thing, "__module__", "").startswith("laticauda"):
+            if getattr(thing, "__module__", "").startswith("laticauda") and hasattr(thing, "__qualname__"):
                 found[f"{thing.__module__}.{thing.__qualname__}"] = thing
     return found
 

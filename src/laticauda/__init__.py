@@ -16,10 +16,11 @@ if TYPE_CHECKING:
         LineOfSight,
         PathFollowing,
         Polyline,
+        SpatialPathFollowing,
         Spline,
         StraightLine,
     )
-    from laticauda.gaits import Gait, custom_gait, eel_like, lateral_undulation
+    from laticauda.gaits import Gait, Wave, custom_gait, eel_like, lateral_undulation
     from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Start
     from laticauda.robot import (
         Ground,
@@ -41,10 +42,11 @@ _HOMES = {
         "LineOfSight",
         "PathFollowing",
         "Polyline",
+        "SpatialPathFollowing",
         "Spline",
         "StraightLine",
     ),
-    "gaits": ("Gait", "custom_gait", "eel_like", "lateral_undulation"),
+    "gaits": ("Gait", "Wave", "custom_gait", "eel_like", "lateral_undulation"),
     "interfaces": ("Command", "Controller", "Observation", "OpenLoop", "Plant", "Start"),
     "robot": (
         "Ground",
@@ -76,12 +78,14 @@ __all__ = [
     "Plant",
     "Polyline",
     "Robot",
+    "SpatialPathFollowing",
     "Spline",
     "Start",
     "StraightLine",
     "Swims",
     "Trial",
     "Water",
+    "Wave",
     "compare",
     "custom_gait",
     "eel_like",

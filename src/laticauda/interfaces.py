@@ -26,6 +26,8 @@ class Command:
     """The gait; its own offset counts too."""
     offset: float = 0.0
     """phi_0 that steering adds to the gait's offset; positive turns left [rad]."""
+    pitch_offset: float = 0.0
+    """The same for the pitch joints; positive turns down [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +50,8 @@ class Observation:
     """phi [rad]."""
     joint_rate: Float[np.ndarray, " n_joints"]
     """phi' [rad/s]."""
+    pitch: float = 0.0
+    """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from laticauda.cli.messages import given
 from laticauda.robot import Environment, Robot, Water, load_ground, load_parameters, load_robot, load_water
 
 if TYPE_CHECKING:
-    from laticauda.gaits import Gait
+    from laticauda.gaits import Gait, Wave
 
 # What options that are left out stand for: Mamba's first trial of the paper.
 ROBOT = "mamba"
@@ -57,18 +57,41 @@ class GaitFlags:
     """delta between neighboring joints [deg]."""
     offset_deg: Annotated[Number, default("0")] = None
     """phi_0 of every joint; positive turns left [deg]."""
+    pitch_amplitude_deg: Annotated[Number, default("0")] = None
+    """alpha of a second wave, of the pitch joints, with the same frequency and phase shift [deg]."""
+    pitch_phase_deg: Annotated[Number, default("0")] = None
+    """How far it is ahead of the first one; 90 makes a helix [deg]."""
+    pitch_offset_deg: Annotated[Number, default("0")] = None
+    """phi_0 of the pitch joints; positive turns down [deg]."""
 
     def chosen(self) -> "Gait":
         """The gait that is asked for."""
         from laticauda.gaits import Gait
 
+        frequency = radians(self.frequency_deg_s, FREQUENCY_DEG_S)
+        phase_shift = radians(self.phase_shift_deg, PHASE_SHIFT_DEG)
         return Gait(
             kind=GAIT if self.gait is None else self.gait,
             amplitude=radians(self.amplitude_deg, AMPLITUDE_DEG),
-            frequency=radians(self.frequency_deg_s, FREQUENCY_DEG_S),
-            phase_shift=radians(self.phase_shift_deg, PHASE_SHIFT_DEG),
+            frequency=frequency,
+            phase_shift=phase_shift,
             offset=radians(self.offset_deg, 0.0),
             envelope=self.envelope,
+            pitch=self._pitch(frequency, phase_shift),
+        )
+
+    def _pitch(self, frequency: float, phase_shift: float) -> "Wave | None":
+        """The second wave; None if no option asks for one."""
+        from laticauda.gaits import Wave
+
+        if (self.pitch_amplitude_deg, self.pitch_phase_deg, self.pitch_offset_deg) == (None, None, None):
+            return None
+        return Wave(
+            amplitude=radians(self.pitch_amplitude_deg, 0.0),
+            frequency=frequency,
+            phase_shift=phase_shift,
+            phase=radians(self.pitch_phase_deg, 0.0),
+            offset=radians(self.pitch_offset_deg, 0.0),
         )
 
 

@@ -165,6 +165,11 @@ def _gait(gait: Gait | None) -> str:
         text += f", offset {offset:.4g} deg"
     if gait.envelope is not None:
         text += f", envelope {' '.join(f'{g:g}' for g in gait.envelope)}"
+    if gait.pitch is not None:
+        pitch = gait.pitch
+        amplitude, ahead = math.degrees(pitch.amplitude), math.degrees(pitch.phase)
+        text += f", pitch wave: amplitude {amplitude:.4g} deg, {ahead:.4g} deg ahead"
+        text += f", offset {math.degrees(pitch.offset):.4g} deg" if pitch.offset else ""
     return text
 
 

@@ -8,6 +8,7 @@ from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSigh
 from laticauda.control.heading import HeadingController, HeadingEstimate
 from laticauda.control.path_following import HEADING_ESTIMATES, PathFollowing, PathFollowingState
 from laticauda.control.paths import Polyline, Spline, StraightLine
+from laticauda.control.spatial_following import SpatialPathFollowing, SpatialPathFollowingState
 
 __all__ = [
     "HEADING_ESTIMATES",
@@ -21,6 +22,8 @@ __all__ = [
     "PathFollowingState",
     "PathFrame",
     "Polyline",
+    "SpatialPathFollowing",
+    "SpatialPathFollowingState",
     "Spline",
     "StraightLine",
 ]

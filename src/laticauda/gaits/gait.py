@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
 
-from laticauda.errors import finite, not_negative, one_of, whole
+from laticauda.errors import finite, instance, not_negative, one_of, whole
 
 Envelope = Callable[[int, int], float]
 
@@ -15,6 +15,35 @@ _ENVELOPES: dict[str, Envelope] = {
     "eel_like": lambda i, n: (n - i) / (n + 1),
 }
 GAIT_KINDS = (*_ENVELOPES, "custom")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wave:
+    """A second traveling wave, of the pitch joints: alpha sin(omega t + (k-1) delta + phase) + phi_0.
+
+    k = 1 is the tail-most pitch joint. Everything but the phase is filtered and started smoothly, as the yaw wave is.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    amplitude: float
+    """alpha, not negative [rad]."""
+    frequency: float
+    """omega, not negative [rad/s]."""
+    phase_shift: float
+    """delta between neighboring pitch joints; negative swims tail first [rad]."""
+    phase: float = 0.0
+    """How far it is ahead of the yaw wave, for equal frequencies: tail-most pitch against tail-most yaw joint [rad]."""
+    offset: float = 0.0
+    """phi_0 of every pitch joint; positive turns down [rad]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        object.__setattr__(self, "amplitude", not_negative("amplitude", self.amplitude, "rad"))
+        object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
+        for name in ("phase_shift", "phase", "offset"):
+            object.__setattr__(self, name, finite(name, getattr(self, name), "rad"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +70,8 @@ class Gait:
     """phi_0 of every joint; positive turns left [rad]."""
     envelope: tuple[float, ...] | None = None
     """g of every joint, tail first, for kind custom; None otherwise [-]."""
+    pitch: Wave | None = None
+    """What the pitch joints do; None: they stay straight. The planar model has none."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -50,6 +81,7 @@ class Gait:
         object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
         object.__setattr__(self, "phase_shift", finite("phase_shift", self.phase_shift, "rad"))
         object.__setattr__(self, "offset", finite("offset", self.offset, "rad"))
+        instance("pitch", self.pitch, Wave, type(None))
         if (self.envelope is None) == (self.kind == "custom"):
             raise ValueError(
                 f"`envelope` must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, "
@@ -81,7 +113,9 @@ def _named_envelope(kind: str, n_links: int) -> tuple[float, ...]:
     return tuple(shape(i, n_links) for i in range(1, n_links))
 
 
-def lateral_undulation(*, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0) -> Gait:
+def lateral_undulation(
+    *, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0, pitch: Wave | None = None
+) -> Gait:
     """Body waves of constant amplitude, g(i, n) = 1.
 
     Args:
@@ -89,6 +123,7 @@ def lateral_undulation(*, amplitude: float, frequency: float, phase_shift: float
         frequency: omega [rad/s].
         phase_shift: delta [rad].
         offset: phi_0 [rad].
+        pitch: What the pitch joints do; None: they stay straight.
 
     Raises:
         ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
@@ -98,11 +133,18 @@ def lateral_undulation(*, amplitude: float, frequency: float, phase_shift: float
         (1.0, 1.0, 1.0)
     """
     return Gait(
-        kind="lateral_undulation", amplitude=amplitude, frequency=frequency, phase_shift=phase_shift, offset=offset
+        kind="lateral_undulation",
+        amplitude=amplitude,
+        frequency=frequency,
+        phase_shift=phase_shift,
+        offset=offset,
+        pitch=pitch,
     )
 
 
-def eel_like(*, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0) -> Gait:
+def eel_like(
+    *, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0, pitch: Wave | None = None
+) -> Gait:
     """Body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
@@ -110,6 +152,7 @@ def eel_like(*, amplitude: float, frequency: float, phase_shift: float, offset: 
         frequency: omega [rad/s].
         phase_shift: delta [rad].
         offset: phi_0 [rad].
+        pitch: What the pitch joints do; None: they stay straight.
 
     Raises:
         ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
@@ -118,7 +161,14 @@ def eel_like(*, amplitude: float, frequency: float, phase_shift: float, offset: 
         >>> eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (0.6, 0.4, 0.2)
     """
-    return Gait(kind="eel_like", amplitude=amplitude, frequency=frequency, phase_shift=phase_shift, offset=offset)
+    return Gait(
+        kind="eel_like",
+        amplitude=amplitude,
+        frequency=frequency,
+        phase_shift=phase_shift,
+        offset=offset,
+        pitch=pitch,
+    )
 
 
 def custom_gait(

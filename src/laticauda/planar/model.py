@@ -180,6 +180,11 @@ class PlanarPlant:
     def rows(self, state: PlanarState, command: Command) -> np.ndarray:
         """All rows: the layout's parameters, the command, the state."""
         a, gait = self.layout, command.gait
+        if gait.pitch is not None or command.pitch_offset != 0.0:
+            raise ValueError(
+                "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
+                f"{'an offset of them' if gait.pitch is None else gait.pitch}."
+            )
         S = a.template.copy()
         S[rows.AMPLITUDE : rows.OFFSET + 1] = (
             gait.amplitude,

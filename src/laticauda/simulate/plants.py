@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from laticauda.errors import instance, one_of
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.robot.files import from_toml
 from laticauda.trial import Trial
 
 FluidLaw: TypeAlias = Callable[..., tuple[float, float, float]]
@@ -26,6 +27,7 @@ def plant(
     fluid_law: FluidLaw | None = None,
     root: str | None = None,
     gravity: bool | None = None,
+    shore: Ground | None = None,
 ) -> Plant[Any]:
     """A robot in its environment as something that can be stepped.
 
@@ -43,6 +45,7 @@ def plant(
         root: Spatial only: `free`, or `planar` for a tail module whose height and tilt are fixed. None: `planar` for a
             robot whose joints all turn about the vertical axis, else `free`.
         gravity: Spatial only: whether there is weight and buoyancy; None: yes. They do nothing to a planar root.
+        shore: Spatial only: the ground of a shore on which the robot begins, and which leads down into the water.
 
     Returns:
         The plant.
@@ -55,7 +58,7 @@ def plant(
     instance("environment", environment, Water, Ground)
     one_of("model", model, MODELS)
     if model == "planar":
-        for name, value in (("root", root), ("gravity", gravity)):
+        for name, value in (("root", root), ("gravity", gravity), ("shore", shore)):
             if value is not None:
                 raise ValueError(f"`{name}` must be left out unless `model` is `spatial`, got {value!r}.")
     from laticauda.planar.model import PlanarPlant
@@ -78,7 +81,7 @@ def plant(
 
     if root is None:
         root = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
-    settings |= {"root": one_of("root", root, ROOTS), "gravity": gravity is None or bool(gravity)}
+    settings |= {"root": one_of("root", root, ROOTS), "gravity": gravity is None or bool(gravity), "shore": shore}
     return SpatialPlant(**settings)
 
 
@@ -95,7 +98,9 @@ def plant_of(trial: Trial) -> Plant[Any]:
     if settings.get("fluid_law", "built-in") != "built-in":
         raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
     names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
-    body: Any = plant(trial.robot, trial.environment, **{name: settings[name] for name in names if name in settings})
+    shore = from_toml(settings["shore"], Ground) if "shore" in settings else None
+    chosen = {name: settings[name] for name in names if name in settings}
+    body: Any = plant(trial.robot, trial.environment, **chosen, shore=shore)
     rest = {name: settings[name] for name in ("ballast_depth", "tank") if name in settings}
     return replace(body, **rest) if rest else body
 

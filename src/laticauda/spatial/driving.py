@@ -46,11 +46,15 @@ from laticauda.spatial.vectors import field
     WORK_NET,
     WORK_POSITIVE,
     WORK_ELECTRICAL,
-    STATE_ROWS,
+    PITCH,  # the second wave's PHASE to OFFSET_RATE
 ) = range(16)
+SECOND, STATE_ROWS = PITCH - PHASE, 24
 
 # --- The command and the generator's settings
-(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, BANDWIDTH, RAMP, COMMAND_ROWS) = range(7)
+(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, AHEAD, PITCH_COMMAND, BANDWIDTH, RAMP, IS_LED, COMMAND_ROWS) = (
+    *range(6),
+    *range(10, 14),
+)
 
 # --- Whole numbers that the kernels need
 (
@@ -77,11 +81,11 @@ from laticauda.spatial.vectors import field
 ) = range(20)
 PRESCRIBED, PD, SERVO = range(3)
 
-# --- One row of joint parameters: the gait's envelope, whether the gait moves it, the skin, the law
-(ENVELOPE, IS_DRIVEN, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
+# --- One row of joint parameters: the gait's envelope, which wave moves it, the skin, the law
+(ENVELOPE, WAVE, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the joints
-(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12)
+(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12, 13)
 
 GAMMA = 1.0 - 0.5**0.5
 HOLD = 1e8  # kg m^2
@@ -103,14 +107,15 @@ def advance_reference(X, C, J, R, dt):
     """Move the generator on by dt and set the reference there."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
-    for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
-        y, rate, _ = filter_step(X[value], X[value + 1], C[target], w, decay, dt)
-        X[value] = y
-        X[value + 1] = rate
-    y, rate, turned = filter_step(X[FREQUENCY_NOW], X[FREQUENCY_RATE], C[FREQUENCY], w, decay, dt)
-    X[FREQUENCY_NOW] = y
-    X[FREQUENCY_RATE] = rate
-    X[PHASE] += turned
+    for G, A in ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:])):
+        for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
+            y, rate, _ = filter_step(G[value], G[value + 1], A[target], w, decay, dt)
+            G[value] = y
+            G[value + 1] = rate
+        y, rate, turned = filter_step(G[FREQUENCY_NOW], G[FREQUENCY_RATE], A[FREQUENCY], w, decay, dt)
+        G[FREQUENCY_NOW] = y
+        G[FREQUENCY_RATE] = rate
+        G[PHASE] += turned
     before, due = X[TIME], dt - X[TIME_REST]
     X[TIME] = before + due
     X[TIME_REST] = (X[TIME] - before) - due
@@ -120,18 +125,24 @@ def advance_reference(X, C, J, R, dt):
 @kernel
 @no_type_check
 def set_reference(X, C, J, R):
-    """phi_ref of every joint and its derivatives, three rows of R; joints that the gait does not move stay straight."""
-    w = C[BANDWIDTH]
-    ramp, ramp_1, ramp_2 = smooth_start(X[TIME], C[RAMP])
+    """phi_ref of every joint and its derivatives, three rows of R: the first wave moves yaw, the second pitch."""
+    ramp = smooth_start(X[TIME], C[RAMP])
+    set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, 0.0, J, R)
+    set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, 1.0, J, R)
+
+
+@kernel
+@no_type_check
+def set_wave(X, C, w, ramp, wave, J, R):
+    """The reference of the joints that one wave moves."""
     second = filter_acceleration(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], C[AMPLITUDE], w)
-    a0, a1, a2 = ramped(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], second, ramp, ramp_1, ramp_2)
+    a0, a1, a2 = ramped(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], second, ramp[0], ramp[1], ramp[2])
     shift_2 = filter_acceleration(X[PHASE_SHIFT_NOW], X[PHASE_SHIFT_RATE], C[PHASE_SHIFT], w)
     offset_2 = filter_acceleration(X[OFFSET_NOW], X[OFFSET_RATE], C[OFFSET], w)
     k = 0.0
     for i in range(J.shape[0]):
-        R[0, i], R[1, i], R[2, i] = 0.0, 0.0, 0.0
-        if J[i, IS_DRIVEN] != 0.0:
-            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW]
+        if J[i, WAVE] == wave:
+            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
             R[0, i], R[1, i], R[2, i] = joint_reference(
                 np.sin(psi),
                 np.cos(psi),
@@ -346,17 +357,19 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
         total += mass[b]
     for k in range(3):
         sample[o + COM_RATE + k] /= total
-    heading, heading_rate = 0.0, 0.0
+    heading, heading_rate, pitch = 0.0, 0.0, 0.0
     at = o + SAMPLE_HEADER
     for i in range(n):
         b = order[i]
         x, y, z = xmat[9 * b], xmat[9 * b + 3], xmat[9 * b + 6]
         wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
         heading += links[i]
+        pitch -= np.arctan2(z, (x * x + y * y) ** 0.5)
         heading_rate += (x * (wz * x - wx * z) - y * (wy * z - wz * y)) / (x * x + y * y)
         sample[at + i] = links[i]
     sample[o + HEADING] = heading / n
     sample[o + HEADING_RATE] = heading_rate / n
+    sample[o + MEAN_PITCH] = pitch / n
     if N[IS_PLANAR]:
         sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = np.cos(0.5 * links[0]), np.sin(0.5 * links[0])
         sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
@@ -401,7 +414,9 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     set_reference(X, C, J, R)
     written = 0
     for step in range(steps + 1):
-        if N[LAW] == PRESCRIBED:
+        if C[IS_LED] == 0.0:
+            evaluate(N)
+        elif N[LAW] == PRESCRIBED:
             evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
         else:
             first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)

@@ -19,6 +19,7 @@ from typing import no_type_check
 from laticauda.compiling import compiled, kernel
 from laticauda.fluid import laws
 from laticauda.spatial import hydrostatics
+from laticauda.spatial.ground_loads import ground_load
 from laticauda.spatial.native import call_1, number_at
 from laticauda.spatial.table import *
 from laticauda.spatial.vectors import (
@@ -54,7 +55,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         depth = P[LEVEL] - place[2]
         wet, c_x, c_y, c_z = wetted(E[o + SHAPE], half[0], half[1], half[2], up[0], up[1], up[2], depth)
         center = (c_x, c_y, c_z)
-        if wet == 0.0:
+        if wet == 0.0 and E[o + CONTACT] == 0.0:
             return
     u, w, a, alpha = motion(T, P, S, R, place, arm, body, data, law_io)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
@@ -67,6 +68,9 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         write_loads(T, o, R, dragged, added, lift, own, pull, wet)
     force = plus(to_world(R, plus(plus(added, dragged), own)), plus(lift, pull))
     torque = plus(to_world(R, plus(added_torque, dragged_torque)), cross(to_world(R, center), lift))
+    if E[o + CONTACT] != 0.0:
+        pushed, pushed_torque = ground_load(T, E, o, P, R, place, arm, body, data)
+        force, torque = plus(force, pushed), plus(torque, pushed_torque)
     torque = plus(torque, cross(arm, force))
     F = 6 * (T[N_BODIES] + body)
     for k in range(3):

@@ -8,6 +8,7 @@ import numpy as np
 
 from laticauda.errors import finite, not_negative, one_of, positive
 from laticauda.spatial import hydrostatics
+from laticauda.spatial.ground import Contact
 
 SHAPES = ("ellipsoid", "cylinder", "box")
 Three: TypeAlias = tuple[float, float, float]
@@ -58,6 +59,8 @@ class Element:
     """m' of Lighthill's force at a trailing edge, while u_x > 0: m'/2 u_y^2 along x, -m' u_x u_y along y [kg/m]."""
     plate: tuple[float, float, float, float, float] | None = None
     """An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`."""
+    contact: Contact | None = None
+    """How it touches the ground that `water.attach` is given; None: not at all."""
     volume: float = 0.0
     """Of the water that it displaces when covered [m^3]."""
     shape: Shape = "ellipsoid"

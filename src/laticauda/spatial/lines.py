@@ -67,14 +67,23 @@ def path_dashes(trial: Trial, height: float) -> Dashes:
     if np.count_nonzero(keep) < 2:
         return []
     distance, line = along[keep], points[keep]
-    below = height if trial.center_of_mass.shape[1] == 2 else float(np.mean(trial.center_of_mass[:, 2]))
-    below -= 1.3 * max(module.section.half_height for module in trial.robot.modules)
+    under = 1.3 * max(module.section.half_height for module in trial.robot.modules)
+    columns: list[np.ndarray] = [line[:, 0], line[:, 1], _path_heights(trial, height)[keep] - under]
 
     def at(place: float) -> np.ndarray:
-        return np.array([*(np.interp(place, distance, column) for column in line.T), below])
+        return np.array([np.interp(place, distance, column) for column in columns])
 
     starts = np.arange(distance[0], distance[-1], 2.0 * dash)
     return [(at(start), at(start + dash)) for start in starts[:MOST_DASHES]]
+
+
+def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"]:
+    """Height of the path at the samples [m]: its own, if it leads through space; else that of the robot, all in all."""
+    if "height_error" in trial.signals:
+        above = trial.signals["height_error"] * np.cos(trial.signals["path_climb"])
+        return trial.center_of_mass[:, 2] - above
+    planar = trial.center_of_mass.shape[1] == 2
+    return np.full(trial.time.size, height if planar else float(np.mean(trial.center_of_mass[:, 2])))
 
 
 def draw_path(scene: Any, trial: Trial, dashes: Dashes) -> None:

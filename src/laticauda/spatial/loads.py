@@ -32,6 +32,8 @@ _SOURCES = (
     "spatial/vectors.py",
     "spatial/native.py",
     "spatial/hydrostatics.py",
+    "spatial/ground.py",
+    "spatial/ground_loads.py",
     "fluid/laws.py",
     "compiling/__init__.py",
     "compiling/duals.py",

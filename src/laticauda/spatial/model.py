@@ -10,16 +10,20 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, not_negative, one_of, positive, within
+from laticauda.errors import finite, instance, not_negative, one_of, positive, within
+from laticauda.gaits import Wave
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.robot import Environment, Ground, Robot, check_fits
-from laticauda.spatial import driving, mjcf, water
+from laticauda.robot.files import to_toml
+from laticauda.spatial import driving, ground, mjcf, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
 from laticauda.spatial.poses import ORIENTATION
 from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
 
 LEAST_DT = 1e-6  # s
+CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
+STRAIGHT = Wave(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 
 
@@ -34,7 +38,7 @@ class SpatialState:
 class SpatialPlant:
     """A robot in MuJoCo: its modules in three dimensions, joints prescribed, or driven by pd control or servos.
 
-    Yaw joints follow the gait, pitch joints are held straight.
+    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
@@ -44,7 +48,7 @@ class SpatialPlant:
     robot: Robot
     """What swims, all of its modules."""
     environment: Environment
-    """The water it swims in, or the ground it crawls on in the plane."""
+    """The water it swims in, or the ground: a free root lies on it with its weight, a planar one slides along."""
     joints: str = "prescribed"
     """prescribed, pd or servo."""
     dt: float | None = None
@@ -64,14 +68,21 @@ class SpatialPlant:
     a robot upright. Mamba's is not known; this is an assumption [m]."""
     tank: bool = False
     """Whether the tank's floor and walls are there."""
+    shore: Ground | None = None
+    """The ground of a shore that leads down into the water, on which the robot begins; None: there is no land."""
 
     def __post_init__(self) -> None:
         """Check every setting once and fill in what was left open."""
         one_of("joints", self.joints, tuple(JOINT_LAWS))
         one_of("root", self.root, mjcf.ROOTS)
         check_fits(self.robot, self.environment)
-        if isinstance(self.environment, Ground) and self.root == "free":
-            raise ValueError("`root` must be `planar` on the ground, got 'free'.")
+        instance("shore", self.shore, Ground, type(None))
+        if self.shore is not None and (self.tank or isinstance(self.environment, Ground)):
+            raise ValueError("`shore` must be None in the tank or without water, got a Ground.")
+        if isinstance(self.environment, Ground) and self.root == "free" and not self.gravity:
+            raise ValueError("`root` must be `planar` on the ground without `gravity`, got 'free'.")
+        if self.shore is not None and not (self.root == "free" and self.gravity):
+            raise ValueError("`root` must be `free`, with `gravity`, for a robot that begins on a shore.")
         if self.dt is not None:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
@@ -85,6 +96,9 @@ class SpatialPlant:
                 limit = 0.5 * water.stable_step(
                     self._twin.model, self._twin.water.elements, self._twin.water.fluid_law, 0.5
                 )
+            contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
+            if contacts:
+                limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
             object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
 
     @property
@@ -102,7 +116,15 @@ class SpatialPlant:
             "root": self.root,
             "ballast_depth": self.ballast_depth,
             "tank": self.tank,
+            **({} if self.shore is None else {"ground": "ramp", "shore": to_toml(self.shore)}),
         }
+
+    @property
+    def land(self) -> Ground | None:
+        """The ground on which the robot lies with its weight; None: there is none, or it slides on it in the plane."""
+        if isinstance(self.environment, Ground) and self.root == "free" and self.gravity:
+            return self.environment
+        return self.shore
 
     @property
     def model(self) -> Any:
@@ -122,10 +144,15 @@ class SpatialPlant:
     def init(self, start: Start, command: Command) -> SpatialState:
         """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
         twin, rows = self._twin, driving
+        self._check(command)
         values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
         values[rows.AMPLITUDE_NOW] = command.gait.amplitude
         values[rows.FREQUENCY_NOW] = command.gait.frequency
         values[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
+        if command.gait.pitch is not None:
+            values[rows.SECOND + rows.AMPLITUDE_NOW] = command.gait.pitch.amplitude
+            values[rows.SECOND + rows.FREQUENCY_NOW] = command.gait.pitch.frequency
+            values[rows.SECOND + rows.PHASE_SHIFT_NOW] = command.gait.pitch.phase_shift
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
         x, y = start.center_of_mass
@@ -144,9 +171,10 @@ class SpatialPlant:
 
     def observe(self, state: SpatialState) -> Observation:
         """What can be seen of a state."""
-        sample = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+        sample = self._look(state)
         log = self._named(sample)
-        return Observation(**{name: value[0] for name, value in log.items()})
+        pitch = float(sample[0, driving.STATE_ROWS + driving.MEAN_PITCH])
+        return Observation(**{name: value[0] for name, value in log.items()}, pitch=pitch)
 
     def march(
         self,
@@ -166,7 +194,7 @@ class SpatialPlant:
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):
-                samples = self._go(state, self._rows(None), 0, 1.0, 1)[1]
+                samples = self._look(state)
             return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
         log = self._log(samples)
         if link_forces:
@@ -205,16 +233,32 @@ class SpatialPlant:
         return state.values[first : first + self._twin.n_qvel]
 
     def _rows(self, command: Command | None) -> tuple[np.ndarray, np.ndarray]:
-        """The command and the joints' parameters for the kernel; None: nothing moves."""
+        """The command and the joints' parameters for the kernel; None: the joints are let go."""
         rows = np.zeros(driving.COMMAND_ROWS)
         rows[driving.BANDWIDTH], rows[driving.RAMP] = self.offset_bandwidth, self.ramp
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
-            rows[: driving.BANDWIDTH] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
-            driven = joints[:, driving.IS_DRIVEN] > 0.0
-            joints[driven, driving.ENVELOPE] = gait.joint_envelope(int(driven.sum()) + 1)
+            self._check(command)
+            rows[driving.IS_LED] = 1.0
+            rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
+            pitch = STRAIGHT if gait.pitch is None else gait.pitch
+            offset = pitch.offset + command.pitch_offset
+            second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
+            rows[driving.PITCH_COMMAND : driving.BANDWIDTH] = second
+            yaw = joints[:, driving.WAVE] == 0.0
+            joints[yaw, driving.ENVELOPE] = gait.joint_envelope(int(yaw.sum()) + 1)
+            joints[~yaw, driving.ENVELOPE] = 1.0
         return rows, joints
+
+    def _check(self, command: Command) -> None:
+        """Refuse what the robot cannot do."""
+        if command.gait.pitch is None and command.pitch_offset == 0.0:
+            return
+        if all(joint.axis == "yaw" for joint in self.robot.joints):
+            raise ValueError(f"`gait.pitch` must be None for a robot without pitch joints, got {command.gait.pitch}.")
+        if self.root == "planar":
+            raise ValueError(f"`gait.pitch` must be None with a planar root, got {command.gait.pitch}.")
 
     def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
         """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
@@ -238,6 +282,10 @@ class SpatialPlant:
         log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * (n - 1)))
         written = self._twin.run(values, rows, steps, dt, every, log)
         return SpatialState(values=values), log[:written]
+
+    def _look(self, state: SpatialState) -> np.ndarray:
+        """The sample of a state as it is: no reference takes the joints to where it would have them."""
+        return self._go(state, self._rows(None), 0, 1.0, 1)[1]
 
     def _named(self, samples: np.ndarray) -> Log:
         n, o = self.robot.n_links, driving.STATE_ROWS
@@ -264,7 +312,7 @@ class SpatialPlant:
         if self.joints == "servo":
             log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
         at = driving.STATE_ROWS + driving.ORIENTATION
-        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate(ORIENTATION)}
+        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
 
 
 def _what_went_wrong(time: float, joints: str, dt: float) -> str:

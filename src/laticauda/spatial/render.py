@@ -177,6 +177,9 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
         numbers = f"{math.degrees(gait.amplitude):.0f}°, {math.degrees(gait.frequency):.0f}°/s"
         shift = f"phase shift {math.degrees(gait.phase_shift):.0f}°"
         lines.append(f"{WORDS.get(gait.kind, gait.kind)}, {numbers}, {shift}")
+        if gait.pitch is not None:
+            numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
+            lines.append(f"pitch wave, {numbers}")
     if speed != 1.0:
         lines[0] += f"  (shown at {speed:g} times its speed)"
     return lines

@@ -49,7 +49,7 @@
 ) = range(41)
 
 # --- Numbers of the water
-(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, WATER_SIZE) = range(8)
+(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)
 
 # --- One record of numbers per element
 POSITION = 0  # in the body's frame, 3
@@ -70,5 +70,6 @@ PULL = 38  # 3
 TETHER_DRAG = 41
 WAKE_MASS = 42
 PLATE = 43  # 5, as in fluid.laws.plate
-ELEMENT_SIZE = 48
+CONTACT = 48  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+ELEMENT_SIZE = 53
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]

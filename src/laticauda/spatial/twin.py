@@ -1,5 +1,6 @@
 """A spatial plant's model in MuJoCo, and what the kernels need of it."""
 
+import math
 from threading import Lock
 from typing import TYPE_CHECKING
 
@@ -7,9 +8,9 @@ import numpy as np
 
 from laticauda.fluid import laws
 from laticauda.robot import Actuator, Ground, Robot
-from laticauda.spatial import driving, mjcf, native, table, water, water_registry
+from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
 from laticauda.spatial.door import engine
-from laticauda.spatial.water_robot import robot_elements
+from laticauda.spatial.water_robot import on_ground, robot_elements
 
 if TYPE_CHECKING:
     from laticauda.spatial.model import SpatialPlant
@@ -26,8 +27,18 @@ class Twin:
         self._lock = Lock()
         robot, environment = plant.robot, plant.environment
         spec = mjcf.spec(
-            robot, environment, root=plant.root, actuators="none", sensors=False, visuals=False, tank=plant.tank
+            robot,
+            environment,
+            root=plant.root,
+            actuators="none",
+            sensors=False,
+            visuals=False,
+            tank=plant.tank,
+            ground=None if plant.shore is None else "ramp",
         )
+        if plant.land is not None:
+            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
+            spec.option.gravity = (0.0, 0.0, -plant.land.gravity)
         if not plant.gravity or plant.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
         else:
@@ -65,8 +76,15 @@ class Twin:
         if law is None:
             dry = isinstance(environment, Ground) and environment.friction == "coulomb"
             law = laws.coulomb_friction if dry else laws.polynomial_drag
+        if plant.land is not None:
+            elements = on_ground(elements, plant.robot, plant.land, wet=plant.shore is not None)
         if isinstance(environment, Ground):
             return water.attach(self.model, elements, fluid_law=law)
+        terrain = None
+        if plant.shore is not None:
+            terrain = water.Terrain(
+                height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
+            )
         x, y = environment.current
         return water.attach(
             self.model,
@@ -76,6 +94,7 @@ class Twin:
             surface=0.0 if plant.root == "free" and plant.gravity else None,
             form=environment.added_mass_form,
             fluid_law=law,
+            terrain=terrain,
         )
 
     def _numbers(self, plant: "SpatialPlant") -> np.ndarray:
@@ -141,7 +160,7 @@ def _center_of_mass(robot: Robot) -> float:
 
 def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
     row = np.zeros(driving.JOINT_SIZE)
-    row[[driving.IS_DRIVEN, driving.STIFFNESS, driving.DAMPING]] = axis == "yaw", stiffness, damping
+    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
     if drive == "pd":
         row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
     else:

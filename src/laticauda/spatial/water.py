@@ -12,7 +12,7 @@ scratch memory is the data's own stack.
 
 import weakref
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from threading import Lock
 from typing import Any
 
@@ -25,10 +25,21 @@ from laticauda.spatial import table as rows
 from laticauda.spatial.door import engine
 from laticauda.spatial.elements import Element
 from laticauda.spatial.functions import Current, FluidLaw, compiled_current, compiled_law
+from laticauda.spatial.ground import Contact, Terrain
 from laticauda.spatial.water_checks import body_of, check_model, stable_step, warn_of
 from laticauda.spatial.water_geoms import GeomCoefficients, geom_element
 
-__all__ = ["Element", "GeomCoefficients", "Water", "attach", "compiled", "geom_element", "stable_step"]
+__all__ = [
+    "Contact",
+    "Element",
+    "GeomCoefficients",
+    "Terrain",
+    "Water",
+    "attach",
+    "compiled",
+    "geom_element",
+    "stable_step",
+]
 
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one look at the forces at a time: where they go to stands in the table
@@ -122,6 +133,7 @@ def attach(
     implicit_drag: bool = False,
     fluid_law: FluidLaw = laws.polynomial_drag,
     usual_speed: float = 1.0,
+    terrain: Terrain | None = None,
 ) -> Water:
     """Put a model under water. What was attached to it before is replaced; copies of the model have its water too.
 
@@ -138,6 +150,7 @@ def attach(
             step, and no longer forces over inertia.
         fluid_law: Drag on one element in one plane, with the signature of `laticauda.fluid.laws.polynomial_drag`.
         usual_speed: At which the step is checked against the drag [m/s].
+        terrain: The ground that elements with a `contact` touch; None: flat at height 0.
 
     Returns:
         A handle. The water stays without it, for as long as the model lives.
@@ -157,6 +170,7 @@ def attach(
     water[rows.DENSITY] = positive("density", density, "kg/m^3")
     water[rows.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
     water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = form != "classic", form == "kirchhoff"
+    water[rows.TERRAIN :] = astuple(terrain or Terrain())
     bodies = np.array([body_of(model, element.body) for element in elements])
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
@@ -260,6 +274,7 @@ def _record(element: Element) -> np.ndarray:
         (rows.THRUST, element.thrust),
         (rows.PULL, element.pull),
         (rows.PLATE, element.plate or ()),
+        (rows.CONTACT, astuple(element.contact) if element.contact else ()),
     ):
         record[at : at + len(values)] = values
     record[rows.VOLUME], record[rows.SHAPE] = element.volume, element.shape_number

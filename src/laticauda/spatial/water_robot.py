@@ -20,6 +20,7 @@ import numpy as np
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
 from laticauda.spatial.elements import Element
+from laticauda.spatial.ground import contact
 
 
 def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
@@ -36,6 +37,27 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
         found += _fin(robot.caudal_fin, c.fin, environment)
     found += _effectors(robot, environment)
     return tuple(found) if floats else tuple(replace(e, volume=0.0) for e in found)
+
+
+def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool) -> tuple[Element, ...]:
+    """The elements of a robot that lies on the ground with its weight.
+
+    Args:
+        elements: As `robot_elements` made them.
+        robot: What lies there.
+        ground: Its friction.
+        wet: Whether water may be over the ground; without it, its own loads are taken away.
+    """
+    found: list[Element] = []
+    for e in elements:
+        if not wet:
+            e = replace(e, drag=(0.0, 0.0, 0.0), torque_linear=(0.0,) * 3, torque_quadratic=(0.0,) * 3, volume=0.0)
+        if e.body.startswith("module_") and e.shape == "cylinder":
+            e = replace(e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground))
+        elif e.shape == "box" and robot.caudal_fin is not None and e.half_size[0] == 0.5 * robot.caudal_fin.length:
+            e = replace(e, contact=contact(robot.caudal_fin.mass, ground))
+        found.append(e)
+    return tuple(found)
 
 
 def _module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:

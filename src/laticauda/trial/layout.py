@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, Wave
 from laticauda.robot import Ground, Robot, Water, from_toml, to_toml
 from laticauda.trial.contents import AnyArray
 from laticauda.trial.trial import WORK_KINDS, Trial
@@ -96,6 +96,13 @@ SIGNALS = {
     "offset": ("rad", "offset of all joints that steering asks for"),
     "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
     **{f"orientation_{part}": ("1", f"quaternion of module 0 to the world axes, {part}") for part in "wxyz"},
+    "climb_ref": ("rad", "climb that guidance asks for"),
+    "climb_used": ("rad", "climb that the controller goes by"),
+    "height_error": ("m", "distance from the path in profile, positive above"),
+    "path_climb": ("rad", "climb of the path at the nearest point"),
+    "climb_offset": ("rad", "offset that climbing asks for, positive upward"),
+    "climb_is_saturated": ("1", "whether that offset is at its limit: 0 or 1"),
+    "pitch": ("rad", "mean pitch of the links, positive downward"),
 }
 """Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
 
@@ -168,13 +175,18 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
         link_force=None if forces is None else {name: read(FORCE + name) for name in forces},
         signals={name: read(SIGNAL + name) for name in signals},
         robot=from_toml(attributes["robot"], Robot),
-        gait=None if gait is None else Gait(**gait),
+        gait=None if gait is None else _gait(gait),
         environment=_environment(from_toml(attributes["environment"])),
         settings=json.loads(attributes["settings"]),
         **texts,
         succeeded=bool(attributes["succeeded"]),
         state={name: read(f"state/{name}").astype(dtype) for name, dtype in state.items()},
     )
+
+
+def _gait(values: dict[str, Any]) -> Gait:
+    pitch = values.pop("pitch", None)  # trials of older versions have none
+    return Gait(**values, pitch=None if pitch is None else Wave(**pitch))
 
 
 def _force(component: str) -> Variable:

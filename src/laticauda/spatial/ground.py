@@ -1,0 +1,112 @@
+"""The ground under a piece of a robot: a normal force by how deep it is in, and anisotropic friction that goes with it.
+
+MuJoCo's friction has its axes in the contact's frame, which turns with the body only for a capsule on a plane, so not
+on a ramp. Here friction is along and across the piece wherever it lies, by the planar model's laws with the normal
+force N in place of the weight. A piece touches with the lowest point of its elliptic section at either end:
+
+    N = k d max(0, 1 + beta d')        f = -mu N v / sqrt(v^2 + eps^2), or -mu N v for viscous ground
+
+d is how deep the point is in. k lets a module that lies flat sink in by SINK, beta damps its bounce critically.
+Plain scalar functions, which the kernels compile.
+"""
+
+import math
+from dataclasses import dataclass
+
+from laticauda.fluid.laws import coulomb_friction, polynomial_drag
+from laticauda.robot import Ground
+
+SINK = 1e-3  # [m]
+ROLL = 3.5  # how much faster friction stops the lowest point of a section than its middle: it may roll as well [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """How an element touches the ground."""
+
+    stiffness: float
+    """k at each end [N/m]."""
+    damping: float
+    """beta [s/m]."""
+    along: float
+    """Friction along the element per normal force: mu_t, or viscous in s/m [-]."""
+    across: float
+    """The same across it [-]."""
+    regularization_speed: float
+    """eps of dry friction; 0: viscous [m/s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terrain:
+    """Flat ground that may end in a slope down along x to a floor."""
+
+    height: float = 0.0
+    """Of the flat ground [m]."""
+    edge: float = 0.0
+    """x at which the slope begins [m]."""
+    slope: float = 0.0
+    """Tangent of the slope; 0: flat everywhere [-]."""
+    floor: float = 0.0
+    """Height of the floor at the slope's foot [m]."""
+
+
+def contact(mass: float, ground: Ground) -> Contact:
+    """How a piece of a robot touches the ground.
+
+    Args:
+        mass: Of the piece [kg].
+        ground: Its friction; viscous coefficients hold for a piece that lies flat with its own weight.
+    """
+    weight = mass * ground.gravity
+    dry = ground.friction == "coulomb"
+    return Contact(
+        stiffness=0.5 * weight / SINK,
+        damping=2.0 / math.sqrt(ground.gravity * SINK),
+        along=ground.tangential if dry else ground.tangential / weight,
+        across=ground.normal if dry else ground.normal / weight,
+        regularization_speed=ground.regularization_speed if dry else 0.0,
+    )
+
+
+def stable_step(contacts: list[Contact], gravity: float) -> float:
+    """A step [s] at which contacts are well resolved: spring and friction of a piece that carries its own weight."""
+    rate = math.sqrt(gravity / SINK)
+    for c in contacts:
+        share = ROLL * max(c.along, c.across) * gravity
+        rate = max(rate, share / c.regularization_speed if c.regularization_speed > 0.0 else share)
+    return 1.0 / rate
+
+
+def terrain(x: float, height: float, edge: float, slope: float, floor: float) -> tuple[float, float]:
+    """Height of the ground at x [m], and the tangent of its fall along x [-]; arguments as in `Terrain`."""
+    if slope == 0.0 or x <= edge:
+        return height, 0.0
+    here = height - slope * (x - edge)
+    return (here, slope) if here > floor else (floor, 0.0)
+
+
+def touch(
+    depth: float, rate: float, v_t: float, v_n: float, k: float, beta: float, along: float, across: float, eps: float
+) -> tuple[float, float, float]:
+    """Forces of the ground on a point: along the piece, across it, and normal to the ground [N].
+
+    Args:
+        depth: How deep the point is in [m].
+        rate: How fast it goes in [m/s].
+        v_t: Its velocity along the piece, in the plane of the ground [m/s].
+        v_n: The same across it [m/s].
+        k: `Contact.stiffness` [N/m].
+        beta: `Contact.damping` [s/m].
+        along: `Contact.along`.
+        across: `Contact.across`.
+        eps: `Contact.regularization_speed` [m/s].
+    """
+    normal = k * depth * (1.0 + beta * rate)
+    if depth <= 0.0 or normal <= 0.0:
+        return 0.0, 0.0, 0.0
+    c_t, c_n = along * normal, across * normal
+    if eps > 0.0:
+        f_t, f_n, _ = coulomb_friction(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, eps, 0.0, 1.0)
+    else:
+        f_t, f_n, _ = polynomial_drag(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, 1.0, 1.0, 0.0)
+    return f_t, f_n, normal

@@ -1,0 +1,91 @@
+"""The ground's load on one element, compiled; see `ground`."""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+# pyright: reportWildcardImportFromLibrary=false
+
+from typing import no_type_check
+
+from laticauda.compiling import compiled, kernel
+from laticauda.spatial import ground
+from laticauda.spatial.table import *
+from laticauda.spatial.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
+
+terrain = compiled(ground.terrain)
+touch = compiled(ground.touch)
+
+
+@kernel
+@no_type_check
+def ground_load(T, E, o, P, R, place, arm, body, data):
+    """Force on an element and its torque about the element's middle, world axes.
+
+    Args:
+        T: The model's table.
+        E: The elements' records.
+        o: Where this one's begins.
+        P: The water's numbers.
+        R: Rotation from element to world axes.
+        place: The element's middle.
+        arm: The same from the tree's center of mass.
+        body: The element's body.
+        data: The address of the data.
+    """
+    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    w = three(cvel, 6 * body)
+    v = plus(three(cvel, 6 * body + 3), cross(w, arm))
+    force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for sign in (-1.0, 1.0):
+        to_point, normal = lowest_point(E, o, P, R, place, sign)
+        at = plus(place, to_point)
+        depth = (terrain(at[0], *three(P, TERRAIN), P[TERRAIN + 3])[0] - at[2]) * normal[2]
+        if depth > 0.0:
+            push = push_of(E, o, R, depth, plus(v, cross(w, to_point)), normal)
+            force, torque = plus(force, push), plus(torque, cross(to_point, push))
+    if T[OUT] != 0:
+        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+        for k in range(3):
+            out[k] += force[k]
+    return force, torque
+
+
+@kernel
+@no_type_check
+def lowest_point(E, o, P, R, place, sign):
+    """From the element's middle to the lowest point of the section at one end, and the ground's normal there."""
+    half = three(E, o + HALF)
+    fall = terrain(place[0] + sign * half[0] * R[0], *three(P, TERRAIN), P[TERRAIN + 3])[1]
+    steep = (1.0 + fall * fall) ** -0.5
+    normal = (fall * steep, 0.0, steep)
+    up = to_own(R, normal)
+    reach = times((0.0, half[1], half[2]), up)
+    size = (reach[1] * reach[1] + reach[2] * reach[2]) ** 0.5 + 1e-12
+    own = plus((sign * half[0], 0.0, 0.0), scaled(-1.0 / size, times(half, reach)))
+    return to_world(R, own), normal
+
+
+@kernel
+@no_type_check
+def push_of(E, o, R, depth, v, normal):
+    """The force on a point that is in the ground, with friction along and across the element."""
+    ahead = to_world(R, (1.0, 0.0, 0.0))
+    aside = cross(normal, ahead)
+    aside = scaled(1.0 / (length(aside) + 1e-12), aside)
+    ahead = cross(aside, normal)
+    c = o + CONTACT
+    f_t, f_n, f_z = touch(depth, -dot(v, normal), dot(v, ahead), dot(v, aside), *three(E, c), E[c + 3], E[c + 4])
+    return plus(plus(scaled(f_t, ahead), scaled(f_n, aside)), scaled(f_z, normal))
+
+
+@kernel
+@no_type_check
+def dot(a, b):
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+@no_type_check
+def length(a):
+    """|a|."""
+    return dot(a, a) ** 0.5
