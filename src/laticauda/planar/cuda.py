@@ -21,7 +21,8 @@ from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
 from laticauda.planar.specialize import FluidLaw, specialize
 
 try:
-    import numba_cuda as _  # noqa: F401 - it puts itself in the place of the module that numba has
+    # It puts itself in the place of the module that numba has.
+    import numba_cuda as _  # noqa: F401  # pyright: ignore[reportMissingImports]
     from numba import cuda
 except ImportError as _err:
     raise MissingExtra("Running on a GPU", "numba-cuda", "gpu") from _err
