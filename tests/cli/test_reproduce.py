@@ -25,7 +25,7 @@ def test_the_command_writes_a_folder_and_prints_the_errors_and_the_verdicts(run,
     done = run("reproduce --only efficiency --json --output reproduction --joints prescribed --workers 1")
     assert done.status == 0
     found = json.loads(done.out)
-    assert found["efficiency"]["errors"]["planar"]["mape_percent"] == pytest.approx(15.7, abs=0.1)
+    assert found["efficiency"]["errors"]["analytical-set"]["mape_percent"] == pytest.approx(15.7, abs=0.1)
     assert found["efficiency"]["settings"]["joints"] == "prescribed"
     assert "path_following" not in found
     assert sum(found["claims"].values()) > 20

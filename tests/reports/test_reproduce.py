@@ -126,7 +126,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_pat
 def test_other_coefficients_reach_every_study():
     water = load_water("published-2015")
     mine = paper_experiments(Parameters(name="mine", title="my coefficients", every_gait=water))
-    assert [model.name for model in mine.efficiency.models] == ["mine", "planar", "planar-vortex"]
+    assert [model.name for model in mine.efficiency.models] == ["mine", "analytical-set", "vortex-set"]
     for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
     swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)

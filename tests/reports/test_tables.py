@@ -42,5 +42,5 @@ def test_table_1_as_a_file_is_table_1(study):
     first, *_ = csv.DictReader(io.StringIO(table.csv))
     assert (first["amplitude [deg]"], first["frequency [deg/s]"], first["phase shift [deg]"]) == ("30", "130", "40")
     assert first["measured: v [m/s]"] == "0.1514"
-    assert float(first["planar: v [m/s]"]) == pytest.approx(study.cases[0].forward_velocity[0])
-    assert float(first["planar: error [%]"]) == pytest.approx(100 * (study.cases[0].forward_velocity[0] / 0.1514 - 1))
+    assert float(first["analytical-set: v [m/s]"]) == pytest.approx(study.cases[0].forward_velocity[0])
+    assert float(first["analytical-set: error [%]"]) == pytest.approx(100 * (study.cases[0].forward_velocity[0] / 0.1514 - 1))

@@ -1,6 +1,6 @@
 """The efficiency study: how fast the robot swims, and at what power, over amplitude, frequency and phase shift.
 
-It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in the planar model. What it finds about the table is
+It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation. What it finds about the table is
 computed in `table1` and `scores`.
 """
 

@@ -9,7 +9,7 @@ from laticauda.studies.efficiency import EfficiencyStudy
 from laticauda.studies.scores import scores
 from laticauda.studies.table1 import percent_change
 
-PAPERS = ("planar", "planar-vortex")
+PAPERS = ("analytical-set", "vortex-set")
 """The paper's coefficients for its analytical model, and for its Vortex model."""
 GOOD = 10.0  # mean absolute error that counts as good agreement [%]
 
@@ -55,7 +55,7 @@ def _vortex_is_closer(study: EfficiencyStudy) -> Finding:
     words = [f"{group}: {one:.1f} % and {other:.1f} %" for group, (one, other) in zip(groups, errors, strict=True)]
     text = (
         f"Mean absolute error of {' and '.join(PAPERS)}, {study.how['joints']} joints: {'; '.join(words)}. Both are "
-        "planar here: only the coefficients differ."
+        f"the {study.how['model']} model here: only the coefficients differ."
     )
     return text, verdict(*(other < one for one, other in errors))
 
