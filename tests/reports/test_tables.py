@@ -43,4 +43,6 @@ def test_table_1_as_a_file_is_table_1(study):
     assert (first["amplitude [deg]"], first["frequency [deg/s]"], first["phase shift [deg]"]) == ("30", "130", "40")
     assert first["measured: v [m/s]"] == "0.1514"
     assert float(first["analytical-set: v [m/s]"]) == pytest.approx(study.cases[0].forward_velocity[0])
-    assert float(first["analytical-set: error [%]"]) == pytest.approx(100 * (study.cases[0].forward_velocity[0] / 0.1514 - 1))
+    assert float(first["analytical-set: error [%]"]) == pytest.approx(
+        100 * (study.cases[0].forward_velocity[0] / 0.1514 - 1)
+    )

@@ -26,5 +26,7 @@ def test_every_number_has_a_unit_or_is_a_count(study):
 
 
 def test_curves_are_found_by_name(study):
-    curve = to_dataset(study).forward_velocity_over_amplitude.sel(model="analytical-set", group="eel-like motion, with fin")
+    curve = to_dataset(study).forward_velocity_over_amplitude.sel(
+        model="analytical-set", group="eel-like motion, with fin"
+    )
     assert np.array_equal(curve, study.sweeps[0].forward_velocity[0, 3])
