@@ -20,6 +20,12 @@ def test_an_option_in_degrees_is_told_in_degrees():
     assert text == "--amplitude-deg must be >= 0 deg, got -3."
 
 
+def test_bounds_within_a_message_are_read_in_degrees_too():
+    swim = Swim(gait=GaitFlags(amplitude_deg=80.0))
+    text = messages.in_flags("`amplitude` must be <= 1.047 rad, or a joint passes 1.571 rad; got 1.396.", swim)
+    assert text == "--amplitude-deg must be <= 60 deg, or a joint passes 90 deg; got 80."
+
+
 def test_an_option_in_its_own_unit_keeps_rule_and_value():
     text = messages.in_flags("`offset_bandwidth` must be > 0 rad/s, got -1.", SWIM)
     assert text == "--offset-bandwidth must be > 0 rad/s, got -1."

@@ -54,14 +54,19 @@ def in_flags(message: str, command: object) -> str:
     spelled = _option(first[1], known) if first else None
     if spelled is not None and spelled.endswith(DEGREES):
         message = re.sub(r"between (\S+) and (\S+) rad", _range_in_degrees, message)
+        message = re.sub(r"(\d[\d.e+-]*) rad\b", _in_degrees, message)
         message = re.sub(r"\brad\b", "deg", message)
-        message = re.sub(r", got .*$", f", got {known[spelled]:g}.", message)
+        message = re.sub(r"([,;]) got .*$", rf"\1 got {known[spelled]:g}.", message)
     return re.sub(r"`(\w+)(?:\[\d+\])?`", lambda found: _typed(found, known), message)
 
 
 def _range_in_degrees(found: re.Match[str]) -> str:
     low, high = (math.degrees(float(bound)) for bound in found.groups())
     return f"between {low:g} and {high:g} deg"
+
+
+def _in_degrees(found: re.Match[str]) -> str:
+    return f"{math.degrees(float(found[1])):.3g} deg"  # the message has four digits of the angle
 
 
 def _option(name: str, known: dict[str, Any]) -> str | None:
