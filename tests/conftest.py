@@ -5,10 +5,16 @@ Modules that Numba compiles are left alone: the hook wraps functions, and Numba 
 """
 
 import os
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
+
+if TYPE_CHECKING:
+    from laticauda.studies import EfficiencyStudy, PathFollowingStudy
 
 SOURCES = Path(__file__).parent.parent / "src"
 
@@ -31,3 +37,25 @@ install_import_hook(
     ],
     "typechecker.check",
 )
+
+
+# Shared by the tests of studies and of reports; imported late, for the hook has to come first.
+
+
+@pytest.fixture(scope="session")
+def study() -> "EfficiencyStudy":
+    """The whole Table 1, and sweeps in coarse steps that still meet the ends of their ranges."""
+    from laticauda.studies import efficiency_settings, run_efficiency
+
+    settings = efficiency_settings()
+    coarse = tuple(replace(sweep, step=5 * sweep.step) for sweep in settings.sweeps)
+    return run_efficiency(replace(settings, sweeps=coarse))
+
+
+@pytest.fixture(scope="session")
+def following() -> "PathFollowingStudy":
+    """All 12 trials of Table 2 for 18 s, which takes some of them to the path, with prescribed joints only."""
+    from laticauda.studies import path_following_settings, run_path_following
+
+    settings = replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",))
+    return run_path_following(settings)

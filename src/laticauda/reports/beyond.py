@@ -9,7 +9,8 @@ import numpy as np
 from laticauda.reports.beyond_tables import beyond_tables, curved_table, drift_table, turning_table
 from laticauda.reports.chapter import Chapter, Pictures
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section
-from laticauda.reports.swimmers import signed, swimmers_in_words
+from laticauda.reports.swimmers import swimmers_in_words
+from laticauda.reports.tables import in_digits
 from laticauda.studies import BeyondStudy, TurningCurve, write_beyond_netcdf
 
 if TYPE_CHECKING:
@@ -136,7 +137,7 @@ def _turning_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
 
 def _drift_words(study: BeyondStudy) -> Iterator[str]:
     settings = study.settings.drift
-    x, y = (signed(part, "g") for part in settings.current)
+    x, y = (in_digits(part, "g") for part in settings.current)
     yield (
         f"{settings.swimmer.name.capitalize()}, along the x axis for {settings.duration:g} s from the path itself, at "
         f"rest; the water moves with ({x}, {y}) m/s; raw heading, offset asked for every {settings.control_interval:g} "
@@ -146,9 +147,10 @@ def _drift_words(study: BeyondStudy) -> Iterator[str]:
     for run in study.drift:
         verdict = f"below {limit:g} cm" if run.holds else f"not below {limit:g} cm"
         yield (
-            f"{run.law.name[0].upper()}{run.law.name[1:]}: a mean error of {signed(100.0 * run.mean_error, '+.1f')} cm "
-            f"over the last third, {verdict}; rms {100.0 * run.rms_error:.1f} cm; "
-            f"{signed(100.0 * run.final_error, '+.1f')} cm at the end."
+            f"{run.law.name[0].upper()}{run.law.name[1:]}: a mean error of "
+            f"{in_digits(100.0 * run.mean_error, '+.1f')} cm over the last third, {verdict}; "
+            f"rms {100.0 * run.rms_error:.1f} cm; "
+            f"{in_digits(100.0 * run.final_error, '+.1f')} cm at the end."
         )
     yield (
         "Line of sight without the integral has to stay beside the path, for only an error makes it point upstream; "
@@ -160,7 +162,7 @@ def _drift_words(study: BeyondStudy) -> Iterator[str]:
 def _curved_words(study: BeyondStudy) -> Iterator[str]:
     settings = study.settings.curved
     law = settings.law
-    points = ", ".join(f"({signed(x, 'g')}, {signed(y, 'g')})" for x, y in settings.waypoints)
+    points = ", ".join(f"({in_digits(x, 'g')}, {in_digits(y, 'g')})" for x, y in settings.waypoints)
     yield (
         f"A smooth curve through {points} m: {settings.path.length:.2f} m long, tightest radius "
         f"{settings.tightest_radius:.2f} m. Line of sight with {law.name} ({law.guidance.look_ahead_distance:g} m, "

@@ -32,13 +32,3 @@ def swimmers_in_words(swimmers: Sequence[Swimmer], how: Mapping[str, Setting]) -
             f"shift {shift} deg, as in the paper's path-following trials; robots {' and '.join(robots)}; water "
             f"{water_in_words(water)}."
         )
-
-
-def signed(value: float, form: str) -> str:
-    """A number with a real minus sign.
-
-    Args:
-        value: Any number.
-        form: As in `format`.
-    """
-    return format(value, form).replace("-", "\N{MINUS SIGN}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from laticauda import __version__
 from laticauda.studies.curved import CurvedRun, CurvedSettings, curved_run
 from laticauda.studies.drift import DriftRun, DriftSettings, drift_run
-from laticauda.studies.efficiency import Progress
+from laticauda.studies.progress import Progress
 from laticauda.studies.swimmers import how_made
 from laticauda.studies.turning import TurningCurve, TurningSettings, turning_curve
 from laticauda.trial.contents import Setting

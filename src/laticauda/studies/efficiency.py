@@ -4,7 +4,7 @@ It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation
 computed in `table1` and `scores`.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,11 +17,11 @@ from laticauda.gaits import Gait
 from laticauda.robot import Robot, Water, load_robot
 from laticauda.simulate import swim
 from laticauda.studies.paper import EfficiencySettings, Group, SweepSettings, efficiency_settings
+from laticauda.studies.progress import Progress
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
 from laticauda.trial.measured import MeasuredTrial, measured_trial
 
-Progress = Callable[[int, int], None]
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 # Forward velocity [m/s], steady velocity [m/s] and mechanical power [W].
 Figures = Float[np.ndarray, "n_trials n_models 3"]

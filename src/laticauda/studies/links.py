@@ -4,7 +4,7 @@ The paper sets the gain by the fin beside that of a robot of twice the length. H
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 
@@ -13,17 +13,12 @@ from laticauda.errors import one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.robot import load_robot
 from laticauda.simulate import swim
-from laticauda.studies.paper import Coefficients, efficiency_settings
+from laticauda.studies.paper import Coefficients, paper_coefficients
+from laticauda.studies.progress import Progress
 from laticauda.trial.contents import Setting
 
 KEPT = ("phase shift", "number of waves")
 """What the longer robot has in common with the shorter one, besides amplitude and frequency."""
-
-Progress = Callable[[int, int], None]
-
-
-def _papers() -> Coefficients:
-    return efficiency_settings().models[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +39,7 @@ class LinksSettings:
     """delta of the shorter robot [rad]."""
     duration: float = 30.0
     """Of every trial [s]."""
-    coefficients: Coefficients = field(default_factory=_papers)
+    coefficients: Coefficients = field(default_factory=paper_coefficients)
     """The water by gait; by default the paper's."""
 
     def __post_init__(self) -> None:

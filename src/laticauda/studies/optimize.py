@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +10,9 @@ from laticauda.errors import instance, whole
 from laticauda.studies.checkpoint import CHECKPOINT, Checkpoint, own
 from laticauda.studies.front import Front, unbeaten
 from laticauda.studies.problem import VIOLATION, Problem, evaluate, losses
+from laticauda.studies.progress import Progress
 from laticauda.studies.search import LEAST_POPULATION, POPULATION, Search, versions
 from laticauda.studies.trials import Column, Table
-
-Progress = Callable[[int, int], None]
 
 BUDGET = 4000
 

@@ -185,6 +185,11 @@ def efficiency_settings() -> EfficiencySettings:
     )
 
 
+def paper_coefficients() -> Coefficients:
+    """The paper's own coefficients, by gait: the first curve of its figures."""
+    return efficiency_settings().models[0]
+
+
 def _sweep(table: Mapping[str, Any]) -> SweepSettings:
     low, high, step = (math.radians(table[key]) for key in ("from_deg", "to_deg", "step_deg"))
     fixed = {name: math.radians(value) for name, value in table["fixed_deg"].items()}

@@ -18,7 +18,6 @@ from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Sta
 from laticauda.robot import load_robot
 from laticauda.simulate import plant
 from laticauda.simulate.runner import Until
-from laticauda.studies.efficiency import Progress
 from laticauda.studies.following_run import FollowingRun, figures_of
 from laticauda.studies.following_settings import (
     FollowingGroup,
@@ -26,6 +25,7 @@ from laticauda.studies.following_settings import (
     PathFollowingSettings,
     path_following_settings,
 )
+from laticauda.studies.progress import Progress
 from laticauda.studies.swimmers import run_named
 from laticauda.trial import Trial, following
 from laticauda.trial.contents import Setting

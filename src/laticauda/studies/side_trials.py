@@ -14,15 +14,11 @@ from laticauda import __version__
 from laticauda.gaits import Gait
 from laticauda.robot import load_robot
 from laticauda.simulate import swim
-from laticauda.studies.efficiency import Progress
-from laticauda.studies.paper import Coefficients, SweepSettings, efficiency_settings
+from laticauda.studies.paper import Coefficients, SweepSettings, efficiency_settings, paper_coefficients
+from laticauda.studies.progress import Progress
 
 ROBOT = "mamba"
 SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]
-
-
-def _papers() -> Coefficients:
-    return efficiency_settings().models[0]
 
 
 def _phase_shifts() -> SweepSettings:
@@ -45,7 +41,7 @@ class SideSettings:
     """What sensitivities are taken at; by default the highest frequency of Table 1."""
     duration: float = 30.0
     """Of every trial [s]."""
-    coefficients: Coefficients = field(default_factory=_papers)
+    coefficients: Coefficients = field(default_factory=paper_coefficients)
     """The water by gait; by default the paper's."""
 
 

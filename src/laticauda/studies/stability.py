@@ -16,7 +16,7 @@ from laticauda import __version__
 from laticauda.control import LineOfSight, StraightLine
 from laticauda.errors import finite, positive
 from laticauda.interfaces import Start
-from laticauda.studies.efficiency import Progress
+from laticauda.studies.progress import Progress
 from laticauda.studies.swimmers import Steering, Swimmer, how_made, in_water, long_enough, run_named, swimmers
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting

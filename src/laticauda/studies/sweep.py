@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 from laticauda import __version__
 from laticauda.errors import instance, whole
 from laticauda.studies.parameters import check_whole
+from laticauda.studies.progress import Progress
 from laticauda.studies.regions import Regions, cut
 from laticauda.studies.sampling import Grid, Points, Rows, Samples
 from laticauda.studies.store import Store, open_dataset
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
     from laticauda.studies.trials import Column, Table
 
-Progress = Callable[[int, int], None]
 
 # What a region should take on one core, and what a trial of ten links and 30 s takes there, roughly [s].
 REGION_TIME = 1.5

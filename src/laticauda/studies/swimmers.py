@@ -14,7 +14,7 @@ from laticauda.interfaces import Controller, Plant, Start
 from laticauda.robot import Water, load_robot
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
-from laticauda.studies.paper import Coefficients, efficiency_settings, group_name
+from laticauda.studies.paper import Coefficients, efficiency_settings, group_name, paper_coefficients
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
 from laticauda.trial.measured import path_following_trials
@@ -89,7 +89,7 @@ def swimmers(coefficients: Coefficients | None = None) -> tuple[Swimmer, ...]:
     Args:
         coefficients: The water of every gait; None takes the paper's.
     """
-    coefficients = coefficients or efficiency_settings().models[0]
+    coefficients = coefficients or paper_coefficients()
     robots = {group.has_fin: group.robot for group in efficiency_settings().groups}
     found = [
         Swimmer(gait=row.gait, robot=robots[row.has_fin], water=coefficients.water(row.gait.kind))

@@ -1,0 +1,6 @@
+"""How studies tell how far they are."""
+
+from collections.abc import Callable
+
+Progress = Callable[[int, int], None]
+"""Called now and then with the number of runs done, and of all."""
