@@ -6,7 +6,7 @@ python examples/06_sensitivities.py
 from math import radians
 
 import laticauda as lc
-from laticauda.studies import sensitivities
+from laticauda.simulate import sensitivities
 
 robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))

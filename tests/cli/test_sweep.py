@@ -12,7 +12,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli import vary
-from laticauda.studies import open_sweep, parameters, trials
+from laticauda.simulate import parameters
+from laticauda.studies import open_sweep, trials
 
 KNOWN = parameters(
     lc.load_robot("mamba-fin"),

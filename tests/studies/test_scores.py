@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from laticauda.studies import mape, scores
+from laticauda.studies import scores
+from laticauda.trial.null_models import mape
 
 SPEEDS = arrays(float, 7, elements=st.floats(0.01, 1.0))
 

@@ -26,7 +26,8 @@ from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import aligned, number, read_in
 
 if TYPE_CHECKING:
-    from laticauda.studies import Front, Parameter, Problem
+    from laticauda.simulate import Parameter
+    from laticauda.studies import Front, Problem
 
 FOLDER = "optimum"
 VARY = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")

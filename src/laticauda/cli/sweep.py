@@ -20,7 +20,8 @@ from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import MISSING, aligned, number, read_in
 
 if TYPE_CHECKING:
-    from laticauda.studies import Parameter, Sweep
+    from laticauda.simulate import Parameter
+    from laticauda.studies import Sweep
 
 FOLDER = "sweep"
 N_BEST = 5

@@ -14,7 +14,8 @@ import numpy as np
 from laticauda.cli.tables import aligned, read_in
 
 if TYPE_CHECKING:
-    from laticauda.studies import Grid, Parameter, Rows, Samples
+    from laticauda.simulate import Parameter
+    from laticauda.studies import Grid, Rows, Samples
 
 # Fields of these go by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")

@@ -18,7 +18,6 @@ from laticauda.reports.efficiency_tables import (
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section
 from laticauda.robot import Water
 from laticauda.studies import (
-    GAIT_WORDS,
     EfficiencyStudy,
     FinGain,
     Group,
@@ -30,6 +29,7 @@ from laticauda.studies import (
     scores,
     write_netcdf,
 )
+from laticauda.trial import GAIT_WORDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 
 from laticauda.reports.tables import Cell, Column, Table
-from laticauda.studies import EfficiencyStudy, Repeat, fin_gains, group_name, maxima, scores
+from laticauda.studies import EfficiencyStudy, Repeat, fin_gains, maxima, scores
+from laticauda.trial import group_name
 
 SYMBOLS = {"amplitude": "amplitude", "frequency": "frequency", "phase_shift": "phase shift"}
 SETTING = (

@@ -6,7 +6,6 @@ from typing import Any
 
 from laticauda.robot import Parameters
 from laticauda.studies import (
-    GAIT_WORDS,
     BeyondSettings,
     BeyondStudy,
     Claim,
@@ -38,6 +37,7 @@ from laticauda.studies import (
     run_stability,
     swimmers,
 )
+from laticauda.trial import GAIT_WORDS
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,

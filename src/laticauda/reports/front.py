@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.simulate import swim_many
-from laticauda.studies import GAIT_WORDS, Front, efficiency_settings
-from laticauda.studies.parameters import place
+from laticauda.simulate.parameters import place
+from laticauda.studies import Front, efficiency_settings
 from laticauda.studies.trials import QUANTITIES
+from laticauda.trial import GAIT_WORDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

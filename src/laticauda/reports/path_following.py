@@ -17,13 +17,13 @@ from laticauda.reports.path_following_tables import (
 )
 from laticauda.reports.path_following_words import findings, held_out_verdict, settings_in_words
 from laticauda.studies import (
-    GAIT_WORDS,
     FollowingCase,
     PathFollowingStudy,
     Prediction,
     null_predictions,
     write_following_netcdf,
 )
+from laticauda.trial import GAIT_WORDS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

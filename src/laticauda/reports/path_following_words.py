@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from laticauda.reports.efficiency import JOINTS, water_in_words
 from laticauda.reports.tables import in_digits
 from laticauda.studies import (
-    GAIT_WORDS,
     FollowingCase,
     FollowingRun,
     PathFollowingStudy,
@@ -15,6 +14,7 @@ from laticauda.studies import (
     meter_costs,
     null_predictions,
 )
+from laticauda.trial import GAIT_WORDS
 
 
 def settings_in_words(study: PathFollowingStudy) -> Iterator[str]:

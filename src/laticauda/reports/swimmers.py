@@ -4,7 +4,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from laticauda.reports.efficiency import JOINTS, water_in_words
-from laticauda.studies import GAIT_WORDS, Swimmer
+from laticauda.studies import Swimmer
+from laticauda.trial import GAIT_WORDS
 from laticauda.trial.contents import Setting
 
 

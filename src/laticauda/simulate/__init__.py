@@ -2,8 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
+from laticauda.simulate.parameters import Parameter, parameters
 from laticauda.simulate.plants import MODELS, FluidLaw, needs_compiling, plant, plant_of
 from laticauda.simulate.runner import resume, run
+from laticauda.simulate.sensitivities import Sensitivities, sensitivities
 from laticauda.simulate.swimming import default_water, swim
 
 if TYPE_CHECKING:
@@ -12,13 +14,17 @@ if TYPE_CHECKING:
 __all__ = [
     "MODELS",
     "FluidLaw",
+    "Parameter",
+    "Sensitivities",
     "Swims",
     "default_water",
     "needs_compiling",
+    "parameters",
     "plant",
     "plant_of",
     "resume",
     "run",
+    "sensitivities",
     "swim",
     "swim_many",
 ]

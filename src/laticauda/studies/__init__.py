@@ -20,16 +20,13 @@ from laticauda.studies.front import Front, hypervolume, unbeaten
 from laticauda.studies.links import Doubling, LinksRun, LinksSettings, LinksStudy, run_links
 from laticauda.studies.optimize import optimize
 from laticauda.studies.paper import (
-    GAIT_WORDS,
     PARAMETERS,
     Coefficients,
     EfficiencySettings,
     Group,
     SweepSettings,
     efficiency_settings,
-    group_name,
 )
-from laticauda.studies.parameters import Parameter, parameters
 from laticauda.studies.parity import (
     Parity,
     ParityCase,
@@ -48,8 +45,7 @@ from laticauda.studies.path_following import (
 from laticauda.studies.problem import OBJECTIVES, SPEED_POWER, Problem
 from laticauda.studies.repeats import Repeat, load_repeats
 from laticauda.studies.sampling import Grid, Rows, Samples
-from laticauda.studies.scores import Score, mape, scores
-from laticauda.studies.sensitivities import Sensitivities, sensitivities
+from laticauda.studies.scores import Score, scores
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
@@ -70,7 +66,6 @@ from laticauda.studies.turning import TurningCurve, TurningSettings
 
 __all__ = [
     "BEHAVIORS",
-    "GAIT_WORDS",
     "OBJECTIVES",
     "PARAMETERS",
     "SPEED_POWER",
@@ -103,7 +98,6 @@ __all__ = [
     "Maximum",
     "MeterCost",
     "Misprint",
-    "Parameter",
     "Parity",
     "ParityCase",
     "ParitySettings",
@@ -116,7 +110,6 @@ __all__ = [
     "Rows",
     "Samples",
     "Score",
-    "Sensitivities",
     "SideSettings",
     "SideTrials",
     "StabilityMap",
@@ -138,17 +131,14 @@ __all__ = [
     "fin_gains",
     "following_dataset",
     "following_scores",
-    "group_name",
     "hypervolume",
     "load_repeats",
-    "mape",
     "maxima",
     "meter_costs",
     "misprints",
     "null_predictions",
     "open_sweep",
     "optimize",
-    "parameters",
     "parity",
     "parity_cases",
     "path_following_settings",
@@ -161,7 +151,6 @@ __all__ = [
     "run_stability",
     "run_sweep",
     "scores",
-    "sensitivities",
     "simulated",
     "stability_dataset",
     "swimmers",

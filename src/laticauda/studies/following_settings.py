@@ -12,11 +12,10 @@ from laticauda.studies.paper import (
     PARAMETERS,
     Coefficients,
     efficiency_settings,
-    group_name,
     paper_table,
     printed_changes,
 )
-from laticauda.trial.measured import MeasuredPathFollowing, path_following_trials
+from laticauda.trial.measured import MeasuredPathFollowing, group_name, path_following_trials
 
 LEAST_DURATION = 15.0  # a steady part takes 10 s and a gait cycle, 4 s in Table 2 [s]
 

@@ -14,10 +14,10 @@ from jaxtyping import Float
 from laticauda.errors import one_of, positive
 from laticauda.gaits import Gait
 from laticauda.robot import Water, load_water
+from laticauda.trial.measured import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """The gait's parameters that the paper sweeps."""
-GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,16 +155,6 @@ class EfficiencySettings:
         """How many trials the study takes."""
         values = sum(sweep.values.size for sweep in self.sweeps) * len(self.groups)
         return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
-
-
-def group_name(gait: str, has_fin: bool) -> str:
-    """What tables and files call one gait with one configuration of the robot.
-
-    Args:
-        gait: The gait's kind.
-        has_fin: Whether the robot wears the caudal fin.
-    """
-    return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
 
 
 @cache

@@ -8,10 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from laticauda.studies.efficiency import EfficiencyStudy
-from laticauda.studies.null_models import NULL_MODELS, Design, Row, Values, design, fit
+from laticauda.trial.null_models import NULL_MODELS, Row, Values, design, fit, left_out, mape
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,23 +29,6 @@ class Score:
     """Each row predicted from all others; None where nothing is fitted here [%]."""
     leave_one_group_out: float | None
     """Each group predicted from all others; None where that cannot be done [%]."""
-
-
-def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) -> float:
-    """Mean absolute percentage error, 100 mean |predicted - measured| / measured [%].
-
-    Args:
-        measured: All > 0.
-        predicted: In the same unit.
-
-    Raises:
-        ValueError: If there is no value, the numbers of values differ, or a measured one is not > 0.
-    """
-    if measured.size == 0 or measured.shape != predicted.shape:
-        raise ValueError(f"`predicted` must have {measured.size} values, at least 1, got {predicted.size}.")
-    if not np.all(measured > 0.0):
-        raise ValueError(f"`measured` must be > 0, got {np.min(measured)}.")
-    return 100.0 * float(np.mean(np.abs(predicted - measured) / measured))
 
 
 def scores(study: EfficiencyStudy) -> tuple[Score, ...]:
@@ -68,19 +50,9 @@ def scores(study: EfficiencyStudy) -> tuple[Score, ...]:
         columns, known = design(name, settings, groups)
         target = np.log(measured) - known
         fitted = np.exp(columns @ fit(columns, target) + known)
-        left_out = [np.exp(_left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
-        found.append(_score(name, columns.shape[1], measured, fitted, group, left_out))
+        others = [np.exp(left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
+        found.append(_score(name, columns.shape[1], measured, fitted, group, others))
     return tuple(found)
-
-
-def _left_out(columns: Design, target: Values, by: np.ndarray) -> Values:
-    """Each row predicted from the rows with another number in `by`; nan where they do not suffice."""
-    found = np.full(target.size, np.nan)
-    for number in np.unique(by):
-        out = by == number
-        if np.linalg.matrix_rank(columns[~out]) == columns.shape[1]:
-            found[out] = columns[out] @ fit(columns[~out], target[~out])
-    return found
 
 
 def _score(

@@ -13,7 +13,7 @@ import numpy as np
 
 from laticauda import __version__
 from laticauda.errors import instance, whole
-from laticauda.studies.parameters import check_whole
+from laticauda.simulate.parameters import check_whole
 from laticauda.studies.progress import Progress
 from laticauda.studies.regions import Regions, cut
 from laticauda.studies.sampling import Grid, Points, Rows, Samples

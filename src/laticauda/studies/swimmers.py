@@ -14,10 +14,10 @@ from laticauda.interfaces import Controller, Plant, Start
 from laticauda.robot import Water, load_robot
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
-from laticauda.studies.paper import Coefficients, efficiency_settings, group_name, paper_coefficients
+from laticauda.studies.paper import Coefficients, efficiency_settings, paper_coefficients
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
-from laticauda.trial.measured import path_following_trials
+from laticauda.trial.measured import group_name, path_following_trials
 
 _robot = cache(load_robot)
 

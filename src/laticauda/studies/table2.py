@@ -10,11 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.studies.following_run import FollowingRun
-from laticauda.studies.null_models import PREDICTORS, Row, predict
 from laticauda.studies.path_following import FollowingCase, PathFollowingStudy
-from laticauda.studies.scores import mape
 from laticauda.studies.table1 import is_misprint, percent_change
 from laticauda.trial.measured import MeasuredTrial, efficiency_trials
+from laticauda.trial.null_models import PREDICTORS, Row, mape, predict
 
 Speeds = Float[np.ndarray, " n_cases"]
 

@@ -5,9 +5,11 @@ from laticauda.trial.cycles import CycleMean
 from laticauda.trial.files import load_trial
 from laticauda.trial.joining import joined
 from laticauda.trial.measured import (
+    GAIT_WORDS,
     MeasuredPathFollowing,
     MeasuredTrial,
     efficiency_trials,
+    group_name,
     measured_counterpart,
     measured_trial,
     path_following_trials,
@@ -18,6 +20,7 @@ from laticauda.trial.trial import FORCE_COMPONENTS, Trial
 __all__ = [
     "FIGURES",
     "FORCE_COMPONENTS",
+    "GAIT_WORDS",
     "ComparedFigure",
     "CycleMean",
     "Figure",
@@ -26,6 +29,7 @@ __all__ = [
     "Trial",
     "compare",
     "efficiency_trials",
+    "group_name",
     "joined",
     "load_trial",
     "measured_counterpart",

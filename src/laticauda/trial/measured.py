@@ -11,6 +11,7 @@ from laticauda.gaits import Gait
 from laticauda.robot import Ground
 from laticauda.trial.trial import Trial
 
+GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion"}
 _KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 _TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
 _FOLLOWING_AMPLITUDE_DEG = {"LU": 30.0, "EEL": 40.0}
@@ -83,6 +84,16 @@ def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
         )
         for row in _rows("table2.csv")
     )
+
+
+def group_name(gait: str, has_fin: bool) -> str:
+    """What tables and files call one gait with one configuration of the robot.
+
+    Args:
+        gait: The gait's kind.
+        has_fin: Whether the robot wears the caudal fin.
+    """
+    return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
 
 
 def measured_trial(gait: Gait, has_fin: bool) -> MeasuredTrial | None:

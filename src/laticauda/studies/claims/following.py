@@ -7,10 +7,9 @@ from statistics import fmean
 import numpy as np
 
 from laticauda.studies.claims.claim import Finding, Statement, percent, share, spread, verdict
-from laticauda.studies.paper import GAIT_WORDS
 from laticauda.studies.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.studies.table2 import fin_changes
-from laticauda.trial import following
+from laticauda.trial import GAIT_WORDS, following
 
 ABOUT_ZERO = 0.02  # mean error that still counts as zero [m]
 FOLLOWED = 5.0  # root mean square of the heading error [deg]

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from laticauda.studies.claims.claim import Finding, Statement, percent, verdict
 from laticauda.studies.links import Doubling, LinksStudy
-from laticauda.studies.paper import GAIT_WORDS
+from laticauda.trial import GAIT_WORDS
 
 LINKS_SPEED = 20.0  # [%]
 LINKS_POWER = (8.0, 12.0)  # "almost a factor of 10" [-]

@@ -8,8 +8,9 @@ from laticauda.robot import load_robot
 from laticauda.studies.claims.claim import percent
 from laticauda.studies.claims.fin import table2_changes
 from laticauda.studies.following_settings import path_following_settings
-from laticauda.studies.paper import GAIT_WORDS, Group, efficiency_settings
+from laticauda.studies.paper import Group, efficiency_settings
 from laticauda.studies.table1 import is_misprint, percent_change
+from laticauda.trial import GAIT_WORDS
 from laticauda.trial.measured import efficiency_trials, measured_trial
 
 

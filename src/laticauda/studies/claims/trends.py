@@ -9,10 +9,10 @@ from jaxtyping import Float
 from laticauda.robot import load_water
 from laticauda.studies.claims.claim import Finding, Statement, percent, share, verdict
 from laticauda.studies.efficiency import EfficiencyStudy
-from laticauda.studies.paper import GAIT_WORDS
 from laticauda.studies.parity import ParityStudy
 from laticauda.studies.side_trials import SHALLOW, SideTrials
 from laticauda.studies.table1 import maxima, percent_change
+from laticauda.trial import GAIT_WORDS
 
 PRINTED_OPTIMUM, NEAR = 25.0, 2.5  # of the phase shift in the paper's simulation, and what still counts as it [deg]
 CLOSE = 5.0  # to a marked setting [deg, deg/s]

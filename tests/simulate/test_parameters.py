@@ -4,8 +4,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import Water
-from laticauda.studies import parameters
-from laticauda.studies.parameters import changed, look_up
+from laticauda.simulate import parameters
+from laticauda.simulate.parameters import changed, look_up
 
 ROBOT = lc.load_robot("mamba-fin")
 WATER = lc.load_water("paper-lateral")

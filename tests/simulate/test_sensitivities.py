@@ -5,8 +5,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import Tether, load_robot, load_water
-from laticauda.studies.parameters import changed
-from laticauda.studies.sensitivities import UNITS, sensitivities
+from laticauda.simulate.parameters import changed
+from laticauda.simulate.sensitivities import UNITS, sensitivities
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))

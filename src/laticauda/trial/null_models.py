@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from laticauda.gaits import Gait
-from laticauda.studies.paper import group_name
+from laticauda.trial.measured import group_name
 
 Values = Float[np.ndarray, " n_rows"]
 Design = Float[np.ndarray, "n_rows n_parameters"]
@@ -87,6 +87,25 @@ def fit(columns: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
     return np.linalg.lstsq(columns, target)[0]
 
 
+def left_out(columns: Design, target: Values, by: Int[np.ndarray, " n_rows"]) -> Values:
+    """Each row's log v as a null model says that is fitted to the rows with another number in `by`.
+
+    Args:
+        columns: Those of `design`.
+        target: log v less what is added to them.
+        by: A number per row: rows of equal number are left out together.
+
+    Returns:
+        Values like `target`, nan where the other rows do not suffice.
+    """
+    found = np.full(target.size, np.nan)
+    for number in np.unique(by):
+        out = by == number
+        if np.linalg.matrix_rank(columns[~out]) == columns.shape[1]:
+            found[out] = columns[out] @ fit(columns[~out], target[~out])
+    return found
+
+
 def predict(
     name: str, rows: Sequence[Row], measured: Values, others: Sequence[Row]
 ) -> tuple[Float[np.ndarray, " n_others"], int]:
@@ -118,3 +137,20 @@ def predict(
     numbers = fit(columns, np.log(measured) - known)
     columns, known = design(name, others, groups)
     return np.exp(columns @ numbers + known), numbers.size
+
+
+def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) -> float:
+    """Mean absolute percentage error, 100 mean |predicted - measured| / measured [%].
+
+    Args:
+        measured: All > 0.
+        predicted: In the same unit.
+
+    Raises:
+        ValueError: If there is no value, the numbers of values differ, or a measured one is not > 0.
+    """
+    if measured.size == 0 or measured.shape != predicted.shape:
+        raise ValueError(f"`predicted` must have {measured.size} values, at least 1, got {predicted.size}.")
+    if not np.all(measured > 0.0):
+        raise ValueError(f"`measured` must be > 0, got {np.min(measured)}.")
+    return 100.0 * float(np.mean(np.abs(predicted - measured) / measured))

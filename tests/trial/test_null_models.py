@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.studies.null_models import MEAN_STRIDE, PREDICTORS, Row, predict
 from laticauda.trial import efficiency_trials, path_following_trials
+from laticauda.trial.null_models import MEAN_STRIDE, PREDICTORS, Row, predict
 
 KNOWN = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]
 ROWS = [Row(gait=trial.gait, has_fin=trial.has_fin) for trial in KNOWN]

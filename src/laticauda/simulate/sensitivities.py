@@ -12,9 +12,9 @@ from laticauda.errors import one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
+from laticauda.simulate.parameters import Parameter, changed, look_up, parameters
 from laticauda.simulate.plants import FluidLaw
 from laticauda.simulate.runner import Progress
-from laticauda.studies.parameters import Parameter, changed, look_up, parameters
 
 UNITS = {
     "forward_velocity": "m/s",
@@ -100,7 +100,7 @@ def sensitivities(
         gaits: See `swim_many`.
         duration: See `swim_many` [s].
         names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
-            `robot.module.mass` (of all modules alike); see `laticauda.studies.parameters`.
+            `robot.module.mass` (of all modules alike); see `laticauda.simulate.parameters`.
         environments: See `swim_many`.
         joints: See `swim_many`.
         dt: See `swim_many`; it does not change with a parameter [s].
