@@ -136,7 +136,7 @@ def to_frame(message: CanMessage, timestamp: float = 0.0) -> Any:
 
 
 def from_frame(frame: Any) -> CanMessage | None:
-    """The message in a `can.Message`, or None if it is none of ours; error and remote frames are not."""
+    """The message in `frame`, a `can.Message`, or None if it is none of ours; error and remote frames are not."""
     if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
@@ -172,9 +172,7 @@ def _plain(kind: type[Any]) -> tuple[Callable[[Any], dict[str, Any]], Callable[[
     with_node = any(field.name == "node" for field in fields(kind))
 
     def signals(message: Any) -> dict[str, Any]:
-        return {
-            signal: int(v) if isinstance(v := getattr(message, name), bool) else v for name, signal in names.items()
-        }
+        return {signal: _number(getattr(message, name)) for name, signal in names.items()}
 
     def message(number: int, values: Signals) -> Any:
         made = {name: makes.get(name, _same)(values[signal]) for name, signal in names.items()}
