@@ -1,0 +1,1 @@
+"""Operate the robot, virtual or real: drivers, calibration, the loop, the safety supervisor."""

@@ -1,0 +1,405 @@
+"""One operation as a pure tick: what came in, and the time, give what goes out. No clock, no bus, no threads.
+
+    connecting -> checking -> calibrating -> idle_current -> settling -> countdown -> running -> stopping -> done
+
+The supervisor's state stands beside the phase: it says whether the joints may move, the phase says what for.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from laticauda.operate import preparing
+from laticauda.operate.asking import Asker, Asking
+from laticauda.operate.calibration import ClockOffset, MeanCurrent
+from laticauda.operate.estimate import Estimate, Mount
+from laticauda.operate.estimation import Estimator, EstimatorState
+from laticauda.operate.modules import Modules, heard, no_modules
+from laticauda.operate.samples import Event, JointSample, MocapFrame, PowerReading, ReferenceSample
+from laticauda.operate.settings import Operation
+from laticauda.operate.supervisor import BY_EVENT, Entry, Supervisor, SupervisorState
+from laticauda.operate.watch import Seen, Watch, WatchState
+from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
+from laticauda.robot import Robot
+
+PHASES = (*preparing.PHASES, "running", "stopping", "done")
+REPEAT = 0.1  # orders that are not obeyed yet are given again after [s]
+STRAIGHT_SHARE = 0.7  # of the time for straightening, on the way; the rest is for the joints to come after
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Inputs:
+    """What came in since the last tick."""
+
+    messages: tuple[tuple[float, CanMessage], ...] = ()
+    """From the bus, with the time of their arrival [s]."""
+    frames: tuple[tuple[float, MocapFrame], ...] = ()
+    """From the motion capture, with the time of their arrival [s]; their own time is that of the cameras' clock, and
+    they are in the tank frame."""
+    readings: tuple[PowerReading, ...] = ()
+    """From the power meter, on our clock."""
+    events: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What drivers, recorder and operator say, by the names of the supervisor's table, with a sentence each."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outputs:
+    """What goes out."""
+
+    messages: tuple[CanMessage, ...] = ()
+    """To the bus, in this order."""
+    samples: tuple[object, ...] = ()
+    """For the recording: what the estimator took, on our clock and in the path frame, and the references."""
+    events: tuple[Event, ...] = ()
+    """For the log."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OperatorState:
+    """Where an operation stands."""
+
+    phase: str = PHASES[0]
+    """One of `PHASES`."""
+    since: float | None = None
+    """When the phase began [s]; None before the first tick."""
+    now: float | None = None
+    """Time of the last tick [s]; None before the first."""
+    supervisor: SupervisorState
+    """The safety supervisor's."""
+    watch: WatchState
+    """Of the limits."""
+    modules: Modules
+    """What the modules say."""
+    estimator: EstimatorState
+    """Of the state estimation."""
+    estimate: Estimate | None = None
+    """Where the robot is, path frame; None before it is known."""
+    clock: tuple[float, float] | None = None
+    """Offset of the cameras' clock."""
+    seen: float | None = None
+    """When the robot was seen last; None before [s]."""
+    reading: PowerReading | None = None
+    """The last one of the power meter."""
+    idle: MeanCurrent = field(default_factory=MeanCurrent)
+    """Current at rest, before the run."""
+    drawn: MeanCurrent = field(default_factory=MeanCurrent)
+    """Current of the run."""
+    asking: Asking
+    """What the joints are asked for."""
+    prepared: preparing.Prepared
+    """What the preparations found."""
+    begun: float | None = None
+    """When the run began [s]; None before."""
+    ended: float | None = None
+    """When the run ended [s]; None before."""
+    failure: str = ""
+    """Why the operation is given up before the run; "" if it is not."""
+    error: str = ""
+    """What went wrong in our own program at the last tick."""
+    notes: tuple[str, ...] = ()
+    """Events of the run that did not stop it."""
+    ordered: float = -1e9
+    """When the last order went out that waits to be obeyed [s]."""
+    sync: int = 0
+    """Counter of the next Sync [-]."""
+
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing is left to do."""
+        return self.phase == "done"
+
+    @property
+    def idle_current(self) -> float | None:
+        """I_0 [A]; None where it was not measured."""
+        return self.idle.mean
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Operator:
+    """Everything an operation needs but its devices.
+
+    Raises:
+        ValueError: If the robot's joints cannot do what the controller may ask for.
+    """
+
+    operation: Operation
+    """What to do."""
+    clears: bool = False
+    """Clear faults of the modules first: somebody has looked at them."""
+    check_only: bool = False
+    """Stop after the preparations, with the robot limp all the time."""
+
+    @cached_property
+    def robot(self) -> Robot:
+        """What swims."""
+        return self.operation.body()
+
+    @cached_property
+    def supervisor(self) -> Supervisor:
+        """The safety supervisor."""
+        return Supervisor(straighten_time=self.operation.limits.straighten_time)
+
+    @cached_property
+    def watch(self) -> Watch:
+        """The limits."""
+        return Watch(limits=self.operation.limits)
+
+    @cached_property
+    def asker(self) -> Asker:
+        """From observations to references."""
+        how = self.operation
+        return Asker(
+            robot=self.robot, controller=how.controller(), ramp=how.ramp, offset_bandwidth=how.offset_bandwidth
+        )
+
+    def estimator(self, yaw: float) -> Estimator:
+        """The state estimation, with the marker body turned by `yaw` [rad] on its module."""
+        how = self.operation.calibration
+        return Estimator(robot=self.robot, mount=Mount(module=how.marker_module, offset=how.marker_offset, angle=yaw))
+
+    def init(self) -> OperatorState:
+        """Nothing done yet."""
+        n = self.robot.n_joints
+        yaw = self.operation.calibration.marker_yaw
+        return OperatorState(
+            supervisor=self.supervisor.init(),
+            watch=self.watch.init(n),
+            modules=no_modules(n),
+            estimator=self.estimator(yaw).init(),
+            asking=self.asker.init(),
+            prepared=preparing.Prepared(marker_yaw=yaw),
+        )
+
+    def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
+        """One tick.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            now: Our clock, later than at the last tick [s].
+            inputs: What came in since.
+
+        Returns:
+            The state now, and what goes out.
+        """
+        before = state
+        if state.since is None:
+            state = replace(state, since=now)
+        state, samples = self._taken(state, now, inputs)
+        state, wrong = self._looked(state, before, now, inputs)
+        state, requests, told = preparing.step(self, state, now) if not before.is_done else (state, (), ())
+        state, asked = self._course(state, now, requests)
+        state, entries = self._supervised(state, now, wrong, asked)
+        state = self._moved(state, now)
+        state, messages = self._said(state, now, wrong)
+        events = (*told, *(_event(entry, wrong, inputs.events) for entry in entries))
+        if state.phase != before.phase:
+            events = (*events, Event(time=now, kind="phase", message=f"{before.phase} -> {state.phase}"))
+        asks = ()
+        if state.supervisor.sends_references:
+            moving = state.asking.command.gait.frequency if state.phase == "running" and state.asking.command else 0.0
+            asks = (ReferenceSample(time=now, angle=state.asking.references, frequency=moving),)
+        return replace(state, now=now), Outputs(messages=messages, samples=(*samples, *asks), events=events)
+
+    # ---- what came in ----------------------------------------------------------------------------------------------
+
+    def _taken(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, tuple[object, ...]]:
+        """The latest of everything, and the estimate."""
+        samples: list[Any] = []
+        modules = heard(state.modules, inputs.messages)
+        if state.now is not None and inputs.messages:
+            fresh = modules.angle_time >= state.now
+            if fresh.any():
+                samples.append(
+                    JointSample(
+                        time=state.now,  # the last tick ended with the Sync that they answer
+                        angle=np.where(fresh, modules.angle, np.nan),
+                        rate=np.where(fresh, modules.rate, np.nan),
+                        torque=np.where(fresh, modules.torque, np.nan),
+                    )
+                )
+        clock, seen = state.clock, state.seen
+        for arrival, frame in inputs.frames:
+            clock = ClockOffset().step(clock, arrival, frame.time)
+            placed = self._placed(frame, clock[0])
+            samples.append(placed)
+            seen = arrival if not placed.is_lost else seen
+        reading, idle, drawn = state.reading, state.idle, state.drawn
+        for reading in inputs.readings:
+            idle = idle.step(reading.current) if state.phase == "idle_current" else idle
+            drawn = drawn.step(reading.current) if state.phase == "running" else drawn
+        asked = state.supervisor.sends_references and state.now is not None
+        taken = [self._reference(state)] if asked else []
+        state = replace(
+            state, modules=modules, clock=clock, seen=seen, reading=reading, idle=idle, drawn=drawn, error=""
+        )
+        return self._estimated(state, now, [*taken, *samples]), (*samples, *inputs.readings)
+
+    def _reference(self, state: OperatorState) -> ReferenceSample:
+        assert state.now is not None  # the caller looked
+        gait = state.asking.command.gait if state.phase == "running" and state.asking.command else None
+        frequency = 0.0 if gait is None else gait.frequency
+        return ReferenceSample(time=state.now, angle=state.asking.references, frequency=frequency)
+
+    def _placed(self, frame: MocapFrame, offset: float) -> MocapFrame:
+        """A frame on our clock and in the path frame."""
+        tank = self.operation.tank
+        cos, sin = np.cos(tank.path_heading), np.sin(tank.path_heading)
+        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        return MocapFrame(
+            time=frame.time + offset,
+            position=tank.to_path(frame.position),
+            rotation=None if frame.rotation is None else turn @ frame.rotation,
+            residual=frame.residual,
+        )
+
+    def _estimated(self, state: OperatorState, now: float, samples: list[Any]) -> OperatorState:
+        """The estimate with the samples; an error in it stops the robot, and not the program."""
+        estimator = self.estimator(state.prepared.marker_yaw)
+        belief = state.estimator
+        try:
+            for sample in samples:
+                belief = estimator.step(belief, sample)
+            return replace(state, estimator=belief, estimate=estimator.estimate(belief, now))
+        except Exception as error:
+            return replace(state, estimate=None, error=f"state estimation: {error}")
+
+    # ---- what is wrong ---------------------------------------------------------------------------------------------
+
+    def _looked(
+        self, state: OperatorState, before: OperatorState, now: float, inputs: Inputs
+    ) -> tuple[OperatorState, dict[str, str]]:
+        """What is wrong now, by event."""
+        tank, found = self.operation.tank, dict(inputs.events)
+        room = float("inf")
+        if state.estimate is not None and state.phase == "running":
+            velocity = tank.to_tank(state.estimate.center_of_mass_velocity) - tank.to_tank(np.zeros(2))
+            room = tank.room(tank.to_tank(state.estimate.center_of_mass), velocity)
+        sent = before.supervisor.sends_references
+        lateness = 0.0 if before.now is None else now - before.now - 1.0 / self.operation.rate
+        started = state.since if state.since is not None else now
+        seen = Seen(
+            now=now,
+            lateness=lateness,
+            modules=state.modules,
+            references=state.asking.references if sent else None,
+            mocap_age=now - (started if state.seen is None else state.seen),
+            meter_age=None if state.reading is None else now - state.reading.time,
+            room=room,
+        )
+        watch, wrong = self.watch.step(state.watch, seen)
+        if state.phase in ("connecting", "checking"):
+            wrong = {}  # the checks say it better
+        if not sent:
+            wrong.pop("late_loop", None)
+        if state.error:
+            found["program_error"] = state.error
+        if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
+            state = replace(state, notes=(*state.notes, f"lost_meter: {wrong['lost_meter']}"))
+        return replace(state, watch=watch), {**wrong, **found}
+
+    def _course(
+        self, state: OperatorState, now: float, requests: tuple[str, ...]
+    ) -> tuple[OperatorState, tuple[str, ...]]:
+        """The normal course after the preparations, and giving up before the run."""
+        if state.phase == "running" and state.begun is not None and now - state.begun >= self.operation.duration:
+            return state, ("ended",)
+        if state.failure and state.phase not in ("stopping", "done"):
+            return replace(state, phase="stopping", since=now), ("ended",)
+        return state, requests
+
+    def _supervised(
+        self, state: OperatorState, now: float, wrong: Mapping[str, str], requests: tuple[str, ...]
+    ) -> tuple[OperatorState, tuple[Entry, ...]]:
+        """The supervisor's step, and what follows from it for the phase."""
+        limits, modules = self.operation.limits, state.modules
+        is_limp = modules.is_limp(now, limits.heartbeat_timeout)
+        angle = modules.angle[np.isfinite(modules.angle)]
+        at_rest = not np.any(state.asking.references)
+        is_straight = at_rest and bool(np.all(np.abs(angle) < limits.straight))
+        events = {*wrong, *requests}
+        was = state.supervisor
+        supervisor, entries = self.supervisor.step(was, now, events, is_straight=is_straight, is_limp=is_limp)
+        state = replace(state, supervisor=supervisor)
+        if supervisor.state == was.state:
+            if supervisor.state in ("idle", "fault") and state.phase == "stopping":
+                settled = is_limp or now - supervisor.since > self.supervisor.within("limp")
+                state = replace(state, phase="done", since=now) if settled else state
+            elif supervisor.state == "idle" and state.phase != "done" and _stops(wrong):
+                why = next(event for event in wrong if _stops({event: ""}))
+                state = replace(state, failure=f"{BY_EVENT[why].says}: {wrong[why]}")
+            return state, entries
+        if supervisor.state == "ready":
+            state = replace(state, asking=self.asker.from_here(state.asking, now, modules.angle))
+        elif supervisor.state == "running":
+            state = replace(state, phase="running", since=now, begun=now, asking=self.asker.begin(state.asking, now))
+        elif supervisor.state in ("stopping", "fault"):
+            ended = now if state.begun is not None and state.ended is None else state.ended
+            asking = self.asker.from_here(state.asking, now, state.asking.references)
+            phase = state.phase if state.phase in ("stopping", "done") else "stopping"
+            state = replace(state, phase=phase, since=now, ended=ended, asking=asking)
+        return state, entries
+
+    # ---- what goes out ---------------------------------------------------------------------------------------------
+
+    def _moved(self, state: OperatorState, now: float) -> OperatorState:
+        """The references of this tick."""
+        if not state.supervisor.sends_references:
+            return state
+        if state.supervisor.state != "running":
+            way = STRAIGHT_SHARE * self.operation.limits.straighten_time
+            return replace(state, asking=self.asker.straighten(state.asking, now, way))
+        assert state.begun is not None  # the state running began
+        try:
+            asking = state.asking
+            if state.estimate is not None:
+                observation = replace(state.estimate.observation(), time=now - state.begun)
+                asking = self.asker.think(asking, now, observation)
+            return replace(state, asking=self.asker.follow(asking, now))
+        except Exception as error:  # the next tick stops the robot; until then it holds
+            return replace(state, error=f"controller: {error}")
+
+    def _said(
+        self, state: OperatorState, now: float, wrong: Mapping[str, str]
+    ) -> tuple[OperatorState, tuple[CanMessage, ...]]:
+        """The messages of this tick: orders first, then references, and the Sync at last."""
+        orders: list[CanMessage] = []
+        supervisor, modules = state.supervisor, state.modules
+        is_limp = modules.is_limp(now, self.operation.limits.heartbeat_timeout)
+        if now - state.ordered >= REPEAT:
+            if supervisor.action == "emergency_stop" and not is_limp:
+                orders.append(EmergencyStop(reason=1 if supervisor.cause == "emergency_key" else 2))
+            elif supervisor.sends_references and not modules.all_active():
+                orders.append(NodeCommand(order=Order.ENABLE))
+            elif not supervisor.sends_references and not is_limp:
+                orders.append(NodeCommand(order=Order.DISABLE))
+            elif self.clears and state.phase == "connecting":
+                orders.append(NodeCommand(order=Order.CLEAR))
+            elif state.prepared.sets_zero:
+                orders.append(NodeCommand(order=Order.SET_ZERO))
+                state = replace(state, prepared=replace(state.prepared, sets_zero=False))
+        if supervisor.action == "emergency_stop" and supervisor.since == now and not orders:
+            orders.append(EmergencyStop(reason=1 if supervisor.cause == "emergency_key" else 2))
+        asked = references(state.asking.references.tolist()) if supervisor.sends_references else ()
+        state = replace(state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536)
+        return state, (*orders, *asked, Sync(counter=state.sync))
+
+
+def _stops(wrong: Mapping[str, str]) -> bool:
+    """Whether something keeps an idle robot from moving."""
+    return any(event in BY_EVENT and event != "lost_meter" for event in wrong)
+
+
+def _event(entry: Entry, wrong: Mapping[str, str], given: Mapping[str, str]) -> Event:
+    """A line of the supervisor's log as an event of the recording."""
+    rule = BY_EVENT.get(entry.event)
+    detail = wrong.get(entry.event) or given.get(entry.event) or ""
+    says = rule.says if rule else entry.event
+    return Event(
+        time=entry.time,
+        kind="fault" if rule is not None and rule.is_fault else "state",
+        message=f"{says}{': ' + detail if detail else ''}; {entry.action.replace('_', ' ')}",
+        data={"event": entry.event, "action": entry.action, "before": entry.before, "after": entry.after},
+    )
