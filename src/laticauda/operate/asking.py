@@ -1,7 +1,7 @@
-"""What the joints are asked for: straight, straightening, or the controller's gait by way of the reference generator."""
+"""What the joints are asked for: straight, straightening, or the controller's gait through the reference generator."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -132,4 +132,4 @@ class Asker:
         """What the controller had in mind; empty before the run, or if it says nothing."""
         if state.thought is None or not isinstance(self.controller, ReportingController):
             return {}
-        return dict(self.controller.signals(state.thought))
+        return dict(cast("ReportingController[Any]", self.controller).signals(state.thought))

@@ -1,4 +1,4 @@
-"""What is measured before a run: joint zeros, the marker body on its module, the clocks, the current at rest, stillness.
+"""What is measured before a run: joint zeros, marker body on its module, clocks, current at rest, stillness.
 
 Each is a small value with `init` and `step`, or a function of what was collected.
 """
@@ -19,9 +19,7 @@ class CalibrationFailed(LaticaudaError, RuntimeError):
     """The robot or its instruments are not as the calibration needs them: it says what to do."""
 
 
-def joint_zeros(
-    angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float
-) -> Float[np.ndarray, " n_joints"]:
+def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float) -> Float[np.ndarray, " n_joints"]:
     """What every joint reports while the robot lies straight: the median of the samples.
 
     Args:

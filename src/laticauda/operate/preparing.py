@@ -75,7 +75,7 @@ def _gone(state: "OperatorState", now: float) -> float:
 
 def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Until every module, the motion capture and the power meter have been heard."""
-    modules, connection = state.modules, operation_of(operator).connection
+    modules, connection = state.modules, operator.operation.connection
     missing: list[str] = []
     if not modules.is_heard:
         silent = [
@@ -102,7 +102,7 @@ def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Ans
 
 def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Every module: firmware state, temperature, leak, voltage; limp."""
-    limits = operation_of(operator).limits
+    limits = operator.operation.limits
     found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
         beats = [beat for beat in state.modules.heartbeat if beat is not None]
@@ -116,7 +116,7 @@ def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answe
 
 def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
-    how, prepared = operation_of(operator).calibration, state.prepared
+    how, prepared = operator.operation.calibration, state.prepared
     prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
     newest = state.estimator.belief.time
     last = next((s for s, _ in reversed(state.estimator.history) if getattr(s, "rotation", None) is not None), None)
@@ -134,7 +134,7 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
         rotation = np.array(prepared.rotation).reshape(-1, 3, 3)
         if len(rotation) < LEAST_FRAMES:
             raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
-        yaw = marker_yaw(rotation, heading=how.straight_heading - operation_of(operator).tank.path_heading)
+        yaw = marker_yaw(rotation, heading=how.straight_heading - operator.operation.tank.path_heading)
         words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_yaw=yaw)
         # What was estimated so far had the body turned otherwise.
@@ -144,9 +144,9 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
 
 def _idle_current(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """I_0: the mean while the robot is limp."""
-    if not operation_of(operator).connection.meter_port:
+    if not operator.operation.connection.meter_port:
         return _checked(operator, state, now, "no power meter: the run has no power")
-    if _gone(state, now) < operation_of(operator).calibration.idle_time:
+    if _gone(state, now) < operator.operation.calibration.idle_time:
         return state, (), ()
     mean = state.idle.mean
     if mean is None:
@@ -165,7 +165,7 @@ def _checked(operator: "Operator", state: "OperatorState", now: float, message: 
 
 def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Held straight, until the water is calm and the robot lies where it is to start."""
-    how, estimate = operation_of(operator).calibration, state.estimate
+    how, estimate = operator.operation.calibration, state.estimate
     if state.supervisor.state == "idle":  # something spoke against it: ask again, and not forever
         if _gone(state, now) > CONNECT_TIME / 2.0:
             return _given_up(state, now, "The robot may not move: " + _why(state))
@@ -189,7 +189,7 @@ def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answe
 
 
 def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
-    wanted = operation_of(operator).start
+    wanted = operator.operation.start
     if wanted is None:
         return ""
     away = math.hypot(start[0] - wanted.position[0], start[1] - wanted.position[1])
@@ -204,16 +204,11 @@ def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
 
 def _countdown(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Some seconds for everybody to step back."""
-    return state, ("started",) if _gone(state, now) >= operation_of(operator).countdown else (), ()
+    return state, ("started",) if _gone(state, now) >= operator.operation.countdown else (), ()
 
 
 def _why(state: "OperatorState") -> str:
     return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
-
-
-def operation_of(operator: "Operator"):  # noqa: ANN201
-    """What is to be done."""
-    return operator.operation
 
 
 _STEPS: dict[str, Callable[["Operator", "OperatorState", float], Answer]] = {
