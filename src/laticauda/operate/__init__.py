@@ -1,0 +1,1 @@
+"""Operating a robot: what it reports, where it is, and what happened."""
