@@ -1,1 +1,1 @@
-"""Operate the robot, virtual or real: drivers, calibration, the loop, the safety supervisor."""
+"""Operate the robot, virtual or real: drivers, calibration, the loop, the safety supervisor, estimation, recording."""
