@@ -4,15 +4,14 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
-from jaxtyping import Float
 
 from laticauda.gaits import Generator
 from laticauda.gaits.generator import GeneratorState
 from laticauda.gaits.reference import smooth_start
 from laticauda.interfaces import Command, Controller, Observation, ReportingController
+from laticauda.operate.modules import Numbers as References
 from laticauda.robot import Robot
 
-References = Float[np.ndarray, " n_joints"]
 ROUNDING = 1e-9  # of sums of ticks [s]
 
 

@@ -236,7 +236,12 @@ class Estimator:
             return replace(belief, time=time)
         width = self.model.reference_bandwidth
         smooth, rate, _ = filter_step(
-            belief.smooth, belief.smooth_rate, belief.asked, width, math.exp(-width * dt), dt  # pyright: ignore
+            belief.smooth,
+            belief.smooth_rate,
+            belief.asked,
+            width,
+            math.exp(-width * dt),
+            dt,  # pyright: ignore
         )
         known = belief.known
         if known is not None:

@@ -126,7 +126,7 @@ class MotionModel:
     spread: np.ndarray = field(init=False)
     """theta minus heading, per joint angle [-]."""
 
-    def start(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector):  # noqa: ANN201
+    def start(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector):
         """What is known after the first frame: mean and covariance.
 
         Args:

@@ -140,9 +140,7 @@ def _plain(value: object) -> Any:
 def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarray:
     # None stands for nan, as in JSON.
     array = np.array(value, dtype=np.float64)
-    fits = array.ndim == len(shape) and all(
-        want in (None, have) for want, have in zip(shape, array.shape, strict=True)
-    )
+    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
     if not fits:
         wanted = " x ".join("n" if size is None else str(size) for size in shape)
         raise ValueError(f"`{name}` must hold {wanted} numbers, got an array of shape {array.shape}.")

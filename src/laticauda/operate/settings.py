@@ -7,10 +7,7 @@ everything else, with the path along its x axis in the paper's trials.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, cast
-
-import numpy as np
-from jaxtyping import Float
+from typing import Any
 
 from laticauda.control import (
     Guidance,
@@ -26,30 +23,12 @@ from laticauda.control import (
 from laticauda.errors import finite, instance, not_negative, one_of, positive, whole, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop
+from laticauda.operate.tank import Tank, pair, put
 from laticauda.robot import Robot, Water, load_robot, load_water
 
 INTERFACES = ("udp_multicast", "virtual", "socketcan")
 GUIDANCE = ("line_of_sight", "integral_line_of_sight")
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
-
-
-def _put(owner: object, name: str, value: object) -> None:
-    object.__setattr__(owner, name, value)
-
-
-def _pair(name: str, value: object, unit: str) -> tuple[float, float]:
-    """`value` as two finite numbers."""
-    if isinstance(value, str) or not isinstance(value, Sequence) or len(cast("Sequence[Any]", value)) != 2:
-        raise ValueError(f"`{name}` must be two numbers in {unit}, got {value!r}.")
-    first, second = cast("Sequence[object]", value)
-    return finite(f"{name}[0]", first, unit), finite(f"{name}[1]", second, unit)
-
-
-def _range(name: str, value: object) -> tuple[float, float]:
-    low, high = _pair(name, value, "m")
-    if low >= high:
-        raise ValueError(f"`{name}` must be a smaller and a greater number in m, got {value!r}.")
-    return low, high
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,11 +57,11 @@ class Following:
     def __post_init__(self) -> None:
         """Check every field once, the laws' own by the laws."""
         instance("smooth", self.smooth, bool)
-        _put(self, "guidance", one_of("guidance", _underscored(self.guidance), GUIDANCE))
+        put(self, "guidance", one_of("guidance", _underscored(self.guidance), GUIDANCE))
         if self.waypoints is not None:
             if not isinstance(self.waypoints, Sequence) or len(self.waypoints) < 2:  # pyright: ignore
                 raise ValueError(f"`waypoints` must be at least two points [x, y] in m, got {self.waypoints!r}.")
-            _put(self, "waypoints", tuple(_pair(f"waypoints[{i}]", p, "m") for i, p in enumerate(self.waypoints)))
+            put(self, "waypoints", tuple(pair(f"waypoints[{i}]", p, "m") for i, p in enumerate(self.waypoints)))
         self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
 
     @property
@@ -126,10 +105,10 @@ class Placement:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        _put(self, "position", _pair("position", self.position, "m"))
-        _put(self, "heading", finite("heading", self.heading, "rad"))
-        _put(self, "tolerance", positive("tolerance", self.tolerance, "m"))
-        _put(self, "heading_tolerance", positive("heading_tolerance", self.heading_tolerance, "rad"))
+        put(self, "position", pair("position", self.position, "m"))
+        put(self, "heading", finite("heading", self.heading, "rad"))
+        put(self, "tolerance", positive("tolerance", self.tolerance, "m"))
+        put(self, "heading_tolerance", positive("heading_tolerance", self.heading_tolerance, "rad"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,54 +138,6 @@ class Connection:
         for name in ("can_port", "mocap_port"):
             if whole(name, getattr(self, name), 1) > 65535:
                 raise ValueError(f"`{name}` must be a port from 1 to 65535, got {getattr(self, name)}.")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Tank:
-    """What the motion capture sees, and where the path lies in it; tank frame."""
-
-    volume_x: tuple[float, float] = (0.0, 12.0)
-    """Measuring volume along the tank [m]."""
-    volume_y: tuple[float, float] = (-2.725, 2.725)
-    """Across it [m]."""
-    path_origin: tuple[float, float] = (0.0, 0.0)
-    """Origin of the path frame [m]."""
-    path_heading: float = 0.0
-    """Direction of its x axis [rad]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        for name in ("volume_x", "volume_y"):
-            _put(self, name, _range(name, getattr(self, name)))
-        _put(self, "path_origin", _pair("path_origin", self.path_origin, "m"))
-        _put(self, "path_heading", finite("path_heading", self.path_heading, "rad"))
-
-    def to_path(self, position: Float[np.ndarray, " n_axes"]) -> Float[np.ndarray, " n_axes"]:
-        """A position of the tank frame in the path frame [m]; the height stays."""
-        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
-        x, y = position[0] - self.path_origin[0], position[1] - self.path_origin[1]
-        return np.array([cos * x + sin * y, cos * y - sin * x, *position[2:]])
-
-    def to_tank(self, position: Float[np.ndarray, " n_axes"]) -> Float[np.ndarray, " n_axes"]:
-        """A position of the path frame in the tank frame [m]."""
-        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
-        x, y = position[0], position[1]
-        return np.array(
-            [self.path_origin[0] + cos * x - sin * y, self.path_origin[1] + sin * x + cos * y, *position[2:]]
-        )
-
-    def room(self, position: Float[np.ndarray, " n_axes"], velocity: Float[np.ndarray, " n_axes"]) -> float:
-        """Distance to the edge that the robot moves to; infinite if it moves to none [m].
-
-        Args:
-            position: Tank frame [m].
-            velocity: Tank frame [m/s].
-        """
-        room = math.inf
-        for (low, high), at, speed in zip((self.volume_x, self.volume_y), position[:2], velocity[:2], strict=True):
-            if abs(speed) > 0.01:  # one that lies still at the edge may swim away from it
-                room = min(room, high - at if speed > 0.0 else at - low)
-        return float(room)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,15 +171,15 @@ class Calibration:
     def __post_init__(self) -> None:
         """Check every field once."""
         instance("joint_zeros", self.joint_zeros, bool)
-        _put(self, "marker_module", whole("marker_module", self.marker_module, 0))
-        _put(self, "marker_offset", _pair("marker_offset", self.marker_offset, "m"))
-        _put(self, "marker_yaw", finite("marker_yaw", self.marker_yaw, "rad"))
+        put(self, "marker_module", whole("marker_module", self.marker_module, 0))
+        put(self, "marker_offset", pair("marker_offset", self.marker_offset, "m"))
+        put(self, "marker_yaw", finite("marker_yaw", self.marker_yaw, "rad"))
         if self.straight_heading is not None:
-            _put(self, "straight_heading", finite("straight_heading", self.straight_heading, "rad"))
+            put(self, "straight_heading", finite("straight_heading", self.straight_heading, "rad"))
         units = {"max_joint_zero": "rad", "still_speed": "m/s", "still_rate": "rad/s", "patience": "s"}
         units |= {"idle_time": "s", "still_time": "s"}
         for name, unit in units.items():
-            _put(self, name, positive(name, getattr(self, name), unit))
+            put(self, name, positive(name, getattr(self, name), unit))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -287,7 +218,7 @@ class Limits:
     def __post_init__(self) -> None:
         """Check every field once."""
         for name, unit in LIMIT_UNITS.items():
-            _put(self, name, positive(name, getattr(self, name), unit))
+            put(self, name, positive(name, getattr(self, name), unit))
 
 
 LIMIT_UNITS = {
@@ -350,11 +281,11 @@ class Operation:
         instance("gait", self.gait, Gait)
         if self.gait.pitch is not None:
             raise ValueError("`gait.pitch` must not be given: the operated robot swims at the surface, in the plane.")
-        _put(self, "duration", positive("duration", self.duration, "s"))
-        _put(self, "rate", within("rate", self.rate, LEAST_RATE, MOST_RATE, "1/s"))
-        _put(self, "countdown", not_negative("countdown", self.countdown, "s"))
-        _put(self, "ramp", not_negative("ramp", self.ramp, "s"))
-        _put(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
+        put(self, "duration", positive("duration", self.duration, "s"))
+        put(self, "rate", within("rate", self.rate, LEAST_RATE, MOST_RATE, "1/s"))
+        put(self, "countdown", not_negative("countdown", self.countdown, "s"))
+        put(self, "ramp", not_negative("ramp", self.ramp, "s"))
+        put(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
 
     def body(self) -> Robot:
         """The robot.
