@@ -90,7 +90,7 @@ class Estimator:
     """A measurement is not believed beyond so many standard deviations [-]."""
     largest_residual: float = 0.005
     """Nor is a frame whose markers fit the body worse than that [m]."""
-    patience: int = 30
+    patience: int = 10
     """After so many unbelieved frames, or samples of a joint, in a row it is the filter that must be wrong [-]."""
     horizon: float = 0.1
     """How late a sample may come [s]."""
@@ -181,10 +181,9 @@ class Estimator:
         known, model = belief.known, self.model
         assert known is not None
         mean = known.mean
-        place, theta = model.pose(mean)
-        velocity, turning = model.rates(mean, belief.frequency)
+        place, theta, rows = model.pose(mean, belief.smooth)
+        velocity, turning = model.rates(mean, belief.smooth, belief.smooth_rate, belief.frequency)
         joint = belief.smooth + mean[JOINTS::2]
-        rows = model.pose_sensitivity(mean)
         spread = rows @ known.covariance @ rows.T
         water = known.covariance[np.ix_([VX, VY], [VX, VY])]
         age = belief.time - belief.seen
@@ -242,7 +241,7 @@ class Estimator:
         if known is not None:
             n_steps = max(1, math.ceil(dt / LONGEST_STEP))
             for _ in range(n_steps):
-                mean, f, q = self.model.step(known.mean, belief.frequency, dt / n_steps)
+                mean, f, q = self.model.step(known.mean, smooth, belief.frequency, dt / n_steps)
                 known = filtering.predicted(mean, known.covariance, f, q)
         return replace(belief, time=time, known=known, smooth=smooth, smooth_rate=rate)
 
