@@ -116,7 +116,16 @@ class Recorder:
         velocity: Sequence[float] = (),
         effort: Sequence[float] = (),
     ) -> None:
-        """Record angles [rad], rates [rad/s] and torques [N m] of joints (sensor_msgs/JointState)."""
+        """Record the state of joints (sensor_msgs/JointState).
+
+        Args:
+            topic: Where, as "/joint_states".
+            time: When, as for `message` [s].
+            names: Of the joints, tail first.
+            position: Their angles [rad].
+            velocity: Their rates [rad/s]; empty if not known.
+            effort: Their torques [N m]; empty if not known.
+        """
         content = {
             "header": _header(time, ""),
             "name": names,
@@ -134,14 +143,28 @@ class Recorder:
         quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
         frame: str = WORLD,
     ) -> None:
-        """Record a position x, y, z [m] with an orientation w, x, y, z (geometry_msgs/PoseStamped)."""
+        """Record where something is (geometry_msgs/PoseStamped).
+
+        Args:
+            topic: Where, as "/body".
+            time: When, as for `message` [s].
+            position: x, y, z [m].
+            quaternion: Its orientation w, x, y, z [-].
+            frame: Whose axes these are.
+        """
         pose = {"position": _xyz(position), "orientation": _quaternion(quaternion)}
         self.message(topic, time, "geometry_msgs/PoseStamped", {"header": _header(time, frame), "pose": pose}, unit="m")
 
     def transforms(
         self, time: float, frames: Mapping[str, tuple[Sequence[float], Sequence[float]]], parent: str = WORLD
     ) -> None:
-        """Record where frames are, by name: position [m] and orientation w, x, y, z (tf2_msgs/TFMessage on /tf)."""
+        """Record where frames are, on /tf (tf2_msgs/TFMessage).
+
+        Args:
+            time: When, as for `message` [s].
+            frames: By name: position x, y, z [m] and orientation w, x, y, z [-].
+            parent: In whose axes.
+        """
         header = _header(time, parent)
         transforms = [
             {
@@ -154,16 +177,39 @@ class Recorder:
         self.message("/tf", time, "tf2_msgs/TFMessage", {"transforms": transforms}, unit="m")
 
     def scalar(self, topic: str, time: float, value: float, unit: str = "") -> None:
-        """Record one number (std_msgs/Float64)."""
+        """Record one number (std_msgs/Float64).
+
+        Args:
+            topic: Where, as "/power/electrical".
+            time: When, as for `message` [s].
+            value: The number.
+            unit: Its unit.
+        """
         self.message(topic, time, "std_msgs/Float64", {"data": value}, unit=unit)
 
     def vector(self, topic: str, time: float, xyz: Sequence[float], unit: str = "", frame: str = WORLD) -> None:
-        """Record a vector x, y, z in the axes of a frame (geometry_msgs/Vector3Stamped)."""
+        """Record a vector (geometry_msgs/Vector3Stamped).
+
+        Args:
+            topic: Where, as "/current".
+            time: When, as for `message` [s].
+            xyz: Its components.
+            unit: Their unit.
+            frame: Whose axes these are.
+        """
         content = {"header": _header(time, frame), "vector": _xyz(xyz)}
         self.message(topic, time, "geometry_msgs/Vector3Stamped", content, unit=unit)
 
     def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
-        """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray)."""
+        """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
+
+        Args:
+            topic: Where, as "/link_force".
+            time: When, as for `message` [s].
+            values: An array of numbers.
+            unit: Their unit.
+            labels: Names of its axes.
+        """
         import numpy as np
 
         numbers = np.asarray(values, dtype=np.float64)
@@ -190,7 +236,20 @@ class Recorder:
         is_rtr: bool = False,
         is_error: bool = False,
     ) -> None:
-        """Record a raw frame of a CAN bus, up to 8 bytes (can_msgs/Frame)."""
+        """Record a raw frame of a CAN bus (can_msgs/Frame).
+
+        Args:
+            topic: Where, as "/can".
+            time: When, as for `message` [s].
+            identifier: Of the frame.
+            data: Up to 8 bytes.
+            is_extended: Whether the identifier has 29 bits.
+            is_rtr: Whether it asks for data.
+            is_error: Whether the bus reports an error by it.
+
+        Raises:
+            ValueError: If there are more than 8 bytes.
+        """
         if len(data) > 8:
             raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
         content = {
@@ -205,7 +264,13 @@ class Recorder:
         self.message(topic, time, "can_msgs/Frame", content)
 
     def json(self, topic: str, time: float, content: object) -> None:
-        """Record anything that JSON can hold, as a text (std_msgs/String)."""
+        """Record anything that JSON can hold, as a text (std_msgs/String).
+
+        Args:
+            topic: Where, as "/settings".
+            time: When, as for `message` [s].
+            content: The data.
+        """
         self.message(topic, time, "std_msgs/String", {"data": json.dumps(content)}, unit="json")
 
     def event(self, time: float, name: str, data: object = None, *, level: str = "info") -> None:
@@ -239,7 +304,12 @@ class Recorder:
         self.flush()
 
     def metadata(self, name: str, content: Mapping[str, str]) -> None:
-        """Record texts by name that belong to the whole file; they are on disk at once."""
+        """Record texts that belong to the whole file; they are on disk at once.
+
+        Args:
+            name: What they are about.
+            content: The texts by name.
+        """
         with self._lock:
             self._guarded(lambda: self._writer.add_metadata(name, dict(content)))
             self._guarded(self._writer.flush)
