@@ -14,6 +14,7 @@ from jaxtyping import TypeCheckError
 ROOT = Path(__file__).parent.parent
 HEAVY = [
     "can",
+    "cantools",
     "casadi",
     "dask",
     "distributed",
@@ -22,7 +23,9 @@ HEAVY = [
     "netCDF4",
     "numba",
     "pymoo",
+    "qtm_rt",
     "scipy",
+    "serial",
     "tqdm",
     "viser",
     "xarray",

@@ -16,10 +16,10 @@ from laticauda.errors import not_negative, positive, whole
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
-from laticauda.operate.estimate import Estimate, Mount, Status
+from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
 from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, Noise, X, Y
-from laticauda.operate.samples import JointSample, MocapFrame, ReferenceSample, Sample
+from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " n"]
@@ -189,7 +189,7 @@ class Estimator:
         age = belief.time - belief.seen
         return Estimate(
             time=belief.time,
-            status=self.status(age),
+            status=status_at(age, self.bridging_after, self.lost_after),
             age=age,
             center_of_mass=place,
             center_of_mass_velocity=velocity,
@@ -203,10 +203,6 @@ class Estimator:
             current=mean[[VX, VY]],
             current_std=math.sqrt(float(np.linalg.eigvalsh(water)[-1])),
         )
-
-    def status(self, age: float) -> Status:
-        """What the time since the last believed frame means."""
-        return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"
 
     # ---- inside ----------------------------------------------------------------------------------------------------
 
@@ -235,7 +231,12 @@ class Estimator:
             return replace(belief, time=time)
         width = self.model.reference_bandwidth
         smooth, rate, _ = filter_step(
-            belief.smooth, belief.smooth_rate, belief.asked, width, math.exp(-width * dt), dt  # pyright: ignore
+            belief.smooth,
+            belief.smooth_rate,
+            belief.asked,
+            width,
+            math.exp(-width * dt),
+            dt,  # pyright: ignore
         )
         known = belief.known
         if known is not None:
@@ -277,7 +278,7 @@ class Estimator:
             covariance[at, at] = variance
         return Gaussian(mean=mean, covariance=covariance)
 
-    def _with_frame(self, belief: Belief, frame: MocapFrame) -> Belief:
+    def _with_frame(self, belief: Belief, frame: PoseSample) -> Belief:
         if frame.is_lost:
             return belief
         if frame.residual > self.largest_residual:
@@ -302,14 +303,14 @@ class Estimator:
         """The gate on a squared distance of n numbers: mean and spread of chi-squared are n and sqrt(2 n)."""
         return n + self.gate * math.sqrt(2.0 * n)
 
-    def _measured(self, frame: MocapFrame) -> tuple[Vector, Float[np.ndarray, "m m"]]:
+    def _measured(self, frame: PoseSample) -> tuple[Vector, Float[np.ndarray, "m m"]]:
         variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
         if frame.rotation is None or not np.isfinite(frame.rotation).all():
             return frame.position[:2].copy(), np.diag(variance[:2])
         yaw = self.mount.link_yaw(frame.rotation)
         return np.array([frame.position[0], frame.position[1], yaw]), np.diag(variance)
 
-    def _first(self, belief: Belief, frame: MocapFrame) -> Belief:
+    def _first(self, belief: Belief, frame: PoseSample) -> Belief:
         """The first frame, with the joint angles before it, gives a pose to start from."""
         measured, _ = self._measured(frame)
         if belief.joint is None or measured.size < 3:
@@ -327,25 +328,6 @@ class Estimator:
 
 # Prediction over a gap takes steps of at most that length [s].
 LONGEST_STEP = 0.05
-
-
-def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
-    """The columns of the yaw joints.
-
-    Args:
-        robot: Whose joints they are.
-        name: What `angle` is called, for the message.
-        angle: One number per joint of the robot, or per yaw joint.
-
-    Raises:
-        ValueError: If there are as many as neither.
-    """
-    is_yaw = [joint.axis == "yaw" for joint in robot.joints]
-    if angle.size == len(is_yaw):
-        return angle[is_yaw]
-    if angle.size == sum(is_yaw):
-        return angle
-    raise ValueError(f"`{name}` must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}.")
 
 
 def _widened(known: Gaussian) -> Gaussian:

@@ -272,9 +272,7 @@ class MotionModel:
         place = np.array([mean[X] + c * along - s * across, mean[Y] + s * along + c * across])
         return place, float(theta), rows
 
-    def rates(
-        self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float
-    ) -> tuple[Vector, float]:
+    def rates(self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float) -> tuple[Vector, float]:
         """Velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
 
         Args:
