@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from laticauda.operate.estimate import Estimate, Mount
     from laticauda.operate.estimation import Estimator, EstimatorState
     from laticauda.operate.kinematic import KinematicEstimator, KinematicState
-    from laticauda.operate.motion import Noise
+    from laticauda.operate.noise import Noise
     from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
 
 _WHERE = {
@@ -22,7 +22,7 @@ _WHERE = {
     "KinematicEstimator": "kinematic",
     "KinematicState": "kinematic",
     "Mount": "estimate",
-    "Noise": "motion",
+    "Noise": "noise",
     "PoseSample": "samples",
     "PowerReading": "samples",
     "ReferenceSample": "samples",

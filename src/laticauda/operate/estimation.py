@@ -18,7 +18,8 @@ from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
 from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
-from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, Noise, X, Y
+from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, X, Y
+from laticauda.operate.noise import Noise
 from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.robot import Robot
 

@@ -3,7 +3,6 @@
 Nothing is filtered; without a frame the last result stands still. The filter of `estimation` is measured against this.
 """
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np

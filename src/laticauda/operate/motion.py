@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, positive
 from laticauda.kinematics import link_angles, link_centers
 from laticauda.operate.estimate import Mount
+from laticauda.operate.filtering import Gaussian
+from laticauda.operate.noise import Noise
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " n"]
@@ -32,60 +33,6 @@ RIPPLE = 10 + 2 * N_MODES
 JOINTS = RIPPLE + 2 * len(RIPPLES)
 _SEEN = [[RIPPLE + 2 * i for i, (what, _) in enumerate(RIPPLES) if what == kind] for kind in range(3)]
 _HARMONIC = [np.array([harmonic for what, harmonic in RIPPLES if what == kind]) for kind in range(3)]
-
-
-GAINS = ("turn_gain", "slip_gain", "heading_gain", "across_gain", "heading_ripple", "position_ripple")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Noise:
-    """How much the sensors and the model are off: standard deviations, and how fast what is not known wanders.
-
-    Raises:
-        ValueError: If a field is out of its range.
-    """
-
-    position: float = 0.001
-    """Of the marker body, per axis [m]."""
-    yaw: float = math.radians(0.1)
-    """Of the marker body [rad]."""
-    joint: float = math.radians(0.4)
-    """Of a joint's sensor, its backlash included [rad]."""
-    joint_acceleration: float = 1.5
-    """How fast a joint's rate strays from the reference's [rad/s^2/sqrt(Hz)]."""
-    position_walk: float = 0.001
-    """How fast the center of mass strays [m/sqrt(s)]."""
-    surge: float = 0.02
-    """How fast the speed through the water changes [m/s/sqrt(s)]."""
-    sway: float = 0.03
-    """Of the sideways speed through the water, which fades within `sway_time` [m/s]."""
-    sway_time: float = 2.0
-    """[s]."""
-    current: float = 0.1
-    """Of the water's velocity, per axis, before anything was seen [m/s]."""
-    current_walk: float = 0.001
-    """How fast it changes [m/s/sqrt(s)]."""
-    turning: float = 0.03
-    """How fast the smooth heading's rate changes [rad/s/sqrt(s)]."""
-    turn_gain: float = 0.02
-    """How fast the rate of turning per mean joint angle changes [1/s/sqrt(s)]."""
-    slip_gain: float = 0.005
-    """How fast the sideways speed per mean joint angle changes [m/s/sqrt(s)]."""
-    heading_gain: float = 0.05
-    """How fast a bending mode's share in the heading changes [1/sqrt(s)]."""
-    across_gain: float = 0.005
-    """How fast a bending mode's share in the center of mass's place changes [m/sqrt(s)]."""
-    heading_ripple: float = 0.01
-    """How fast the rest of the heading's ripple changes; harmonic k by 1/k of it [rad/sqrt(s)]."""
-    position_ripple: float = 0.002
-    """The same for the center of mass [m/sqrt(s)]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        for name in ("position", "yaw", "joint", "joint_acceleration", "sway_time", "current"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        for name in ("position_walk", "surge", "sway", "current_walk", "turning", *GAINS):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -139,7 +86,7 @@ class MotionModel:
     modes: np.ndarray = field(init=False)
     """Bending modes, per joint angle; the first is the mean [-]."""
 
-    def start(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector):  # noqa: ANN201
+    def start(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector) -> Gaussian:
         """What is known after the first frame: mean and covariance.
 
         Args:
@@ -148,8 +95,6 @@ class MotionModel:
             deviation: Joint angles minus references [rad].
             deviation_rate: Their rates [rad/s].
         """
-        from laticauda.operate.filtering import Gaussian
-
         mean = np.zeros(self.size)
         mean[[X, Y]], mean[H] = center_of_mass, heading
         mean[JOINTS::2], mean[JOINTS + 1 :: 2] = deviation, deviation_rate
