@@ -105,3 +105,14 @@ class Mount:
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
         """The angle of the link that a measured `rotation` means, in [-pi, pi] [rad]."""
         return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
+
+
+def status_at(age: float, bridging_after: float, lost_after: float) -> Status:
+    """What the time since the last believed frame means.
+
+    Args:
+        age: That time [s].
+        bridging_after: See `Estimator` [s].
+        lost_after: See `Estimator` [s].
+    """
+    return "tracking" if age <= bridging_after else "bridging" if age <= lost_after else "lost"

@@ -16,10 +16,11 @@ from laticauda.errors import not_negative, positive, whole
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
-from laticauda.operate.estimate import Estimate, Mount, Status
+from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
-from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, Noise, X, Y
-from laticauda.operate.samples import JointSample, MocapFrame, ReferenceSample, Sample
+from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, X, Y
+from laticauda.operate.noise import Noise
+from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " n"]
@@ -90,7 +91,7 @@ class Estimator:
     """A measurement is not believed beyond so many standard deviations [-]."""
     largest_residual: float = 0.005
     """Nor is a frame whose markers fit the body worse than that [m]."""
-    patience: int = 30
+    patience: int = 10
     """After so many unbelieved frames, or samples of a joint, in a row it is the filter that must be wrong [-]."""
     horizon: float = 0.1
     """How late a sample may come [s]."""
@@ -181,16 +182,15 @@ class Estimator:
         known, model = belief.known, self.model
         assert known is not None
         mean = known.mean
-        place, theta = model.pose(mean)
-        velocity, turning = model.rates(mean, belief.frequency)
+        place, theta, rows = model.pose(mean, belief.smooth)
+        velocity, turning = model.rates(mean, belief.smooth, belief.smooth_rate, belief.frequency)
         joint = belief.smooth + mean[JOINTS::2]
-        rows = model.pose_sensitivity(mean)
         spread = rows @ known.covariance @ rows.T
         water = known.covariance[np.ix_([VX, VY], [VX, VY])]
         age = belief.time - belief.seen
         return Estimate(
             time=belief.time,
-            status=self.status(age),
+            status=status_at(age, self.bridging_after, self.lost_after),
             age=age,
             center_of_mass=place,
             center_of_mass_velocity=velocity,
@@ -204,10 +204,6 @@ class Estimator:
             current=mean[[VX, VY]],
             current_std=math.sqrt(float(np.linalg.eigvalsh(water)[-1])),
         )
-
-    def status(self, age: float) -> Status:
-        """What the time since the last believed frame means."""
-        return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"
 
     # ---- inside ----------------------------------------------------------------------------------------------------
 
@@ -247,7 +243,7 @@ class Estimator:
         if known is not None:
             n_steps = max(1, math.ceil(dt / LONGEST_STEP))
             for _ in range(n_steps):
-                mean, f, q = self.model.step(known.mean, belief.frequency, dt / n_steps)
+                mean, f, q = self.model.step(known.mean, smooth, belief.frequency, dt / n_steps)
                 known = filtering.predicted(mean, known.covariance, f, q)
         return replace(belief, time=time, known=known, smooth=smooth, smooth_rate=rate)
 
@@ -283,7 +279,7 @@ class Estimator:
             covariance[at, at] = variance
         return Gaussian(mean=mean, covariance=covariance)
 
-    def _with_frame(self, belief: Belief, frame: MocapFrame) -> Belief:
+    def _with_frame(self, belief: Belief, frame: PoseSample) -> Belief:
         if frame.is_lost:
             return belief
         if frame.residual > self.largest_residual:
@@ -308,14 +304,14 @@ class Estimator:
         """The gate on a squared distance of n numbers: mean and spread of chi-squared are n and sqrt(2 n)."""
         return n + self.gate * math.sqrt(2.0 * n)
 
-    def _measured(self, frame: MocapFrame) -> tuple[Vector, Float[np.ndarray, "m m"]]:
+    def _measured(self, frame: PoseSample) -> tuple[Vector, Float[np.ndarray, "m m"]]:
         variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
         if frame.rotation is None or not np.isfinite(frame.rotation).all():
             return frame.position[:2].copy(), np.diag(variance[:2])
         yaw = self.mount.link_yaw(frame.rotation)
         return np.array([frame.position[0], frame.position[1], yaw]), np.diag(variance)
 
-    def _first(self, belief: Belief, frame: MocapFrame) -> Belief:
+    def _first(self, belief: Belief, frame: PoseSample) -> Belief:
         """The first frame, with the joint angles before it, gives a pose to start from."""
         measured, _ = self._measured(frame)
         if belief.joint is None or measured.size < 3:
@@ -333,25 +329,6 @@ class Estimator:
 
 # Prediction over a gap takes steps of at most that length [s].
 LONGEST_STEP = 0.05
-
-
-def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
-    """The columns of the yaw joints.
-
-    Args:
-        robot: Whose joints they are.
-        name: What `angle` is called, for the message.
-        angle: One number per joint of the robot, or per yaw joint.
-
-    Raises:
-        ValueError: If there are as many as neither.
-    """
-    is_yaw = [joint.axis == "yaw" for joint in robot.joints]
-    if angle.size == len(is_yaw):
-        return angle[is_yaw]
-    if angle.size == sum(is_yaw):
-        return angle
-    raise ValueError(f"`{name}` must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}.")
 
 
 def _widened(known: Gaussian) -> Gaussian:

@@ -11,12 +11,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import finite, not_negative
+from laticauda.robot import Robot
 
 Vector: TypeAlias = Float[np.ndarray, " n"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MocapFrame:
+class PoseSample:
     """Where motion capture saw the marker body; a body that is lost has nan in its position."""
 
     time: float
@@ -105,7 +106,7 @@ class PowerReading:
         object.__setattr__(self, "current", finite("current", self.current, "A"))
 
 
-Sample: TypeAlias = MocapFrame | JointSample | ReferenceSample
+Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,3 +147,22 @@ def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarra
         raise ValueError(f"`{name}` must hold {wanted} numbers, got an array of shape {array.shape}.")
     array.flags.writeable = False
     return array
+
+
+def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
+    """The columns of the yaw joints.
+
+    Args:
+        robot: Whose joints they are.
+        name: What `angle` is called, for the message.
+        angle: One number per joint of the robot, or per yaw joint.
+
+    Raises:
+        ValueError: If there are as many as neither.
+    """
+    is_yaw = [joint.axis == "yaw" for joint in robot.joints]
+    if angle.size == len(is_yaw):
+        return angle[is_yaw]
+    if angle.size == sum(is_yaw):
+        return angle
+    raise ValueError(f"`{name}` must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}.")

@@ -4,6 +4,7 @@ from laticauda.trial.compare import ComparedFigure, compare
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.files import load_trial
 from laticauda.trial.joining import joined
+from laticauda.trial.mcap import Recorder
 from laticauda.trial.measured import (
     GAIT_WORDS,
     MeasuredPathFollowing,
@@ -14,6 +15,7 @@ from laticauda.trial.measured import (
     measured_trial,
     path_following_trials,
 )
+from laticauda.trial.recording import Logged, Recording, open_recording, read_messages
 from laticauda.trial.summary import FIGURES, Figure
 from laticauda.trial.trial import FORCE_COMPONENTS, Trial
 
@@ -24,8 +26,11 @@ __all__ = [
     "ComparedFigure",
     "CycleMean",
     "Figure",
+    "Logged",
     "MeasuredPathFollowing",
     "MeasuredTrial",
+    "Recorder",
+    "Recording",
     "Trial",
     "compare",
     "efficiency_trials",
@@ -34,5 +39,7 @@ __all__ = [
     "load_trial",
     "measured_counterpart",
     "measured_trial",
+    "open_recording",
     "path_following_trials",
+    "read_messages",
 ]
