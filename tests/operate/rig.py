@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.kinematics import link_angles, link_centers
 from laticauda.operate.operator import Inputs, Operator, OperatorState, Outputs
-from laticauda.operate.samples import Event, MocapFrame, PowerReading
+from laticauda.operate.samples import Event, PoseSample, PowerReading
 from laticauda.protocol import (
     EmergencyStop,
     Heartbeat,
@@ -115,15 +115,15 @@ class Rig:
 
     def _beat(self, node: int) -> Heartbeat:
         beat = Heartbeat(node=node, state=self.states[node - 1], temperature=self.temperature)
-        return replace(beat, leak=node - 1 in self.leak)
+        return replace(beat, leak=node - 1 in self.leak, not_calibrated=True)
 
-    def _frame(self) -> MocapFrame:
+    def _frame(self) -> PoseSample:
         chain = self.robot.planar()
         theta = link_angles(self.angle[[j.axis == "yaw" for j in self.robot.joints]], angle=self.heading)
         tail = link_centers(chain, self.position, theta)[0]
         c, s = np.cos(theta[0]), np.sin(theta[0])
         rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return MocapFrame(
+        return PoseSample(
             time=self.time - CAMERAS_AHEAD, position=np.array([*tail, -0.15]), rotation=rotation, residual=0.0005
         )
 

@@ -29,6 +29,8 @@ class Asking:
     """State of the controller; None before the run."""
     command: Command | None = None
     """Its last command; None before the run."""
+    thoughts: int = 0
+    """How often the controller has been asked [-]."""
     due: float = 0.0
     """When the controller is asked next [s]."""
     generator: GeneratorState | None = None
@@ -105,13 +107,14 @@ class Asker:
         Args:
             state: After `begin`.
             now: [s].
-            observation: Time zero is the begin of the run.
+            observation: What the estimator says.
         """
         if now < state.due - ROUNDING:
             return state
         thought, command = self.controller.step(state.thought, observation)
         due = state.due + self.controller.interval
-        return replace(state, thought=thought, command=command, due=due if due > now else now)
+        due = due if due > now else now
+        return replace(state, thought=thought, command=command, due=due, thoughts=state.thoughts + 1)
 
     def follow(self, state: Asking, now: float) -> Asking:
         """The references at this moment.

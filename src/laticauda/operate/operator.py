@@ -12,13 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.interfaces import Command
 from laticauda.operate import preparing
 from laticauda.operate.asking import Asker, Asking
 from laticauda.operate.calibration import ClockOffset, MeanCurrent
 from laticauda.operate.estimate import Estimate, Mount
 from laticauda.operate.estimation import Estimator, EstimatorState
 from laticauda.operate.modules import Modules, heard, no_modules
-from laticauda.operate.samples import Event, JointSample, MocapFrame, PowerReading, ReferenceSample
+from laticauda.operate.packing import Recorded
+from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
 from laticauda.operate.settings import Operation
 from laticauda.operate.supervisor import BY_EVENT, Entry, Supervisor, SupervisorState
 from laticauda.operate.watch import Seen, Watch, WatchState
@@ -36,7 +38,7 @@ class Inputs:
 
     messages: tuple[tuple[float, CanMessage], ...] = ()
     """From the bus, with the time of their arrival [s]."""
-    frames: tuple[tuple[float, MocapFrame], ...] = ()
+    frames: tuple[tuple[float, PoseSample], ...] = ()
     """From the motion capture, with the time of their arrival [s]; their own time is that of the cameras' clock, and
     they are in the tank frame."""
     readings: tuple[PowerReading, ...] = ()
@@ -51,8 +53,14 @@ class Outputs:
 
     messages: tuple[CanMessage, ...] = ()
     """To the bus, in this order."""
-    samples: tuple[object, ...] = ()
-    """For the recording: what the estimator took, on our clock and in the path frame, and the references."""
+    samples: tuple[Recorded, ...] = ()
+    """What the estimator took, in that order, on our clock and in the path frame; then the power meter's readings."""
+    estimate: Estimate | None = None
+    """Where the robot is; None before it is known."""
+    command: Command | None = None
+    """What the controller decided at this tick; None where it was not asked."""
+    signals: Mapping[str, float] = field(default_factory=dict[str, float])
+    """What it had in mind."""
     events: tuple[Event, ...] = ()
     """For the log."""
 
@@ -155,22 +163,23 @@ class Operator:
             robot=self.robot, controller=how.controller(), ramp=how.ramp, offset_bandwidth=how.offset_bandwidth
         )
 
-    def estimator(self, yaw: float) -> Estimator:
-        """The state estimation, with the marker body turned by `yaw` [rad] on its module."""
+    @cached_property
+    def estimator(self) -> Estimator:
+        """The state estimation."""
         how = self.operation.calibration
-        return Estimator(robot=self.robot, mount=Mount(module=how.marker_module, offset=how.marker_offset, angle=yaw))
+        mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
+        return Estimator(robot=self.robot, mount=mount, lost_after=self.operation.limits.mocap_timeout)
 
     def init(self) -> OperatorState:
         """Nothing done yet."""
         n = self.robot.n_joints
-        yaw = self.operation.calibration.marker_yaw
         return OperatorState(
             supervisor=self.supervisor.init(),
             watch=self.watch.init(n),
             modules=no_modules(n),
-            estimator=self.estimator(yaw).init(),
+            estimator=self.estimator.init(),
             asking=self.asker.init(),
-            prepared=preparing.Prepared(marker_yaw=yaw),
+            prepared=preparing.Prepared(),
         )
 
     def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
@@ -195,17 +204,15 @@ class Operator:
         state = self._moved(state, now)
         state, messages = self._said(state, now, wrong)
         events = (*told, *(_event(entry, wrong, inputs.events) for entry in entries))
-        if state.phase != before.phase:
-            events = (*events, Event(time=now, kind="phase", message=f"{before.phase} -> {state.phase}"))
-        asks = ()
-        if state.supervisor.sends_references:
-            moving = state.asking.command.gait.frequency if state.phase == "running" and state.asking.command else 0.0
-            asks = (ReferenceSample(time=now, angle=state.asking.references, frequency=moving),)
-        return replace(state, now=now), Outputs(messages=messages, samples=(*samples, *asks), events=events)
+        events = (*events, *_milestones(before, state, now))
+        outputs = Outputs(messages=messages, samples=samples, estimate=state.estimate, events=events)
+        if state.asking.thoughts > before.asking.thoughts:
+            outputs = replace(outputs, command=state.asking.command, signals=self.asker.signals(state.asking))
+        return replace(state, now=now), outputs
 
     # ---- what came in ----------------------------------------------------------------------------------------------
 
-    def _taken(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, tuple[object, ...]]:
+    def _taken(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, tuple[Recorded, ...]]:
         """The latest of everything, and the estimate."""
         samples: list[Any] = []
         modules = heard(state.modules, inputs.messages)
@@ -223,7 +230,7 @@ class Operator:
         clock, seen = state.clock, state.seen
         for arrival, frame in inputs.frames:
             clock = ClockOffset().step(clock, arrival, frame.time)
-            placed = self._placed(frame, clock[0])
+            placed = self._placed(frame, clock[0], state.prepared.marker_turned)
             samples.append(placed)
             seen = arrival if not placed.is_lost else seen
         reading, idle, drawn = state.reading, state.idle, state.drawn
@@ -235,7 +242,8 @@ class Operator:
         state = replace(
             state, modules=modules, clock=clock, seen=seen, reading=reading, idle=idle, drawn=drawn, error=""
         )
-        return self._estimated(state, now, [*taken, *samples]), (*samples, *inputs.readings)
+        samples = [*taken, *samples]
+        return self._estimated(state, now, samples), (*samples, *inputs.readings)
 
     def _reference(self, state: OperatorState) -> ReferenceSample:
         assert state.now is not None  # the caller looked
@@ -243,22 +251,21 @@ class Operator:
         frequency = 0.0 if gait is None else gait.frequency
         return ReferenceSample(time=state.now, angle=state.asking.references, frequency=frequency)
 
-    def _placed(self, frame: MocapFrame, offset: float) -> MocapFrame:
-        """A frame on our clock and in the path frame."""
+    def _placed(self, frame: PoseSample, offset: float, turned: float) -> PoseSample:
+        """A frame on our clock, in the path frame, and of a marker body that sits as it is said to."""
         tank = self.operation.tank
-        cos, sin = np.cos(tank.path_heading), np.sin(tank.path_heading)
-        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        return MocapFrame(
+        return PoseSample(
             time=frame.time + offset,
             position=tank.to_path(frame.position),
-            rotation=None if frame.rotation is None else turn @ frame.rotation,
+            rotation=None
+            if frame.rotation is None
+            else _about_z(-tank.path_heading) @ frame.rotation @ _about_z(-turned),
             residual=frame.residual,
         )
 
     def _estimated(self, state: OperatorState, now: float, samples: list[Any]) -> OperatorState:
         """The estimate with the samples; an error in it stops the robot, and not the program."""
-        estimator = self.estimator(state.prepared.marker_yaw)
-        belief = state.estimator
+        estimator, belief = self.estimator, state.estimator
         try:
             for sample in samples:
                 belief = estimator.step(belief, sample)
@@ -351,12 +358,10 @@ class Operator:
         if state.supervisor.state != "running":
             way = STRAIGHT_SHARE * self.operation.limits.straighten_time
             return replace(state, asking=self.asker.straighten(state.asking, now, way))
-        assert state.begun is not None  # the state running began
         try:
             asking = state.asking
             if state.estimate is not None:
-                observation = replace(state.estimate.observation(), time=now - state.begun)
-                asking = self.asker.think(asking, now, observation)
+                asking = self.asker.think(asking, now, state.estimate.observation())
             return replace(state, asking=self.asker.follow(asking, now))
         except Exception as error:  # the next tick stops the robot; until then it holds
             return replace(state, error=f"controller: {error}")
@@ -385,6 +390,27 @@ class Operator:
         asked = references(state.asking.references.tolist()) if supervisor.sends_references else ()
         state = replace(state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536)
         return state, (*orders, *asked, Sync(counter=state.sync))
+
+
+def _milestones(before: OperatorState, state: OperatorState, now: float) -> list[Event]:
+    """The phases, and the begin and end of the run, which a replay looks for."""
+    found: list[Event] = []
+    if state.begun is not None and before.begun is None:
+        found.append(Event(time=now, kind="start", message="the run begins"))
+    if state.ended is not None and before.ended is None:
+        is_well = not state.supervisor.is_fault
+        cause = BY_EVENT[state.supervisor.cause].says if state.supervisor.cause in BY_EVENT else "reached its end"
+        message = f"The run {cause}." if cause == "reached its end" else f"The run was ended: {cause}."
+        found.append(Event(time=now, kind="stop", message=message, data={"succeeded": is_well}))
+    if state.phase != before.phase:
+        found.append(Event(time=now, kind="phase", message=f"{before.phase} -> {state.phase}"))
+    return found
+
+
+def _about_z(angle: float) -> np.ndarray:
+    """A rotation about the vertical [-]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _stops(wrong: Mapping[str, str]) -> bool:

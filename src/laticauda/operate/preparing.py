@@ -26,8 +26,8 @@ Answer: TypeAlias = "tuple[OperatorState, tuple[str, ...], tuple[Event, ...]]"
 class Prepared:
     """What the preparations found."""
 
-    marker_yaw: float
-    """Direction of the marker body on its module [rad]."""
+    marker_turned: float = 0.0
+    """By how much the marker body sits otherwise on its module than the trial file says, as measured [rad]."""
     angle: tuple[np.ndarray, ...] = ()
     """Joint angles of the limp robot [rad]."""
     rotation: tuple[np.ndarray, ...] = ()
@@ -126,7 +126,7 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
     if _gone(state, now) < COLLECT_TIME:
         return state, (), ()
     words = [f"clock of the cameras {1e3 * (state.clock or (0.0, 0.0))[0]:+.1f} ms"]
-    if how.joint_zeros:
+    if how.joint_zeros and any(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat):
         zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
         words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
         prepared = replace(prepared, sets_zero=True)
@@ -136,9 +136,7 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
             raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
         yaw = marker_yaw(rotation, heading=how.straight_heading - operator.operation.tank.path_heading)
         words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
-        prepared = replace(prepared, marker_yaw=yaw)
-        # What was estimated so far had the body turned otherwise.
-        state = replace(state, estimator=operator.estimator(yaw).init(), estimate=None)
+        prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
     return _next(replace(state, prepared=prepared), now, "idle_current", "; ".join(words))
 
 

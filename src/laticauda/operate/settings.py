@@ -145,7 +145,8 @@ class Calibration:
     """What is measured before a run."""
 
     joint_zeros: bool = False
-    """Take what the limp joints report as zero: only when the robot lies straight against a ruler."""
+    """Take what the limp joints report as zero, if a module has no zero since its power came on: the robot must lie
+    straight then, against a ruler."""
     max_joint_zero: float = math.radians(5.0)
     """Zeros beyond this are refused: then it was not straight [rad]."""
     marker_module: int = 0

@@ -45,6 +45,7 @@ class MeterDriver(Worker[PowerReading]):
         self._serial = library("serial", "pyserial")
         self._line: Any = None
         self._restart = threading.Event()
+        self._since: float | None = None
         try:
             self.identity = decode_identity(self._asked(IDENTITY))
         except (OSError, ProtocolError, ValueError) as error:
@@ -64,6 +65,7 @@ class MeterDriver(Worker[PowerReading]):
         try:
             if self._restart.is_set():
                 self._asked(RESTART, has_data=False)
+                self._since = self._clock.now()
                 self._restart.clear()
             shown = decode_displayed(self._asked(DISPLAYED))
         except Exception:
@@ -76,6 +78,7 @@ class MeterDriver(Worker[PowerReading]):
                 average=shown.average,
                 minimum=shown.minimum,
                 maximum=shown.maximum,
+                since=self._since,
             )
         )
         self._ended.wait(INTERVAL / self._clock.speed)

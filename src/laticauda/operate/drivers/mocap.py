@@ -14,14 +14,14 @@ import numpy as np
 
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
-from laticauda.operate.samples import MocapFrame
+from laticauda.operate.samples import PoseSample
 from laticauda.protocol.qtm import body_pose
 
 CONNECT_TIME = 5.0  # [s, wall clock]
 LOST = np.full(3, np.nan)
 
 
-class MocapDriver(Worker[tuple[float, MocapFrame]]):
+class MocapDriver(Worker[tuple[float, PoseSample]]):
     """The rigid body on the robot, as the cameras see it; tank frame, the cameras' clock, with the time of arrival.
 
     A connection that breaks is made again.
@@ -124,10 +124,10 @@ class MocapDriver(Worker[tuple[float, MocapFrame]]):
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
         if pose is None:
-            frame = MocapFrame(time=stamp, position=LOST)
+            frame = PoseSample(time=stamp, position=LOST)
         else:
             residual = 0.0 if np.isnan(pose.residual) else pose.residual
-            frame = MocapFrame(time=stamp, position=pose.position, rotation=pose.rotation, residual=residual)
+            frame = PoseSample(time=stamp, position=pose.position, rotation=pose.rotation, residual=residual)
         self._found.append((arrival, frame))
 
     def release(self) -> None:
