@@ -11,36 +11,57 @@ if TYPE_CHECKING:
     from laticauda.operate.estimation import Estimator, EstimatorState
     from laticauda.operate.kinematic import KinematicEstimator, KinematicState
     from laticauda.operate.noise import Noise
+    from laticauda.operate.operation_log import Decision, OperationLog, read_operation
+    from laticauda.operate.recording import Header, OperationRecorder
+    from laticauda.operate.replay import Rerun, rerun_controller, rerun_estimator, trial_of
     from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
 
 _WHERE = {
+    "Decision": "operation_log",
     "Estimate": "estimate",
     "Estimator": "estimation",
     "EstimatorState": "estimation",
     "Event": "samples",
+    "Header": "recording",
     "JointSample": "samples",
     "KinematicEstimator": "kinematic",
     "KinematicState": "kinematic",
     "Mount": "estimate",
     "Noise": "noise",
+    "OperationLog": "operation_log",
+    "OperationRecorder": "recording",
     "PoseSample": "samples",
     "PowerReading": "samples",
     "ReferenceSample": "samples",
+    "Rerun": "replay",
+    "read_operation": "operation_log",
+    "rerun_controller": "replay",
+    "rerun_estimator": "replay",
+    "trial_of": "replay",
 }
 
 __all__ = [
+    "Decision",
     "Estimate",
     "Estimator",
     "EstimatorState",
     "Event",
+    "Header",
     "JointSample",
     "KinematicEstimator",
     "KinematicState",
     "Mount",
     "Noise",
+    "OperationLog",
+    "OperationRecorder",
     "PoseSample",
     "PowerReading",
     "ReferenceSample",
+    "Rerun",
+    "read_operation",
+    "rerun_controller",
+    "rerun_estimator",
+    "trial_of",
 ]
 
 

@@ -87,6 +87,9 @@ class Estimator:
     """Speed through the water under the gait, if it is known; see `MotionModel` [m/s]."""
     swim_speed_std: float = 0.01
     """How well it is known [m/s]."""
+    backlash: float = 0.0
+    """Play between a joint and its sensor, in all; taken off where the modules report torques. The sensor is on the
+    motor's side, which leads by half the play wherever the motor pulls [rad]."""
     gate: float = 5.0
     """A measurement is not believed beyond so many standard deviations [-]."""
     largest_residual: float = 0.005
@@ -105,6 +108,7 @@ class Estimator:
         for name in ("gate", "largest_residual", "bridging_after", "lost_after"):
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         object.__setattr__(self, "horizon", not_negative("horizon", self.horizon, "s"))
+        object.__setattr__(self, "backlash", not_negative("backlash", self.backlash, "rad"))
         object.__setattr__(self, "patience", whole("patience", self.patience, 1))
         _ = self.model
 
@@ -220,7 +224,7 @@ class Estimator:
         if isinstance(sample, ReferenceSample):
             return replace(belief, asked=self._yaw("angle", sample.angle), frequency=sample.frequency)
         if isinstance(sample, JointSample):
-            return self._with_joints(belief, self._yaw("angle", sample.angle))
+            return self._with_joints(belief, self._without_play(sample))
         return self._with_frame(belief, sample)
 
     def _moved(self, belief: Belief, time: float) -> Belief:
@@ -246,6 +250,14 @@ class Estimator:
                 mean, f, q = self.model.step(known.mean, smooth, belief.frequency, dt / n_steps)
                 known = filtering.predicted(mean, known.covariance, f, q)
         return replace(belief, time=time, known=known, smooth=smooth, smooth_rate=rate)
+
+    def _without_play(self, sample: JointSample) -> Vector:
+        """The joint angles, from the sensors and the side on which the gears touch."""
+        angle = self._yaw("angle", sample.angle)
+        if self.backlash == 0.0 or sample.torque is None:
+            return angle
+        pull = np.nan_to_num(self._yaw("torque", sample.torque))
+        return angle - 0.5 * self.backlash * np.tanh(pull / PLAY_TORQUE)
 
     def _with_joints(self, belief: Belief, angle: Vector) -> Belief:
         told = np.isfinite(angle)
@@ -327,6 +339,8 @@ class Estimator:
         return yaw_joints(self.robot, name, angle)
 
 
+# Torque that has a gear touch on one side, about [N m].
+PLAY_TORQUE = 0.3
 # Prediction over a gap takes steps of at most that length [s].
 LONGEST_STEP = 0.05
 

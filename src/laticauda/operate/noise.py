@@ -20,8 +20,8 @@ class Noise:
     """Of the marker body, per axis [m]."""
     yaw: float = math.radians(0.1)
     """Of the marker body [rad]."""
-    joint: float = math.radians(0.4)
-    """Of a joint's sensor, its backlash included [rad]."""
+    joint: float = math.radians(0.3)
+    """Of a joint's sensor, with what is left of its backlash [rad]."""
     joint_acceleration: float = 1.5
     """How fast a joint's rate strays from the reference's [rad/s^2/sqrt(Hz)]."""
     position_walk: float = 0.001
@@ -42,7 +42,7 @@ class Noise:
     """How fast the rate of turning per mean joint angle changes [1/s/sqrt(s)]."""
     slip_gain: float = 0.005
     """How fast the sideways speed per mean joint angle changes [m/s/sqrt(s)]."""
-    heading_gain: float = 0.05
+    heading_gain: float = 0.15
     """How fast a bending mode's share in the heading changes [1/sqrt(s)]."""
     across_gain: float = 0.005
     """How fast a bending mode's share in the center of mass's place changes [m/sqrt(s)]."""

@@ -28,10 +28,10 @@ LABELS = {
     "/sample/pose": "time, x, y, z, rotation row by row, residual",
     "/sample/joints": "time, n, n angles, n rates, n torques",
     "/sample/references": "time, frequency, angles",
-    "/sample/power": "time, current, average, minimum, maximum, voltage",
+    "/sample/power": "time, current, average, minimum, maximum, since",
     ESTIMATE: (
-        "time, status, age, center of mass, its velocity, heading, heading rate, std of center of mass, std of heading, "
-        "current, its std, n joints, n joint angles, n joint rates, n + 1 link angles"
+        "time, status, age, center of mass, its velocity, heading, heading rate, std of center of mass, "
+        "std of heading, current, its std, n joints, n joint angles, n joint rates, n + 1 link angles"
     ),
 }
 """What the numbers of a topic are, in their order; each in SI units."""

@@ -97,8 +97,8 @@ class PowerReading:
     """Since the meter was reset [A]."""
     maximum: float | None = None
     """Since the meter was reset [A]."""
-    voltage: float | None = None
-    """Of the supply; None if it is not measured [V]."""
+    since: float | None = None
+    """When the meter was reset; None if that is not known [s]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
