@@ -81,10 +81,19 @@ def test_the_mean_current_knows_its_extremes_and_none_without_a_reading():
     assert (mean.mean, mean.lowest, mean.highest, mean.count) == (3.0, 1.0, 6.0, 3)
 
 
-def test_still_is_only_who_is_still_for_long_enough():
-    still, since = Stillness(speed=0.01, rate=0.02, duration=1.0), None
-    answers = []
-    for now, speed, rate in ((0.0, 0.0, 0.0), (0.9, 0.0, 0.0), (1.0, 0.0, 0.03), (1.1, 0.005, 0.0), (2.2, 0.0, -0.01)):
-        since, is_still = still.step(since, now, speed, rate)
-        answers.append(is_still)
-    assert answers == [False, False, False, False, True]
+def test_still_is_only_who_is_still_for_long_enough_and_noise_is_no_motion():
+    still, noise = Stillness(speed=0.01, rate=0.02, duration=1.0), np.random.default_rng(0)
+
+    def answers(speed: float, rate: float) -> list[bool]:
+        seen, found = (), []
+        for k in range(150):
+            t = 0.01 * k
+            x, y, heading = noise.normal(0.0, [0.001, 0.001, 0.002])
+            seen, is_still = still.step(seen, t, x + speed * t, y, heading + rate * t)
+            found.append(is_still)
+        return found
+
+    assert not any(answers(0.0, 0.0)[:90])
+    assert all(answers(0.0, 0.0)[105:])
+    assert not any(answers(0.02, 0.0))
+    assert not any(answers(0.0, -0.04))

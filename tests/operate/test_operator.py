@@ -18,7 +18,7 @@ from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, Ref
 from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
-QUICK = Calibration(idle_time=0.2, still_time=0.2)
+QUICK = Calibration(idle_time=0.2, still_time=0.3)
 
 
 def operation(**changes) -> Operation:
@@ -27,7 +27,8 @@ def operation(**changes) -> Operation:
         gait=GAIT,
         following=Following(),
         duration=2.0,
-        rate=50.0,
+        rate=25.0,
+        estimator="kinematics",
         countdown=0.1,
         connection=Connection(meter_port="there"),
         calibration=QUICK,
@@ -48,7 +49,7 @@ def test_an_operation_goes_through_its_phases_and_ends_limp_in_idle():
     assert run.state.supervisor.state == "idle"
     assert run.rig.is_limp
     assert run.state.begun is not None and run.state.ended is not None
-    assert run.state.ended - run.state.begun == pytest.approx(2.0, abs=0.03)
+    assert run.state.ended - run.state.begun == pytest.approx(2.0, abs=0.05)
     phases = [event.message for event in run.events if event.kind == "phase"]
     words = [phases[0].split(" -> ")[0], *(phase.split(" -> ")[1] for phase in phases)]
     assert words == [
@@ -95,7 +96,7 @@ def test_the_sync_comes_last_and_the_references_before_it():
 
 def test_path_following_steers_towards_the_path():
     run = running(duration=30.0)
-    run.tick(300)
+    run.tick(150)
     signals = run.operator.asker.signals(run.state.asking)
     assert signals["cross_track_error"] > 0.4
     assert signals["offset"] < 0.0
@@ -220,7 +221,7 @@ SWITCHES = {
 @pytest.mark.parametrize("event", SWITCHES)
 def test_what_goes_wrong_in_a_run_stops_it_within_the_stated_time(event):
     run = running(duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3))
-    run.tick(75)
+    run.tick(40)
     for name, value in SWITCHES[event].items():
         setattr(run.rig, name, value)
     while event not in run.log:
@@ -231,7 +232,7 @@ def test_what_goes_wrong_in_a_run_stops_it_within_the_stated_time(event):
     while not run.rig.is_limp:
         run.tick()
         assert run.rig.time < seen + 10.0
-    assert run.rig.time - seen <= within + 0.05
+    assert run.rig.time - seen <= within + 0.1
     run.until("done")
     assert run.state.supervisor.state == "fault"
     assert run.state.begun is not None
@@ -252,7 +253,7 @@ def test_the_operators_key_straightens_first():
 
 def test_the_second_key_is_an_emergency_stop_at_that_very_tick():
     run = running(duration=30.0)
-    run.tick(60)
+    run.tick(40)
     run.tick(2, operator_key="x")
     run.tick(1, operator_key="x", emergency_key="y")
     assert EmergencyStop(reason=1) in run.outputs.messages
@@ -270,8 +271,8 @@ def test_the_run_ends_before_the_edge_of_the_measuring_volume():
 def test_a_late_computer_stops_the_run():
     run = running(duration=30.0)
     run.tick(20)
-    for _ in range(20):  # 0.4 s in which the operator does nothing
-        run.rig.advance(0.02, ())
+    for _ in range(10):  # 0.4 s in which the operator does nothing
+        run.rig.advance(0.04, ())
     run.tick(2)
     assert "late_loop" in run.log
     run.until("done")
@@ -299,18 +300,18 @@ def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not
     assert run.rig.is_limp
 
 
-@settings(max_examples=25)
-@given(st.lists(st.sampled_from([*SWITCHES, "hears", "tick"]), min_size=1, max_size=4), st.integers(0, 150))
+@settings(max_examples=5)
+@given(st.lists(st.sampled_from([*SWITCHES, "hears", "tick"]), min_size=1, max_size=4), st.integers(0, 75))
 def test_whatever_goes_wrong_whenever_the_robot_ends_limp_and_no_exception_comes_out(wrong, first):
     run = run_of(Operator(operation=operation(duration=3.0, calibration=replace(QUICK, patience=5.0))))
     run.tick(first)
     for event in wrong:
         for name, value in SWITCHES.get(event, {"hears": False} if event == "hears" else {}).items():
             setattr(run.rig, name, value)
-        run.tick(20)
+        run.tick(10)
     while not run.state.is_done:
         run.tick()
         assert run.rig.time < 40.0, (run.state.phase, run.log)
-    for _ in range(100):
-        run.rig.advance(0.02, ())
+    for _ in range(50):
+        run.rig.advance(0.04, ())
     assert run.rig.is_limp

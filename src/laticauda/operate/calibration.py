@@ -14,6 +14,8 @@ from laticauda.errors import LaticaudaError, not_negative, positive
 from laticauda.kinematics import link_centers
 from laticauda.robot import Robot
 
+Places = tuple[tuple[float, float, float, float], ...]
+
 
 class CalibrationFailed(LaticaudaError, RuntimeError):
     """The robot or its instruments are not as the calibration needs them: it says what to do."""
@@ -161,19 +163,29 @@ class Stillness:
         for name, unit in (("speed", "m/s"), ("rate", "rad/s"), ("duration", "s")):
             object.__setattr__(self, name, positive(name, getattr(self, name), unit))
 
-    def step(self, since: float | None, now: float, speed: float, rate: float) -> tuple[float | None, bool]:
-        """One more look.
+    def step(self, seen: Places, now: float, x: float, y: float, heading: float) -> tuple[Places, bool]:
+        """One more look. Means over two halves of the time are compared, so noise does not count as motion.
 
         Args:
-            since: As the last call returned it; None at the start.
+            seen: As the last call returned it; () at the start.
             now: [s].
-            speed: [m/s].
-            rate: Turning rate [rad/s].
+            x: Of the center of mass [m].
+            y: Likewise [m].
+            heading: [rad].
 
         Returns:
-            Since when it has been still [s], None if it is not; and whether that is long enough.
+            What was seen within the time, and whether it was still for all of it.
         """
-        if speed > self.speed or abs(rate) > self.rate:
-            return None, False
-        since = now if since is None else since
-        return since, now - since >= self.duration
+        begin = now - self.duration
+        seen = (*(place for place in seen if place[0] > begin - 1e-9), (now, x, y, heading))
+        middle = now - 0.5 * self.duration
+        early = [place for place in seen if place[0] <= middle]
+        late = [place for place in seen if place[0] > middle]
+        if seen[0][0] > begin + 0.1 * self.duration or not early or not late:
+            return seen, False
+        gone, *moved = (
+            sum(place[i] for place in late) / len(late) - sum(place[i] for place in early) / len(early)
+            for i in range(4)
+        )
+        speed, rate = math.hypot(moved[0], moved[1]) / gone, moved[2] / gone
+        return seen, speed <= self.speed and abs(rate) <= self.rate

@@ -17,7 +17,8 @@ from laticauda.operate import preparing
 from laticauda.operate.asking import Asker, Asking
 from laticauda.operate.calibration import ClockOffset, MeanCurrent
 from laticauda.operate.estimate import Estimate, Mount
-from laticauda.operate.estimation import Estimator, EstimatorState
+from laticauda.operate.estimation import Estimator
+from laticauda.operate.kinematic import KinematicEstimator
 from laticauda.operate.modules import Modules, heard, no_modules
 from laticauda.operate.packing import Recorded
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
@@ -81,8 +82,8 @@ class OperatorState:
     """Of the limits."""
     modules: Modules
     """What the modules say."""
-    estimator: EstimatorState
-    """Of the state estimation."""
+    estimator: Any
+    """State of the state estimation."""
     estimate: Estimate | None = None
     """Where the robot is, path frame; None before it is known."""
     clock: tuple[float, float] | None = None
@@ -103,6 +104,8 @@ class OperatorState:
     """When the run began [s]; None before."""
     ended: float | None = None
     """When the run ended [s]; None before."""
+    stopped_by: str = ""
+    """The event that ended the run; "" if it reached its end."""
     failure: str = ""
     """Why the operation is given up before the run; "" if it is not."""
     error: str = ""
@@ -164,10 +167,12 @@ class Operator:
         )
 
     @cached_property
-    def estimator(self) -> Estimator:
+    def estimator(self) -> Estimator | KinematicEstimator:
         """The state estimation."""
         how = self.operation.calibration
         mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
+        if self.operation.estimator == "kinematics":
+            return KinematicEstimator(robot=self.robot, mount=mount)
         return Estimator(robot=self.robot, mount=mount, lost_after=self.operation.limits.mocap_timeout)
 
     def init(self) -> OperatorState:
@@ -233,6 +238,12 @@ class Operator:
             placed = self._placed(frame, clock[0], state.prepared.marker_turned)
             samples.append(placed)
             seen = arrival if not placed.is_lost else seen
+        rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)
+        prepared = (
+            replace(state.prepared, rotation=rotations)
+            if state.phase != "calibrating"
+            else replace(state.prepared, rotation=(*state.prepared.rotation, *rotations))
+        )
         reading, idle, drawn = state.reading, state.idle, state.drawn
         for reading in inputs.readings:
             idle = idle.step(reading.current) if state.phase == "idle_current" else idle
@@ -240,7 +251,15 @@ class Operator:
         asked = state.supervisor.sends_references and state.now is not None
         taken = [self._reference(state)] if asked else []
         state = replace(
-            state, modules=modules, clock=clock, seen=seen, reading=reading, idle=idle, drawn=drawn, error=""
+            state,
+            modules=modules,
+            clock=clock,
+            seen=seen,
+            reading=reading,
+            idle=idle,
+            drawn=drawn,
+            error="",
+            prepared=prepared,
         )
         samples = [*taken, *samples]
         return self._estimated(state, now, samples), (*samples, *inputs.readings)
@@ -346,7 +365,9 @@ class Operator:
             ended = now if state.begun is not None and state.ended is None else state.ended
             asking = self.asker.from_here(state.asking, now, state.asking.references)
             phase = state.phase if state.phase in ("stopping", "done") else "stopping"
-            state = replace(state, phase=phase, since=now, ended=ended, asking=asking)
+            first = state.begun is not None and state.ended is None
+            stopped = supervisor.cause if first else state.stopped_by
+            state = replace(state, phase=phase, since=now, ended=ended, asking=asking, stopped_by=stopped)
         return state, entries
 
     # ---- what goes out ---------------------------------------------------------------------------------------------

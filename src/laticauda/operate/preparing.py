@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
-from laticauda.operate.calibration import CalibrationFailed, Stillness, joint_zeros, marker_yaw
+from laticauda.operate.calibration import CalibrationFailed, Places, Stillness, joint_zeros, marker_yaw
 from laticauda.operate.modules import complaints
 from laticauda.operate.samples import Event
 
@@ -34,8 +34,8 @@ class Prepared:
     """Of the marker body, path frame [-]."""
     sets_zero: bool = False
     """Whether the modules are to take their angles as zero."""
-    still_since: float | None = None
-    """[s]."""
+    places: Places = ()
+    """Where the robot was in the last moments."""
     start: tuple[float, float, float] | None = None
     """Center of mass [m, m] and heading [rad] of the robot at rest, path frame: p_y(0) and theta(0)."""
 
@@ -118,10 +118,6 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
     """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
     how, prepared = operator.operation.calibration, state.prepared
     prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
-    newest = state.estimator.belief.time
-    last = next((s for s, _ in reversed(state.estimator.history) if getattr(s, "rotation", None) is not None), None)
-    if last is not None and last.time > newest - COLLECT_TIME:
-        prepared = replace(prepared, rotation=(*prepared.rotation, last.rotation))  # pyright: ignore
     state = replace(state, prepared=prepared)
     if _gone(state, now) < COLLECT_TIME:
         return state, (), ()
@@ -171,19 +167,24 @@ def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answe
     if _gone(state, now) > how.patience:
         return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
     if estimate is None or state.supervisor.state != "ready" or np.any(state.asking.references):
-        return replace(state, prepared=replace(state.prepared, still_since=None)), (), ()
-    speed = float(np.hypot(*estimate.center_of_mass_velocity))
-    still = Stillness(speed=how.still_speed, rate=how.still_rate, duration=how.still_time)
-    since, is_still = still.step(state.prepared.still_since, now, speed, estimate.heading_rate)
+        return replace(state, prepared=replace(state.prepared, places=())), (), ()
     start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
-    state = replace(state, prepared=replace(state.prepared, still_since=since, start=start))
+    still = Stillness(speed=how.still_speed, rate=how.still_rate, duration=how.still_time)
+    places, is_still = still.step(state.prepared.places, now, *start)
+    state = replace(state, prepared=replace(state.prepared, places=places, start=_mean(places)))
     if not is_still:
         return state, (), ()
+    start = _mean(places)
     off = _off_place(operator, start)
     if off:
         return _given_up(state, now, off)
     message = f"still at p_y(0) = {start[1]:.4f} m, theta(0) = {math.degrees(start[2]):.2f} deg"
     return _next(state, now, "countdown", message, x=start[0], y=start[1], heading=start[2])
+
+
+def _mean(places: Places) -> tuple[float, float, float]:
+    n = len(places)
+    return sum(p[1] for p in places) / n, sum(p[2] for p in places) / n, sum(p[3] for p in places) / n
 
 
 def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
