@@ -1,5 +1,6 @@
 """The virtual tank: Mamba's modules on a CAN bus, cameras and a power meter, around a `Plant` that is handed in."""
 
+from laticauda.lab.assistant import assist
 from laticauda.lab.faults import KINDS, Fault, FaultFileError, Faults, fault_from_words, load_faults
 from laticauda.lab.mocap import BODY
 from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
@@ -26,6 +27,7 @@ __all__ = [
     "Tank",
     "Truth",
     "World",
+    "assist",
     "fault_from_words",
     "load_faults",
 ]

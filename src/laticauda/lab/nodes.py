@@ -206,7 +206,8 @@ class Node:
         self._current += (abs(senses.current) - self._current) * min(dt / limits.current_time, 1.0)
         if self._current > limits.current_limit:
             self.flags.add("over_current")
-        still = abs(senses.duty) >= limits.stuck_duty and abs(senses.rate) <= limits.stuck_rate + 3.0 * limits.rate_noise
+        stands = abs(senses.rate) <= limits.stuck_rate + 3.0 * limits.rate_noise
+        still = stands and abs(senses.duty) >= limits.stuck_duty
         self._stuck = self._stuck + dt if still and self.is_on else 0.0
         if self._stuck > limits.stuck_time:
             self.flags.add("stuck")

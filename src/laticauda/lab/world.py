@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda import __version__
 from laticauda.errors import SimulationFailed
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Log, Plant, Start
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
+from laticauda.trial import Trial
 
+SAMPLE_INTERVAL = 0.05  # s
+MOST_SAMPLES = 72_000
 STILL = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 ORIENTATION = tuple(f"signal_orientation_{part}" for part in "wxyz")
 
@@ -66,24 +70,26 @@ class World:
         self.robot, self.plant, self.depth = robot, plant, depth
         self.driven = np.array(driven, dtype=int)
         self.start = start or Start()
-        self._work = 0.0
-        self._time = 0.0
-        self.carry(self.start)
+        self._work = self._time = 0.0
+        self._log: list[Log] = []
+        self._put(self.start)
 
     def carry(self, start: Start) -> None:
         """Take the robot out of the water, straighten it, and put it back at rest at `start`; time goes on."""
-        self._work = self.truth.electrical_work if hasattr(self, "truth") else 0.0
-        self._time = self.truth.time if hasattr(self, "truth") else 0.0
+        self._work, self._time = self.truth.electrical_work, self.truth.time
+        self._put(start)
+
+    def _put(self, start: Start) -> None:
         still = Command(gait=STILL)
         self._state: Any = self.plant.init(start, still)
         off = Command(gait=STILL, references=(0.0,) * len(self.driven), enabled=(False,) * len(self.driven))
         _, log, failure = self.plant.march(self._state, off, 1e-6, 1e-6)
         self._check(failure)
-        self.truth = self._truth({name: values[:1] for name, values in log.items()})
+        log = {name: values[:1] for name, values in log.items()}
+        self._log = [log]
+        self.truth = self._truth(log)
 
-    def advance(
-        self, references: Float[np.ndarray, " n_joints"], on: Bool[np.ndarray, " n_joints"], dt: float
-    ) -> None:
+    def advance(self, references: Float[np.ndarray, " n_joints"], on: Bool[np.ndarray, " n_joints"], dt: float) -> None:
         """Let `dt` [s] pass.
 
         Args:
@@ -100,11 +106,24 @@ class World:
         self._state, log, failure = self.plant.march(self._state, command, dt, dt)
         self._check(failure)
         self.truth = self._truth(log)
+        if float(log["time"][-1] - self._log[-1]["time"][-1]) >= SAMPLE_INTERVAL - 1e-9:
+            self._log.append({name: values[-1:] for name, values in log.items()})
+            del self._log[MOST_SAMPLES:]
 
-    @property
-    def speed(self) -> float:
-        """Of the center of mass [m/s]."""
-        return float(np.linalg.norm(self.plant.observe(self._state).center_of_mass_velocity))
+    def trial(self) -> Trial:
+        """What was so since the robot was put into the water, whatever anyone measured; an hour at most."""
+        log = {name: np.concatenate([part[name] for part in self._log]) for name in self._log[0]}
+        signals = {name.removeprefix("signal_"): log.pop(name) for name in list(log) if name.startswith("signal_")}
+        return Trial(
+            **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
+            robot=self.plant.robot,
+            environment=self.plant.environment,
+            settings=self.plant.settings,
+            signals=signals,
+            version=__version__,
+            status="The truth of the virtual tank.",
+            succeeded=True,
+        )
 
     def _truth(self, log: Log) -> Truth:
         angle, rate, torque = (self._all_joints(log[f"joint_{name}"][-1]) for name in ("angle", "rate", "torque"))
