@@ -165,6 +165,7 @@ class OpenLoop:
         return None, self.command
 
 
+@runtime_checkable
 class Plant(Protocol[State]):
     """A body in the water. Its state is a value: the same state and command always give the same next state."""
 

@@ -106,7 +106,7 @@ class Electronics:
         noise = self._random.standard_normal((7, n))
         angle = truth.joint_angle + self.zero_error + self.play + s.angle_noise * noise[0]
         if s.angle_step > 0.0:
-            angle = s.angle_step * np.round(angle / s.angle_step)
+            angle = s.angle_step * np.rint(angle / s.angle_step)
         rate = truth.joint_rate + s.rate_noise * noise[1]
         current = self.current + s.current_noise * noise[2]
         torque = self._stall_torque / self._stall_current * current

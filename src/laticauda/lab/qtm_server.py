@@ -172,7 +172,7 @@ class QtmServer:
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
         asked = {word.lower() for word in words}
-        parts = []
+        parts: list[str] = []
         if asked & {"general", "all"}:
             parts.append(parameters_general(self.rate))
         if asked & {"6d", "all"}:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda import __version__
 from laticauda.errors import SimulationFailed
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Log, Plant, Start
@@ -110,8 +109,12 @@ class World:
             self._log.append({name: values[-1:] for name, values in log.items()})
             del self._log[MOST_SAMPLES:]
 
-    def trial(self) -> Trial:
-        """What was so since the robot was put into the water, whatever anyone measured; an hour at most."""
+    def trial(self, version: str) -> Trial:
+        """What was so since the robot was put into the water, whatever anyone measured; an hour at most.
+
+        Args:
+            version: Of laticauda.
+        """
         log = {name: np.concatenate([part[name] for part in self._log]) for name in self._log[0]}
         signals = {name.removeprefix("signal_"): log.pop(name) for name in list(log) if name.startswith("signal_")}
         return Trial(
@@ -120,7 +123,7 @@ class World:
             environment=self.plant.environment,
             settings=self.plant.settings,
             signals=signals,
-            version=__version__,
+            version=version,
             status="The truth of the virtual tank.",
             succeeded=True,
         )
