@@ -52,8 +52,8 @@ class Command:
                 continue
             if joints == "prescribed":
                 raise ValueError(
-                    f"`{name}` must be None for prescribed joints, which can neither jump nor go limp; `pd` and `servo` "
-                    f"joints can, got {len(values)} of them."
+                    f"`{name}` must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
+                    f"`servo` joints can, got {len(values)} of them."
                 )
             if len(values) != n_joints:
                 raise ValueError(f"`{name}` must have one entry per joint, {n_joints} of them, got {len(values)}.")
@@ -165,6 +165,7 @@ class OpenLoop:
         return None, self.command
 
 
+@runtime_checkable
 class Plant(Protocol[State]):
     """A body in the water. Its state is a value: the same state and command always give the same next state."""
 

@@ -55,3 +55,28 @@ def test_any_text_is_an_address_or_a_value_error(text):
 def test_a_bus_that_is_not_there_is_said():
     with pytest.raises(BusFailed, match="The CAN bus socketcan:nosuch0 cannot be opened: "):
         open_bus(BusAddress(interface="socketcan", channel="nosuch0"))
+
+
+def test_frames_go_between_buses_of_one_computer_and_to_plain_python_can():
+    import can
+
+    address = bus_address("udp_multicast:239.74.163.99:43199")
+    with open_bus(address) as one, open_bus(address) as other:
+        one.send(to_frame(Sync(counter=7)))
+        assert from_frame(other.recv(1.0)) == Sync(counter=7)
+        plain = {"interface": "udp_multicast", "channel": address.channel, "port": address.port, "hop_limit": 0}
+        with can.Bus(**plain) as foreign:
+            one.send(to_frame(Sync(counter=8)))
+            assert from_frame(foreign.recv(1.0)) == Sync(counter=8)
+            foreign.send(to_frame(Sync(counter=9)))
+            found = [from_frame(frame) for frame in iter(lambda: other.recv(0.5), None)]
+            assert found == [Sync(counter=8), Sync(counter=9)]
+
+
+def test_frames_of_other_computers_are_not_heard():
+    address = bus_address("udp_multicast:239.74.163.99:43198")
+    with open_bus(address) as bus:
+        listen = bus._multicast.recv
+        heard = (b"", ("192.0.2.1", 43198), 0.0)
+        listen.__closure__[[c for c in listen.__code__.co_freevars].index("listen")].cell_contents = lambda t: heard
+        assert listen(0.0) is None

@@ -1,6 +1,7 @@
 """Buses of python-can: in one process, between processes of one computer, or the real one."""
 
 import ipaddress
+import socket
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +25,7 @@ class BusAddress:
 
     - `virtual`: within one process; the channel is any name.
     - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. Frames do not leave this
-      computer unless `hops` says so.
+      computer, and those from elsewhere are not heard, unless `hops` says so. Everyone hears their own frames, too.
     - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the operating system has set it
       to 1 Mbit/s.
     """
@@ -94,6 +95,26 @@ def open_bus(address: BusAddress) -> Any:
         library("msgpack", "msgpack")
         settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
     try:
-        return can.Bus(**settings)
+        bus = can.Bus(**settings)
     except (can.CanError, OSError) as error:
         raise BusFailed(f"The CAN bus {address} cannot be opened: {error}.") from error
+    if address.interface == "udp_multicast" and address.hops == 0:
+        _deafen(bus, address)
+    return bus
+
+
+def _deafen(bus: Any, address: BusAddress) -> None:
+    """Let a bus hear this computer only: python-can's socket takes datagrams from everywhere."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((address.channel, address.port))
+            ours = probe.getsockname()[0]
+        except OSError:  # no network at all
+            return
+    listen = bus._multicast.recv
+
+    def recv(timeout: float | None = None) -> Any:
+        heard = listen(timeout)
+        return heard if heard is None or heard[1][0] == ours or heard[1][0].startswith("127.") else None
+
+    bus._multicast.recv = recv

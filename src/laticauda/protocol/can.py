@@ -123,6 +123,11 @@ def decode(identifier: int, data: bytes) -> CanMessage | None:
         return None
 
 
+def from_node(identifier: int) -> bool:
+    """Whether a frame with this identifier comes from a node, if it is one of ours."""
+    return identifier >= BASE["JointState"]
+
+
 def to_frame(message: CanMessage, timestamp: float = 0.0) -> Any:
     """The `can.Message` that carries a message.
 
