@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +19,7 @@ Column = Float[np.ndarray, " n"]
 Table = Float[np.ndarray, "n columns"]
 
 
+@runtime_checkable
 class AnyEstimator(Protocol):
     """What `Estimator` and `KinematicEstimator` share."""
 
