@@ -13,6 +13,10 @@ negligible). ``rotational="strip"`` replaces all three by those of the normal lo
 turns about its middle:
 
     lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
+
+A water with a `friction_taper` has C_f (1 + taper (1 - 2 s)) for C_f on the links, s the place of the link's middle
+from 0 at the tail end of the body to 1 at its head end; on links of equal length, the mean is C_f. It does not act on
+the fin, nor on modules that bring their own C_f.
 """
 
 from collections.abc import Iterable
@@ -85,7 +89,8 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         loads = _ground_loads(mass, environment)
         strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        loads = np.array([_link_loads(module, environment) for module in robot.modules]).T
+        friction = environment.tangential_friction * _taper(half_length, environment.friction_taper)
+        loads = np.array([_link_loads(m, environment, C_f) for m, C_f in zip(robot.modules, friction, strict=True)]).T
         strips = _fin_in_water(fin, environment) if fin else None
     return _coefficients(half_length, half_length, mass, loads, strips)
 
@@ -123,10 +128,16 @@ def _coefficients(
     return Coefficients(half_length=half_length, position=position, mass=mass, fin=fin, **named)
 
 
-def _link_loads(module: Module, water: Water) -> tuple[float, ...]:
+def _taper(half_length: np.ndarray, taper: float) -> np.ndarray:
+    """Share of the water's C_f per link: 1 + taper (1 - 2 s), s from 0 at the tail end to 1 at the head end."""
+    middle = np.cumsum(2.0 * half_length) - half_length
+    return 1.0 + taper * (1.0 - middle / np.sum(half_length))
+
+
+def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
     rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
-    C_f = _own(module.tangential_friction, water.tangential_friction)
+    C_f = _own(module.tangential_friction, friction)
     C_D = _own(module.normal_drag, water.normal_drag)
     C_A = _own(module.added_mass, water.added_mass)
     C_M = _own(module.added_inertia, water.added_inertia)

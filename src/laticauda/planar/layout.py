@@ -179,6 +179,7 @@ def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *,
     S[rows.REFERENCE_SPEED] = environment.reference_speed
     S[rows.LINEAR] = environment.linear_drag
     S[rows.QUADRATIC] = environment.quadratic_drag
+    S[rows.SWAY_FRICTION] = environment.sway_friction
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
@@ -239,6 +240,7 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
 
 
 def _write_joint(record: np.ndarray, joint: Joint, drive: str) -> None:
+    record[rows.ENVELOPE] = joint.actuator.tracking if drive == "prescribed" else 1.0
     record[[rows.STIFFNESS, rows.DAMPING]] = joint.stiffness, joint.damping
     record[rows.LAW_0 : rows.LAW_5 + 1] = _law_parameters(joint.actuator, drive)
 

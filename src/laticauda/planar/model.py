@@ -197,7 +197,7 @@ class PlanarPlant:
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         joints = state.values[rows.LOG_STATE :].reshape(2, -1)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
-        body[a.tail_link + 1 :, rows.ENVELOPE] = gait.joint_envelope(self.robot.n_links)
+        body[a.tail_link + 1 :, rows.ENVELOPE] *= gait.joint_envelope(self.robot.n_links)
         return S
 
     def what_went_wrong(self, time: float) -> str:
@@ -240,12 +240,22 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         first = _at(rows.WORK_ABSOLUTE)
         log = self._named(samples)
-        log["joint_angle_ref"] = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        log["joint_angle_ref"] = self._asked_for(samples)
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
         if self.joints == "servo":
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
         return log
+
+    def _asked_for(self, samples: np.ndarray) -> np.ndarray:
+        """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        done = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if self.joints != "prescribed" or np.all(share == 1.0):
+            return done
+        offset = samples[:, _at(rows.OFFSET_NOW), np.newaxis]
+        return offset + (done - offset) / share
 
 
 def _at(row: int) -> int:
@@ -266,11 +276,12 @@ def _stable_step(robot: Robot, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
     c = link_coefficients(robot, environment)
     if isinstance(environment, Ground):
-        steepest = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
+        along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
     else:
         speed = 1.0  # m/s: links of a swimming robot are slower
-        steepest = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
-    rate = steepest * max(float(np.max(c.c_n / (c.mass + c.mu_n))), float(np.max(c.c_t / (c.mass + c.mu_t))))
+        across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
+        along = across + speed * environment.sway_friction
+    rate = max(across * float(np.max(c.c_n / (c.mass + c.mu_n))), along * float(np.max(c.c_t / (c.mass + c.mu_t))))
     if not rate < 1.0 / LEAST_DT:
         raise ValueError(
             f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "

@@ -14,6 +14,7 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     REFERENCE_SPEED,  # U_ref [m/s]
     LINEAR,  # 1 or 0
     QUADRATIC,  # 1 or 0
+    SWAY_FRICTION,  # gamma [-]
     WAKE_MASS,  # m' of the trailing edge [kg/m]; 0: off
     WAKE_POSITION,  # x of the trailing edge from the tail end of body 0 [m], headward positive
     TETHER_DRAG,  # k [kg/m]
@@ -76,7 +77,7 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(66)
+) = range(67)
 HEADER_ROWS = SLOPES + 36
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
@@ -105,7 +106,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     THRUST_N,
     THRUST_MOMENT,  # about the tail end [N m]
     HEADING_SHARE,  # share of the body's links on the head side of the joint
-    ENVELOPE,  # g
+    ENVELOPE,  # g, times the share that a prescribed joint does of it
     STIFFNESS,  # skin or hinge [N m/rad]
     DAMPING,  # [N m s/rad]
     LAW_0,  # parameters of the joint law (actuation.laws)
