@@ -178,12 +178,16 @@ def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
 
 
 def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
-    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others."""
+    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others.
+
+    A hinge of the fin cuts the strip that it stands in.
+    """
     edges = np.linspace(fin.opening_length, fin.length, fin.n_strips + 1)
-    if not closed or fin.opening_length == 0.0:
-        return edges
-    pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
-    return np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
+    if closed and fin.opening_length > 0.0:
+        pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
+        edges = np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
+    cuts = [x for x in (h.position for h in fin.hinges) if x > edges[0] and np.min(np.abs(edges - x)) > 1e-9]
+    return np.sort(np.concatenate((edges, cuts)))
 
 
 def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> Coefficients:

@@ -165,7 +165,7 @@ def _march(
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     S = _side_by_side([run.rows for run in runs], [run.slope for run in runs])
-    implicit = plant.joints != "prescribed"
+    implicit = plant.is_implicit
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):

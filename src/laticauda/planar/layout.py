@@ -1,6 +1,6 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
+from laticauda.planar.fin import FinBody, fin_bodies
 from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Thruster, Water
 
 JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
@@ -54,11 +55,9 @@ class _Body:
     length: float
     parts: list[_Part]
     water: Coefficients
-    index: int
-    """Which element of `water` is the body's own."""
+    index: int | None
+    """Which element of `water` is the body's own; None for a piece of the fin, which has strips only."""
     strips: Coefficients | None = None
-    bare: bool = False
-    """Mass only, no water: the fin's opening."""
 
 
 @lru_cache(maxsize=64)  # repeated runs of one robot need not lay it out again; nobody writes to the arrays
@@ -69,8 +68,8 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
         robot: All joints turn about the vertical axis (see `Robot.planar`).
         environment: The water it swims in or the ground it crawls on.
         joints: prescribed, pd or servo: how the driven joints follow the gait.
-        fin_as_links: Keep the fin's strips as links with locked joints instead of folding them into the tail link; the
-            accelerations are the same.
+        fin_as_links: Keep the strips of a rigid fin as links with locked joints instead of folding them into the tail
+            link; the accelerations are the same.
 
     Returns:
         The layout, straight and at rest at the origin.
@@ -79,12 +78,12 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
     links = [
         _Body(length=m.length, parts=[_own_part(m)], water=coefficients, index=i) for i, m in enumerate(robot.modules)
     ]
-    fin: list[_Body] = []
+    pieces: list[FinBody] = []
     if robot.caudal_fin is not None and coefficients.fin is not None:
-        fin = _fin_bodies(robot, coefficients.fin)
-        if not fin_as_links:
-            _fold(links[0], fin, coefficients.fin)
-            fin = []
+        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=JOINT_LAWS[joints], as_links=fin_as_links)
+        if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
+            _fold(links[0], pieces.pop())
+    fin = [_fin_body(piece, coefficients) for piece in pieces]
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = np.cumsum([0, *(len(b.strips.mass) if b.strips else 0 for b in bodies)])
@@ -106,6 +105,11 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
     for i, joint in enumerate(robot.joints):
         _write_joint(records[len(fin) + i + 1], joint, joints)
+    law = np.full(n, JOINT_LAWS[joints])
+    law[0] = rows.LOCKED
+    for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
+        law[len(fin) - i] = piece.law
+        _write_hinge(records[len(fin) - i], piece, joints)
     half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
     for e, plate in enumerate(p for group in plates for p in group):
         at = S[size + e * rows.PLATE_ROWS :]
@@ -119,8 +123,6 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
             plate.stall_sharpness,
             plate.parasitic_drag,
         )
-    law = np.full(n, JOINT_LAWS[joints])
-    law[: len(fin) + 1] = rows.LOCKED
     wake = S[rows.WAKE_MASS] > 0.0
     pulled = S[rows.TETHER_DRAG] > 0.0 or bool(np.any(S[[rows.TETHER_FORCE_X, rows.TETHER_FORCE_Y]] != 0.0))
     return Layout(
@@ -138,30 +140,15 @@ def _own_part(module: Module) -> _Part:
     return _Part(module.mass, module.length / 2.0 + module.center, module.moment_of_inertia)
 
 
-def _fin_bodies(robot: Robot, strips: Coefficients) -> list[_Body]:
-    """Opening (mass without area) and strips as bodies, from the root to the trailing edge."""
-    fin = robot.caudal_fin
-    assert fin is not None
-    bodies: list[_Body] = []
-    opening = fin.length - float(np.sum(2.0 * strips.half_length))
-    if opening > 1e-12:
-        mass = fin.mass * opening / fin.length
-        part = _Part(mass, opening / 2.0, mass * opening**2 / 12.0)
-        bodies.append(_Body(length=opening, parts=[part], water=strips, index=0, bare=True))
-    for i, (half, mass) in enumerate(zip(strips.half_length, strips.mass, strict=True)):
-        part = _Part(float(mass), float(half), float(mass * half**2 / 3.0))
-        bodies.append(_Body(length=float(2.0 * half), parts=[part], water=strips, index=i))
-    return bodies
+def _fin_body(piece: FinBody, coefficients: Coefficients) -> _Body:
+    part = _Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)
+    return _Body(length=piece.length, parts=[part], water=coefficients, index=None, strips=piece.strips)
 
 
-def _fold(tail: _Body, fin: list[_Body], strips: Coefficients) -> None:
-    """Make the fin's bodies rigid parts and strips of the tail link."""
-    behind = 0.0
-    for body in fin:
-        for part in body.parts:
-            tail.parts.append(_Part(part.mass, part.position - behind - body.length, part.inertia))
-        behind += body.length
-    tail.strips = strips
+def _fold(tail: _Body, piece: FinBody) -> None:
+    """Make a fin of one rigid piece a part of the tail link."""
+    tail.parts.append(_Part(piece.mass, -piece.length / 2.0, piece.mass * piece.length**2 / 12.0))
+    tail.strips = replace(piece.strips, position=piece.strips.position - piece.length)
 
 
 def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *, folded: bool) -> None:
@@ -193,7 +180,7 @@ def _write_body(record: np.ndarray, body: _Body, environment: Environment, total
     """Masses and added masses of a body about its tail end; its own drag at its middle."""
     mass = sum(p.mass for p in body.parts)
     moment = sum(p.mass * p.position for p in body.parts)
-    own = np.array([body.index]) if not body.bare else np.array([], dtype=int)
+    own = np.array([] if body.index is None else [body.index], dtype=int)
     elements = [_elements(body.water, own, np.full(own.size, body.length / 2.0))]
     if body.strips is not None:
         elements.append(_elements(body.strips, np.arange(body.strips.mass.size), body.strips.position))
@@ -215,7 +202,7 @@ def _write_body(record: np.ndarray, body: _Body, environment: Environment, total
     record[rows.MOMENT_N] = np.sum(mu_n * x)
     record[rows.MASS_SHARE] = mass / total_mass
     record[rows.FIRST_MOMENT_SHARE] = moment / total_mass
-    if not body.bare:
+    if body.index is not None:
         w, i = body.water, body.index
         record[[rows.C_T, rows.C_N, rows.LAMBDA_2, rows.LAMBDA_3]] = w.c_t[i], w.c_n[i], w.lambda_2[i], w.lambda_3[i]
 
@@ -243,6 +230,14 @@ def _write_joint(record: np.ndarray, joint: Joint, drive: str) -> None:
     record[rows.ENVELOPE] = joint.actuator.tracking if drive == "prescribed" else 1.0
     record[[rows.STIFFNESS, rows.DAMPING]] = joint.stiffness, joint.damping
     record[rows.LAW_0 : rows.LAW_5 + 1] = _law_parameters(joint.actuator, drive)
+
+
+def _write_hinge(record: np.ndarray, piece: FinBody, drive: str) -> None:
+    if piece.joint is not None:
+        _write_joint(record, piece.joint, drive)
+        record[rows.ENVELOPE] = 1.0
+    elif piece.hinge is not None:
+        record[[rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
 
 
 def _law_parameters(actuator: Actuator, drive: str) -> tuple[float, ...]:

@@ -20,9 +20,10 @@ from laticauda.robot import Environment, Ground, Robot, check_fits
 FORCES = ("drag", "added_mass", "effector")
 
 # Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
-# 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
+# 1e-4 (ROS2), an elastic fin behind prescribed joints to 1e-5 (ROS2). `benchmarks/convergence.py` prints them.
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
+ELASTIC_DT = 0.005  # with a fin that bends
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,11 +64,24 @@ class PlanarPlant:
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
-            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
+            object.__setattr__(self, "dt", min(self._default_dt, _stable_step(self.robot, self.environment)))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
+        return self.joints != "prescribed" or self._has_hinges
+
+    @property
+    def _default_dt(self) -> float:
+        return min(DEFAULT_DT[self.joints], ELASTIC_DT if self._has_hinges else math.inf)
+
+    @property
+    def _has_hinges(self) -> bool:
+        return self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -114,6 +128,9 @@ class PlanarPlant:
         values[_at(rows.AMPLITUDE_NOW)] = command.gait.amplitude
         values[_at(rows.FREQUENCY_NOW)] = command.gait.frequency
         values[_at(rows.PHASE_SHIFT_NOW)] = command.gait.phase_shift
+        if command.gait.fin is not None:
+            values[_at(rows.FIN_AMPLITUDE_NOW)] = command.gait.fin.amplitude
+            values[_at(rows.FIN_FREQUENCY_NOW)] = command.gait.fin.frequency
         return PlanarState(values=values)
 
     def step(self, state: PlanarState, command: Command, dt: float) -> PlanarState:
@@ -142,7 +159,7 @@ class PlanarPlant:
         a, chain = self.layout, self.layout.chain
         raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (a.n_bodies - 1), 1))
         steps = n_intervals * every
-        written = self.kernels.run(S, *chain, self.joints != "prescribed", steps, dt, every, raw)
+        written = self.kernels.run(S, *chain, self.is_implicit, steps, dt, every, raw)
         samples = raw[:written, :, 0]
         if written <= n_intervals:
             when = state.values[0] + written * duration / n_intervals
@@ -185,7 +202,15 @@ class PlanarPlant:
                 "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}."
             )
+        fin = self.robot.caudal_fin
+        if gait.fin is not None and (fin is None or fin.joint is None):
+            raise ValueError(
+                f"`gait.fin` must be None unless the robot's fin is driven (`caudal_fin.joint`), got {gait.fin}."
+            )
         S = a.template.copy()
+        if gait.fin is not None:
+            wave = gait.fin
+            S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = wave.amplitude, wave.frequency, wave.offset, wave.phase
         S[rows.AMPLITUDE : rows.OFFSET + 1] = (
             gait.amplitude,
             gait.frequency,
@@ -245,6 +270,21 @@ class PlanarPlant:
         log["work"] = samples[:, first : first + 3]
         if self.joints == "servo":
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
+        return log | self._fin_log(samples)
+
+    def _fin_log(self, samples: np.ndarray) -> Log:
+        """What the fin's joints do, as signals: the driven one at the root, and the passive ones from there on."""
+        law, joints = self.layout.law, self.layout.n_bodies - 1
+        at = {"angle": 0, "rate": joints, "angle_ref": 2 * joints, "torque": 3 * joints}
+        log: dict[str, np.ndarray] = {}
+        hinges = 0
+        for body in range(self.layout.tail_link, 0, -1):
+            column = rows.LOG_STATE + body - 1
+            if law[body] == rows.PASSIVE:
+                hinges += 1
+                log[f"signal_fin_angle_{hinges}"] = samples[:, column]
+            elif law[body] != rows.LOCKED:
+                log |= {f"signal_fin_root_{name}": samples[:, first + column] for name, first in at.items()}
         return log
 
     def _asked_for(self, samples: np.ndarray) -> np.ndarray:
@@ -281,7 +321,12 @@ def _stable_step(robot: Robot, environment: Environment) -> float:
         speed = 1.0  # m/s: links of a swimming robot are slower
         across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
         along = across + speed * environment.sway_friction
-    rate = max(across * float(np.max(c.c_n / (c.mass + c.mu_n))), along * float(np.max(c.c_t / (c.mass + c.mu_t))))
+    free = [c] if c.fin is None or robot.caudal_fin is None or not robot.caudal_fin.hinges else [c, c.fin]
+    rate = max(
+        float(np.max(slope))
+        for e in free
+        for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
+    )
     if not rate < 1.0 / LEAST_DT:
         raise ValueError(
             f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "

@@ -25,7 +25,11 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     FREQUENCY,  # omega [rad/s]
     PHASE_SHIFT,  # delta [rad]
     OFFSET,  # phi_0 [rad]
-    BANDWIDTH,  # of the filters on those four [rad/s]
+    FIN_AMPLITUDE,  # of a driven fin [rad]
+    FIN_FREQUENCY,  # [rad/s]
+    FIN_OFFSET,  # [rad]
+    FIN_LEAD,  # phase ahead of the integral of its frequency [rad]; not filtered
+    BANDWIDTH,  # of the filters on all but the last [rad/s]
     RAMP,  # T of the smooth start [s]; 0: none
     # --- Header: state --------------------------------------------------------------------------------------------
     TIME,  # [s]
@@ -45,6 +49,13 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     PHASE_SHIFT_RATE,
     OFFSET_NOW,
     OFFSET_RATE,
+    FIN_PHASE,  # the same of a driven fin
+    FIN_AMPLITUDE_NOW,
+    FIN_AMPLITUDE_RATE,
+    FIN_FREQUENCY_NOW,
+    FIN_FREQUENCY_RATE,
+    FIN_OFFSET_NOW,
+    FIN_OFFSET_RATE,
     WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
     WORK_NET,  # integral of sum u phi' [J]
     WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
@@ -77,7 +88,7 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(67)
+) = range(78)
 HEADER_ROWS = SLOPES + 36
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint

@@ -99,7 +99,9 @@ class Robot:
     @property
     def idle_power(self) -> float:
         """What the robot draws at rest: electronics and idle actuators [W]."""
-        return self.electronics_power + sum(joint.actuator.idle_power for joint in self.joints)
+        fin = self.caudal_fin.joint if self.caudal_fin else None
+        joints = self.joints if fin is None else (*self.joints, fin)
+        return self.electronics_power + sum(joint.actuator.idle_power for joint in joints)
 
     def planar(self) -> "Robot":
         """The robot as the planar model sees it: pitch joints held at 0, what they join merged to one link.
