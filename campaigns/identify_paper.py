@@ -7,7 +7,7 @@ and the last answer, are in `identify_paper.md`.
     python campaigns/identify_paper.py                  # all candidates, some ten minutes of one core
     python campaigns/identify_paper.py --only geared    # those whose name holds a word
     python campaigns/identify_paper.py --table-1        # without Table 2
-    python campaigns/identify_paper.py --output FILE    # keep what came out as JSON
+    python campaigns/identify_paper.py --output FILE    # keep what came out as JSON, for --fitted FILE next time
 """
 
 import argparse
@@ -32,6 +32,7 @@ from laticauda.simulate import plant, run
 from laticauda.simulate.parameters import changed
 from laticauda.studies.following_run import figures_of
 from laticauda.studies.following_settings import path_following_settings
+from laticauda.trial import Trial
 from laticauda.trial.measured import efficiency_trials, group_name, path_following_trials
 from laticauda.trial.null_models import NULL_MODELS, Row, design, fit, left_out, mape, predict
 
@@ -165,15 +166,19 @@ def forward_velocities(models: Sequence[Model], rows: Sequence[Any]) -> np.ndarr
 
 @dataclass(frozen=True, kw_only=True)
 class Fitted:
+    """What a fit found."""
+
     values: dict[str, float]
     at_an_end: bool
+    without: Callable[[int], dict[str, float]]
+    """The numbers that one Gauss-Newton step without a row leads to."""
 
 
 def fitted(candidate: Candidate, keep: np.ndarray, start: Values | None = None, most: int = 25) -> Fitted:
     """Least squares of log(simulated / measured) over the rows to keep."""
     names = list(candidate.start)
     if not names:
-        return Fitted(values={}, at_an_end=False)
+        return Fitted(values={}, at_an_end=False, without=lambda row: {})
     rows = [row for row, kept in zip(ROWS, keep, strict=True) if kept]
     log_measured = np.log(MEASURED[keep])
 
@@ -198,15 +203,29 @@ def fitted(candidate: Candidate, keep: np.ndarray, start: Values | None = None, 
 
     found = least_squares(residuals, x, slopes, bounds=(low, high), max_nfev=most, xtol=1e-5, ftol=1e-6)
     near = np.minimum(found.x - low, high - found.x) < 0.01 * width
-    return Fitted(values=out_of(found.x), at_an_end=bool(np.any(near)))
+
+    def without(row: int) -> dict[str, float]:
+        others = np.arange(len(rows)) != row
+        step = np.linalg.lstsq(found.jac[others], -found.fun[others])[0]
+        return out_of(np.clip(found.x + step, low, high))
+
+    return Fitted(values=out_of(found.x), at_an_end=bool(np.any(near)), without=without)
 
 
-def left_out_errors(candidate: Candidate, values: Values, by: np.ndarray, most: int) -> float:
-    """Mean absolute percentage error of rows that the fit did not see, `by` says which are left out together [%]."""
+def leave_one_out_error(candidate: Candidate, found: Fitted) -> float:
+    """Mean absolute percentage error of rows that the fit did not see: one Gauss-Newton step away from the fit [%]."""
+    if not found.values:
+        return mape(MEASURED, forward_velocities([candidate.model({})], ROWS)[0])
+    speeds = [forward_velocities([candidate.model(found.without(i))], [row])[0, 0] for i, row in enumerate(ROWS)]
+    return mape(MEASURED, np.array(speeds))
+
+
+def leave_one_group_out_error(candidate: Candidate, values: Values) -> float:
+    """The same with a whole group left out, fitted anew [%]."""
     speeds = np.empty_like(MEASURED)
-    for number in np.unique(by):
-        out = by == number
-        refit = fitted(candidate, ~out, start=values or None, most=most)
+    for number in range(4):
+        out = GROUP == number
+        refit = fitted(candidate, ~out, start=values or None, most=12)
         rows = [row for row, is_out in zip(ROWS, out, strict=True) if is_out]
         speeds[out] = forward_velocities([candidate.model(refit.values)], rows)[0]
     return mape(MEASURED, speeds)
@@ -232,10 +251,10 @@ def followed_gains(speeds: np.ndarray) -> list[float]:
     return [means[1] / means[0] - 1.0, means[3] / means[2] - 1.0]
 
 
-def follow(model: Model, bandwidth: float) -> list[tuple[float, bool, float]]:
-    """Table 2: for every case its speed (5), whether it converges, and mechanical power."""
+def follow(model: Model, bandwidth: float) -> list[Trial]:
+    """The cases of Table 2."""
     settings = path_following_settings()
-    found: list[tuple[float, bool, float]] = []
+    found: list[Trial] = []
     for row in FOLLOWED:
         body = plant(model.robots[row.has_fin], model.water, joints=model.joints, offset_bandwidth=bandwidth)
         controller = PathFollowing(
@@ -246,19 +265,12 @@ def follow(model: Model, bandwidth: float) -> list[tuple[float, bool, float]]:
             interval=settings.control_interval,
         )
         start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
-        trial = run(
-            body,
-            controller,
-            settings.duration,
-            start=start,
-            until=lambda seen: bool(seen.center_of_mass[0] >= settings.distance),
-        )
-        if not trial.succeeded:
-            found.append((0.0, False, math.nan))
-            continue
-        figures = figures_of(trial, settings.distance)
-        found.append((figures.forward_velocity, figures.converged, figures.mechanical_power))
+        found.append(run(body, controller, settings.duration, start=start, until=_is_there(settings.distance)))
     return found
+
+
+def _is_there(distance: float) -> Callable[[Any], bool]:
+    return lambda seen: bool(seen.center_of_mass[0] >= distance)
 
 
 def of(name: str, joints: str, start: Values, **more: Any) -> Candidate:
@@ -336,29 +348,28 @@ def on_table_1(candidate: Candidate) -> dict[str, Any]:
         "error": mape(MEASURED, speeds),
         "groups": [mape(MEASURED[GROUP == g], speeds[GROUP == g]) for g in range(4)],
         "largest": 100.0 * float(np.max(np.abs(speeds / MEASURED - 1.0))),
-        "leave_one_out": left_out_errors(candidate, best.values, np.arange(len(ROWS)), 5),
-        "leave_one_group_out": left_out_errors(candidate, best.values, GROUP, 15),
+        "leave_one_out": leave_one_out_error(candidate, best),
+        "leave_one_group_out": leave_one_group_out_error(candidate, best.values),
         "gain_ratios": [g / m for g, m in zip(gains, measured_gains, strict=True)],
     }
 
 
-def on_table_2(candidate: Candidate, result: dict[str, Any]) -> dict[str, Any]:
+def on_table_2(candidate: Candidate, result: Mapping[str, Any]) -> dict[str, Any]:
     """What it says of Table 2."""
     model = candidate.model(result["values"])
     found: dict[str, Any] = {}
     for bandwidth in BANDWIDTHS:
-        runs = follow(model, bandwidth)
-        speeds = np.array([speed for speed, _, _ in runs])
+        trials = follow(model, bandwidth)
+        runs = [figures_of(trial, path_following_settings().distance) if trial.succeeded else None for trial in trials]
+        speeds = np.array([0.0 if one is None else one.forward_velocity for one in runs])
         gains, measured = followed_gains(speeds), followed_gains(FOLLOWED_SPEED)
+        by_group = [(FOLLOWED_SPEED[FOLLOWED_GROUP == g], speeds[FOLLOWED_GROUP == g]) for g in range(4)]
         found[f"{bandwidth:g}"] = {
             "speeds": speeds.tolist(),
             "error": mape(FOLLOWED_SPEED, speeds),
-            "groups": [mape(FOLLOWED_SPEED[FOLLOWED_GROUP == g], speeds[FOLLOWED_GROUP == g]) for g in range(4)],
-            "bias": [
-                100.0 * float(np.mean(speeds[FOLLOWED_GROUP == g] / FOLLOWED_SPEED[FOLLOWED_GROUP == g] - 1.0))
-                for g in range(4)
-            ],
-            "converging": sum(converged for _, converged, _ in runs),
+            "groups": [mape(was, says) for was, says in by_group],
+            "bias": [100.0 * float(np.mean(says / was - 1.0)) for was, says in by_group],
+            "converging": sum(one is not None and one.converged for one in runs),
             "gain_ratios": [g / m for g, m in zip(gains, measured, strict=True)],
         }
     return found
@@ -405,6 +416,61 @@ def null_results() -> list[dict[str, Any]]:
     return found
 
 
+def power_answers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
+    """Electrical power of all 30 measured rows, with one model each, with and without an idle offset in Table 2.
+
+    The hypothesis: in Table 2 the idle 41.3 W was taken off twice, or off the rows without the fin only.
+    """
+    first = [row for row in efficiency_trials() if row.mean_power is not None]
+    trials = [
+        lc.swim(model.robots[r.has_fin], model.gait(r.gait), environment=model.water, joints=model.joints)
+        for r in first
+    ]
+    trials += list(followed)
+    measured = np.array([row.mean_power for row in (*first, *FOLLOWED)], dtype=float)
+    bare = np.array([False] * len(first) + [not row.has_fin for row in FOLLOWED])
+    torque = np.array([np.sum(np.mean(t.joint_torque**2, axis=0)) for t in trials])
+    rate = np.array([np.sum(np.mean(np.abs(t.joint_rate), axis=0)) for t in trials])
+    one = np.ones_like(measured)
+    columns = {
+        "constant": [one],
+        "constant + torque^2": [one, torque],
+        "constant + torque^2 + |rate|": [one, torque, rate],
+        "constant + mechanical": [one, np.array([t.mechanical_power for t in trials])],
+    }
+    known = {}
+    if model.joints == "servo":
+        motor = np.array([t.electrical_power for t in trials])
+        columns["constant + motor x factor"] = [one, motor]
+        known["constant + motor as published"] = motor
+    found: list[dict[str, Any]] = []
+    for offset in (False, True):
+        target = measured + (41.3 * bare if offset else 0.0)
+        for name in (*columns, *known):
+            given = known.get(name, np.zeros_like(measured))
+            table = np.stack(columns.get(name, [one]), axis=1)
+            # Relative errors count: every line divided by what was measured.
+            matrix, wanted = table / target[:, None], (target - given) / target
+            numbers = np.linalg.lstsq(matrix, wanted)[0]
+            out = [np.linalg.lstsq(np.delete(matrix, i, 0), np.delete(wanted, i))[0] for i in range(len(target))]
+            says = table @ numbers + given
+            held = np.array([table[i] @ out[i] + given[i] for i in range(len(target))])
+            found.append(
+                {
+                    "name": name,
+                    "offset": offset,
+                    "numbers": numbers.tolist(),
+                    "error": mape(target, says),
+                    "leave_one_out": mape(target, held),
+                    "table_1": mape(target[: len(first)], says[: len(first)]),
+                    "table_2": mape(target[len(first) :], says[len(first) :]),
+                    "says": says.tolist(),
+                    "target": target.tolist(),
+                }
+            )
+    return found
+
+
 def line_1(r: Mapping[str, Any], mark: str = " ") -> str:
     """A candidate's figures on Table 1."""
     numbers = ", ".join(f"{SHORT[name]} {value:.3g}" for name, value in r["values"].items())
@@ -431,21 +497,29 @@ HEAD_1 = (
     f" {'Table 1, mean error [%]':38s} n    all    LU  LUfin   EEL EELfin   LOO   LOGO   fin gain LU EEL, simulated / "
     "measured; numbers"
 )
-HEAD_2 = f" {'Table 2, not fitted [%]':38s} n  10 rad/s: all, mean error LU LUfin EEL EELfin, converging, fin gain  |  4 rad/s"
+HEAD_2 = (
+    f" {'Table 2, not fitted [%]':38s} n  10 rad/s: all, signed mean LU LUfin EEL EELfin, converging, fin gain LU EEL"
+    "  |  4 rad/s: the same"
+)
+
+
+HEAD_3 = f" {'Power of 30 rows, mean error [%]':38s} with 41.3 W; n, all, LOO, Table 1, Table 2; numbers"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="part of the names of the candidates")
     parser.add_argument("--table-1", action="store_true", help="do not run Table 2")
+    parser.add_argument("--fitted", type=Path, help="take the fits from the --output of an earlier run")
     parser.add_argument("--output", type=Path, help="JSON file for what came out")
     arguments = parser.parse_args()
     candidates = [candidate for candidate in CANDIDATES if arguments.only in candidate.name]
     tell: Callable[[str], None] = lambda text: print(text, file=sys.stderr, flush=True)  # noqa: E731
     results: list[dict[str, Any]] = []
+    known = {r["name"]: r for r in json.loads(arguments.fitted.read_text())["results"]} if arguments.fitted else {}
     for i, candidate in enumerate(candidates):
         begin = time.perf_counter()
-        results.append(on_table_1(candidate))
+        results.append(known.get(candidate.name) or on_table_1(candidate))
         tell(f"{i + 1}/{len(candidates)} {line_1(results[-1]).strip()} [{time.perf_counter() - begin:.0f} s]")
     best = chosen(results)
     if not arguments.table_1:
@@ -465,13 +539,27 @@ def main() -> None:
     if not arguments.table_1:
         print(HEAD_2)
         for null in nulls:
-            print(
-                f" {null['name']:38s} {null['n']} {null['table_2']:6.1f} (errors {' '.join(f'{g:6.1f}' for g in null['table_2_groups'])})"
-            )
+            groups = " ".join(f"{g:6.1f}" for g in null["table_2_groups"])
+            print(f" {null['name']:38s} {null['n']} {null['table_2']:6.1f} {groups} (without sign)")
         for result in results:
             print(line_2(result, "*" if result is best else " "))
+    powers: list[dict[str, Any]] = []
+    if best is not None and not arguments.table_1:
+        candidate = next(one for one in candidates if one.name == best["name"])
+        model = candidate.model(best["values"])
+        powers = power_answers(model, follow(model, BANDWIDTHS[0]))
+        print(HEAD_3)
+        for found in powers:
+            numbers = ", ".join(f"{number:.3g}" for number in found["numbers"])
+            with_offset = "yes" if found["offset"] else "no "
+            print(
+                f" {found['name']:38s} {with_offset} {len(found['numbers'])} {found['error']:6.1f} "
+                f"{found['leave_one_out']:6.1f} {found['table_1']:6.1f} {found['table_2']:6.1f}   {numbers}"
+            )
     if arguments.output:
-        arguments.output.write_text(json.dumps({"chosen": best and best["name"], "results": results, "null": nulls}))
+        arguments.output.write_text(
+            json.dumps({"chosen": best and best["name"], "results": results, "null": nulls, "power": powers})
+        )
 
 
 if __name__ == "__main__":
