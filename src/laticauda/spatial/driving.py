@@ -3,9 +3,9 @@
 MuJoCo evaluates (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations); the steps are
 those of the planar model, so that both bodies share their orders:
 
-- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is. Each
-  of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it; what it
-  would have been off by, times that inertia, is the joint's torque.
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is.
+  Each of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it;
+  what it would have been off by, times that inertia, is the joint's torque.
 - Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `planar.stepping`): linearly implicit in the
   joint law, in M + A.
 

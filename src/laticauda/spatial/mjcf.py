@@ -4,7 +4,7 @@ Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its 
 head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
 (pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
 positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is
-driven. If it bends, piece k of it is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, k = 1 nearest the root.
+driven. If it bends, piece k of it is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
 The fin's angles count as those of the body do: positive ones turn what is behind the hinge to the right.
 
 World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In both the robot begins straight along x with
@@ -111,7 +111,7 @@ def start_height(robot: Robot, environment: Environment, ground: str | None = No
 
 
 def inertia_of(module: Module) -> tuple[float, tuple[float, float, float]]:
-    """Where a module has its center of mass on the x axis of its body [m], and its moments of inertia there [kg m^2]."""
+    """Where a module has its center of mass on its x axis [m], and its moments of inertia there [kg m^2]."""
     m, a, b = module.mass, module.section.half_height, module.section.half_width
     return module.half_length + module.center, moments(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
 

@@ -41,7 +41,7 @@ def pose(trial: Trial, time: float, height: float) -> Pose:
     before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
     joint_angle = _between(trial, before, time, trial.joint_angle, trial.joint_rate)
     center = _between(trial, before, time, trial.center_of_mass, trial.center_of_mass_velocity)
-    fin_angle = _fin(trial, before, time)
+    fin_angle = _between(trial, before, time, trial.fin_angle, trial.fin_rate)
     if center.size == 3:
         orientation = _orientation(trial, before, time)
         return Pose(center_of_mass=center, orientation=orientation, joint_angle=joint_angle, fin_angle=fin_angle)
@@ -77,18 +77,6 @@ def _between(trial: Trial, before: int, time: float, values: np.ndarray, rates: 
     rise, fall = s * s * (3.0 - 2.0 * s), s * (1.0 - s)
     tangents = h * fall * ((1.0 - s) * rates[before] - s * rates[before + 1])
     return np.asarray((1.0 - rise) * values[before] + rise * values[before + 1] + tangents)
-
-
-def _fin(trial: Trial, before: int, time: float) -> np.ndarray:
-    """The angles of the fin's joints."""
-    fin = trial.robot.caudal_fin
-    if fin is None:
-        return np.zeros(0)
-    names = [str(k) for k in range(0 if fin.joint is not None else 1, fin.n_hinges + 1)]
-    if not all(f"fin_angle_{k}" in trial.signals and f"fin_rate_{k}" in trial.signals for k in names):
-        return np.zeros(len(names))
-    both = [(trial.signals[f"fin_angle_{k}"], trial.signals[f"fin_rate_{k}"]) for k in names]
-    return np.array([_between(trial, before, time, *values) for values in both])
 
 
 def _orientation(trial: Trial, before: int, time: float) -> np.ndarray:
