@@ -153,7 +153,9 @@ def test_without_drag_the_work_of_the_joints_is_in_motion_and_springs(form, join
     water = replace(WATER, added_mass_form=form, linear_drag=False, quadratic_drag=False)
     robot = fitted(opening="closed", n_hinges=2, flexural_rigidity=1.0, joint=Joint())
     gait = replace(GAIT, fin=WAVE)
-    trial = lc.swim(robot, gait, duration=3.0, environment=water, joints=joints, dt=5e-4 if joints == "prescribed" else 1e-4)
+    trial = lc.swim(
+        robot, gait, duration=3.0, environment=water, joints=joints, dt=5e-4 if joints == "prescribed" else 1e-4
+    )
     assert np.abs(trial.fin_angle).max() > 0.2
     lost = trial.work[:, 1] - energy(trial, water)
     first = 1 if joints == "pd" else 0  # pd starts with a jerk that the trapezoids of the work do not resolve

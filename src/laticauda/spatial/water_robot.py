@@ -119,7 +119,8 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
     ) in bodies:  # the plate as a whole floats, its opening included, as it is its whole that has the mass
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
         volume = fin.volume * piece.length / fin.length
-        found.append(Element(body=body, position=(-half[0], 0.0, 0.0), volume=volume, shape="box", half_size=half))
+        place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
+        found.append(Element(**place, volume=volume, **_law(environment)))
     return found
 
 
