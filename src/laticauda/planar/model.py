@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.fluid import laws, link_coefficients
-from laticauda.interfaces import Command, Log, Observation, Start
+from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
@@ -202,11 +202,7 @@ class PlanarPlant:
                 "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}."
             )
-        fin = self.robot.caudal_fin
-        if gait.fin is not None and (fin is None or fin.joint is None):
-            raise ValueError(
-                f"`gait.fin` must be None unless the robot's fin is driven (`caudal_fin.joint`), got {gait.fin}."
-            )
+        check_fin(self.robot, gait)
         S = a.template.copy()
         if gait.fin is not None:
             wave = gait.fin
@@ -273,19 +269,11 @@ class PlanarPlant:
         return log | self._fin_log(samples)
 
     def _fin_log(self, samples: np.ndarray) -> Log:
-        """What the fin's joints do, as signals: the driven one at the root, and the passive ones from there on."""
+        """What the fin's own joints do."""
         law, joints = self.layout.law, self.layout.n_bodies - 1
-        at = {"angle": 0, "rate": joints, "angle_ref": 2 * joints, "torque": 3 * joints}
-        log: dict[str, np.ndarray] = {}
-        hinges = 0
-        for body in range(self.layout.tail_link, 0, -1):
-            column = rows.LOG_STATE + body - 1
-            if law[body] == rows.PASSIVE:
-                hinges += 1
-                log[f"signal_fin_angle_{hinges}"] = samples[:, column]
-            elif law[body] != rows.LOCKED:
-                log |= {f"signal_fin_root_{name}": samples[:, first + column] for name, first in at.items()}
-        return log
+        own = [i - 1 for i in range(self.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]
+        columns = samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints)[:, :, own]
+        return fin_signals(self.robot.caudal_fin, *np.moveaxis(columns, 1, 0))
 
     def _asked_for(self, samples: np.ndarray) -> np.ndarray:
         """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""

@@ -1,6 +1,6 @@
 """What swims and where: robots, water and ground as validated data, their TOML files, and the presets."""
 
-from laticauda.robot.bending import Hinge
+from laticauda.robot.bending import Hinge, Piece
 from laticauda.robot.catalog import ground_names, load_ground, load_robot, load_water, robot_names, water_names
 from laticauda.robot.describe import describe, summary, summary_rows, summary_table
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
@@ -21,6 +21,7 @@ __all__ = [
     "Module",
     "Parameters",
     "PectoralFin",
+    "Piece",
     "Robot",
     "RobotNotFound",
     "Section",

@@ -121,7 +121,7 @@ def _applied(thing: Any, wanted: Changes) -> Any:
     kind = cast("type[object]", type(thing))
     new: Changes = {}
     for step, value in wanted.items():
-        if step in _PLURAL:
+        if step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
             name = _PLURAL[step]
             new[name] = _all_applied(getattr(thing, name), value)
         elif isinstance(value, dict):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.fluid import laws
-from laticauda.robot import Actuator, Ground, Robot
+from laticauda.robot import Ground, Joint, Robot
 from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
 from laticauda.spatial.door import engine
 from laticauda.spatial.water_robot import on_ground, robot_elements
@@ -54,10 +54,7 @@ class Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = _center_of_mass(robot)
-        self.joints = np.array(
-            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
-        )
-        self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
+        self.joints = np.array(_joint_rows(robot, JOINT_LAWS[plant.joints])).reshape(-1, driving.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
@@ -112,7 +109,7 @@ class Twin:
                 *base,
                 plant.robot.n_links,
                 self.model.nbody,
-                JOINT_LAWS[plant.joints],
+                plant.is_implicit,
                 plant.root == "planar",
                 *(where[name] for name in fields),
             ],
@@ -158,10 +155,25 @@ def _center_of_mass(robot: Robot) -> float:
     return moment / robot.mass
 
 
-def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
-    row = np.zeros(driving.JOINT_SIZE)
-    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
-    if drive == "pd":
+def _joint_rows(robot: Robot, law: int) -> list[np.ndarray]:
+    """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
+    waves = {"yaw": driving.YAW_WAVE, "pitch": driving.PITCH_WAVE}
+    found = [_joint_row(joint, law, waves[joint.axis]) for joint in robot.joints]
+    fin = robot.caudal_fin
+    if fin is not None and fin.joint is not None:
+        found.append(_joint_row(fin.joint, law, driving.FIN_WAVE))
+    for hinge in fin.hinges if fin is not None else ():
+        row = np.zeros(driving.JOINT_SIZE)
+        row[[driving.LAW, driving.WAVE]] = driving.PASSIVE, driving.NO_WAVE
+        row[[driving.STIFFNESS, driving.DAMPING]] = hinge.stiffness, hinge.damping
+        found.append(row)
+    return found
+
+
+def _joint_row(joint: Joint, law: int, wave: int) -> np.ndarray:
+    row, actuator = np.zeros(driving.JOINT_SIZE), joint.actuator
+    row[[driving.LAW, driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = law, wave, joint.stiffness, joint.damping
+    if law == driving.PD:
         row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
     else:
         row[driving.LAW_0 : driving.LAW_5 + 1] = (
