@@ -3,14 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.fluid import laws, link_coefficients
+from laticauda.fluid import Coefficients, laws, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
@@ -63,7 +63,8 @@ class PlanarPlant:
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
-            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
+            limit = _stable_step(self.coefficients, self.environment)
+            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
@@ -83,9 +84,20 @@ class PlanarPlant:
         }
 
     @cached_property
+    def coefficients(self) -> Coefficients:
+        """Loads per link and fin strip."""
+        return link_coefficients(self.robot, self.environment)
+
+    @cached_property
     def layout(self) -> Layout:
         """The robot as the kernels see it."""
-        return layout(self.robot, self.environment, joints=self.joints, fin_as_links=self.fin_as_links)
+        return layout(
+            self.robot,
+            self.environment,
+            joints=self.joints,
+            fin_as_links=self.fin_as_links,
+            coefficients=self.coefficients,
+        )
 
     @cached_property
     def kernels(self) -> Any:
@@ -271,17 +283,15 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
     return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
-@lru_cache(maxsize=64)
-def _stable_step(robot: Robot, environment: Environment) -> float:
+def _stable_step(c: Coefficients, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    c = link_coefficients(robot, environment)
     if isinstance(environment, Ground):
         along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
     else:
         speed = 1.0  # m/s: links of a swimming robot are slower
         across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
         along = across + speed * environment.sway_friction
-    rate = max(across * float(np.max(c.c_n / (c.mass + c.mu_n))), along * float(np.max(c.c_t / (c.mass + c.mu_t))))
+    rate = max(across * float((c.c_n / (c.mass + c.mu_n)).max()), along * float((c.c_t / (c.mass + c.mu_t)).max()))
     if not rate < 1.0 / LEAST_DT:
         raise ValueError(
             f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
