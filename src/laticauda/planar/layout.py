@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
-from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Thruster, Water
+from laticauda.robot import Environment, Ground, Joint, Module, Robot, Thruster, Water, has_power_model
 
 Thing = TypeVar("Thing")
 
@@ -115,8 +115,9 @@ def layout(
     for thruster in robot.thrusters:
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
     for joint in _distinct(robot.joints):
+        numbers = _joint_numbers(joint, joints, has_power=has_power_model(robot, joints))
         alike = [len(fin) + 1 + i for i, other in enumerate(robot.joints) if other is joint]
-        records[alike, rows.ENVELOPE : rows.LAW_5 + 1] = _joint_numbers(joint, joints)
+        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
     half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
     for e, plate in enumerate(p for group in plates for p in group):
         at = S[size + e * rows.PLATE_ROWS :]
@@ -185,6 +186,7 @@ def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *,
     S[rows.LINEAR] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.REFERENCE_SPEED] = 1.0
+    S[rows.ACTIVE_POWER] = robot.active_power or 0.0
     if isinstance(environment, Ground):
         if environment.friction == "coulomb":
             S[rows.REFERENCE_SPEED] = environment.regularization_speed
@@ -280,20 +282,18 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
     record[rows.THRUST_MOMENT] += x * across - thruster.y * along
 
 
-def _joint_numbers(joint: Joint, drive: str) -> tuple[float, ...]:
-    """The rows from ENVELOPE to LAW_5."""
-    share = joint.actuator.tracking if drive == "prescribed" else 1.0
-    return share, joint.stiffness, joint.damping, *_law_parameters(joint.actuator, drive)
-
-
-def _law_parameters(actuator: Actuator, drive: str) -> tuple[float, ...]:
-    if drive == "pd":
-        return (actuator.proportional_gain, actuator.derivative_gain, 0.0, 0.0, 0.0, 0.0)
+def _joint_numbers(joint: Joint, drive: str, *, has_power: bool) -> tuple[float, ...]:
+    """The rows from ENVELOPE to STALL_POWER."""
+    actuator = joint.actuator
     return (
-        actuator.servo_gain,
+        actuator.tracking if drive == "prescribed" else 1.0,
+        joint.stiffness,
+        joint.damping,
+        actuator.proportional_gain if drive == "pd" else actuator.servo_gain,
+        actuator.derivative_gain,
         actuator.stall_torque,
         actuator.no_load_speed,
         actuator.friction_torque,
         actuator.viscous_friction,
-        actuator.voltage * actuator.stall_current,
+        actuator.stall_power if has_power else 0.0,
     )

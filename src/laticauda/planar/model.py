@@ -15,7 +15,7 @@ from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 
 FORCES = ("drag", "added_mass", "effector")
 
@@ -255,7 +255,7 @@ class PlanarPlant:
         log["joint_angle_ref"] = self._asked_for(samples)
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
         return log
 
