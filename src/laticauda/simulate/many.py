@@ -246,7 +246,7 @@ def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str,
         speed = _size(end - block.center_of_mass[0]) / duration
         power = block.work / duration
         electrical = [has_power_model(run.plant.robot, run.plant.joints) for run in runs]
-        mean = np.where(electrical, power[3], power[0])
+        mean = cast(np.ndarray, np.where(electrical, power[3], power[0]))
         moving = speed.real > metrics.STILL
         return {
             "forward_velocity": speed,
