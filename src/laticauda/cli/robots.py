@@ -1,4 +1,4 @@
-"""`laticauda robots`: what there is to swim, and where."""
+"""`laticauda robots`: what there is to swim, where, and with which parameters."""
 
 import json
 from collections.abc import Sequence

@@ -101,8 +101,8 @@ class Swim:
         from laticauda.simulate import swim
 
         gait = self.gait.chosen()
-        robot = self.environment.equipped(self.robot.chosen(), gait)
         environment, origin = self.environment.chosen(gait, self.coefficients)
+        robot = self.environment.equipped(self.robot.chosen(), gait)
         trial = swim(
             robot,
             gait,
