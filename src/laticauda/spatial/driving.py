@@ -64,11 +64,12 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
     BANDWIDTH,
     RAMP,
     IS_LED,
+    ACTIVE_POWER,  # of the electronics [W]
     COMMAND_ROWS,
 ) = (
     *range(6),
     10,
-    *range(15, 19),
+    *range(15, 20),
 )
 
 # --- Whole numbers that the kernels need
@@ -96,8 +97,22 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
 ) = range(20)
 PRESCRIBED, PD, SERVO, PASSIVE = range(4)
 
-# --- One row of joint parameters: the law, the gait's envelope, which wave moves it, the skin, the law's own
-(LAW, ENVELOPE, WAVE, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(12)
+# --- One row of joint parameters: the law, the gait's envelope, which wave moves it, the skin, the motor
+(
+    LAW,
+    ENVELOPE,  # g, times the share that a prescribed joint does of it
+    WAVE,
+    STIFFNESS,
+    DAMPING,
+    GAIN,  # the rest as in `planar.rows`
+    RATE_GAIN,
+    STALL_TORQUE,
+    NO_LOAD_SPEED,
+    FRICTION_TORQUE,
+    VISCOUS_FRICTION,
+    STALL_POWER,
+    JOINT_SIZE,
+) = range(13)
 YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the
@@ -115,7 +130,7 @@ joint_reference = compiled(reference.joint_reference)
 magnitude = compiled(fluid_laws.magnitude)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
-servo_power = compiled(laws.servo_power)
+motor_power = compiled(laws.motor_power)
 
 
 @kernel
@@ -181,16 +196,14 @@ def set_wave(X, C, w, ramp, wave, J, R):
 @kernel
 @no_type_check
 def actuator(J, i, angle, rate, R):
-    """Torque of a free joint's actuator, its slopes, and its electrical power."""
+    """Torque of a free joint's actuator, and its slopes."""
     if J[i, LAW] == PASSIVE:
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0
     if J[i, LAW] == PD:
-        torque, slope_p, slope_d = pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, LAW_0], J[i, LAW_1])
-        return torque, slope_p, slope_d, 0.0
-    torque, slope_p, slope_d, duty = servo(
-        angle, rate, R[0, i], J[i, LAW_0], J[i, LAW_1], J[i, LAW_2], J[i, LAW_3], J[i, LAW_4]
-    )
-    return torque, slope_p, slope_d, servo_power(duty, rate, J[i, LAW_2], J[i, LAW_5])
+        return pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, GAIN], J[i, RATE_GAIN])
+    motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+    torque, slope_p, slope_d, _ = servo(angle, rate, R[0, i], J[i, GAIN], motor[0], motor[1], motor[2], motor[3])
+    return torque, slope_p, slope_d
 
 
 @kernel
@@ -244,7 +257,7 @@ def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
         if J[i, LAW] == PRESCRIBED:
             continue
         rate = qvel[nv + i]
-        torque, slope_p, slope_d, _ = actuator(J, i, qpos[nq + i], rate, R)
+        torque, slope_p, slope_d = actuator(J, i, qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
         U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
@@ -261,7 +274,7 @@ def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
             continue
-        torque, _, _, _ = actuator(J, i, qpos[nq + i], qvel[nv + i], R)
+        torque, _, _ = actuator(J, i, qpos[nq + i], qvel[nv + i], R)
         rest = qvel[nv + i] - 2.0 * slope[nv + i]
         hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
 
@@ -337,17 +350,19 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
 
 @kernel
 @no_type_check
-def count_work(N, X, J, R, U, P, qpos, qvel, dt):
+def count_work(N, X, C, J, U, P, qvel, dt):
     """The work since the last step by the trapezoidal rule; P keeps the powers."""
-    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
-    absolute, net, positive, electrical = 0.0, 0.0, 0.0, 0.0
+    nv = N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
     for i in range(J.shape[0]):
-        power = U[i] * qvel[nv + i]
+        rate = qvel[nv + i]
+        power = U[i] * rate
         absolute += magnitude(power)
         net += power
         positive += 0.5 * (power + magnitude(power))
-        if J[i, LAW] == SERVO:
-            electrical += actuator(J, i, qpos[nq + i], qvel[nv + i], R)[3]
+        if J[i, STALL_POWER] > 0.0:
+            motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+            electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])
     for k, power in enumerate((absolute, net, positive, electrical)):
         X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
         P[k] = power
@@ -465,7 +480,7 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
             first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
             evaluate(N)
         follow_links(N, order, qpos, links)
-        count_work(N, X, J, R, U, P, qpos, qvel, dt if step > 0 else 0.0)
+        count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
         if step % every == 0:
             if not all_finite(N, qpos, qvel, U):
                 return written
