@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.errors import SimulationFailed
-from laticauda.identify import Measurement, Unknown, fit, from_trial
+from laticauda.identify import Measurement, fit
 
 ROBOT = lc.load_robot("mamba")
 WATER = lc.load_water("paper-lateral")

@@ -81,7 +81,49 @@ def two_sided(confidence: float, degrees: float) -> float:
     return float(special.ndtri(share) if np.isinf(degrees) else special.stdtrit(degrees, share))
 
 
-def sampler(n_walkers: int, n_unknowns: int, log_probability: Callable[[Vector], Vector]) -> Any:
-    """emcee's ensemble sampler; `log_probability` takes all walkers at once."""
+def sum_of(residuals: Vector, loss: str) -> float:
+    """What `least_squares` minimizes: the sum of rho(r^2) with the loss function rho."""
+    z = residuals**2
+    match loss:
+        case "soft_l1":
+            rho = 2.0 * (np.sqrt(1.0 + z) - 1.0)
+        case "huber":
+            rho = np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0)
+        case "cauchy":
+            rho = np.log1p(z)
+        case "arctan":
+            rho = np.arctan(z)
+        case _:
+            rho = z
+    return float(np.sum(rho))
+
+
+def walk(
+    begin: Vector,
+    log_probability: Callable[[Vector], Vector],
+    n_steps: int,
+    seed: int,
+    progress: Callable[[float], None] | None,
+) -> tuple[Vector, float]:
+    """Let emcee's ensemble of walkers walk.
+
+    Args:
+        begin: A row per walker.
+        log_probability: Of all walkers at once.
+        n_steps: How many steps.
+        seed: Of the walk.
+        progress: Called after each step with the share that is finished.
+
+    Returns:
+        Step by step the places of all walkers, and the share of proposals that were taken.
+
+    Raises:
+        MissingExtra: If emcee is not installed.
+    """
     emcee = _library("emcee", "emcee")
-    return emcee.EnsembleSampler(n_walkers, n_unknowns, log_probability, vectorize=True)
+    sampler = emcee.EnsembleSampler(*begin.shape, log_probability, vectorize=True)
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    for step, _ in enumerate(sampler.sample(begin, iterations=n_steps, skip_initial_state_check=True)):
+        if progress is not None:
+            progress((step + 1) / n_steps)
+    return np.asarray(sampler.get_chain()), float(np.mean(sampler.acceptance_fraction))
