@@ -12,7 +12,8 @@ LIMIT = 0.5
 """A combination whose standard deviation is more than this share of itself counts as not seen [-]."""
 _FLAT = 1e-13  # eigenvalues below this share of the greatest are rounding
 _PART = 0.25  # members of a combination below this share of its greatest one are left out of its name
-_ALIKE = 0.2  # exponents that differ by less than this share are called equal
+_ALIKE = 0.2  # exponents that differ by less than this share are called equal,
+_ABOUT = 0.5  # and about equal if none is less than this share of the greatest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,7 +116,8 @@ def _named(weights: np.ndarray, unknowns: Sequence[Settled]) -> str:
     if not all(unknowns[k].is_log for k in members):
         terms = " ".join(f"{weights[k]:+.2g} {name}" for k, name in zip(members, names, strict=True))
         return f"the combination {terms}"
-    if min(weights[members]) > 0.0 and np.ptp(weights[members]) < _ALIKE * greatest:
-        return f"the common scale of {', '.join(names[:-1])} and {names[-1]}"
+    if min(weights[members]) > _ABOUT * greatest:
+        about = "" if np.ptp(weights[members]) < _ALIKE * greatest else "about "
+        return f"{about}the common scale of {', '.join(names[:-1])} and {names[-1]}"
     powers = [f"{name}^{weights[k] / greatest:.2g}" for k, name in zip(members, names, strict=True)]
     return f"the product {' '.join(powers)}"
