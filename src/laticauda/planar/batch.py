@@ -71,6 +71,8 @@ class Block:
     """p [m]."""
     center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
+    log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
+    """The header's state rows from TIME to VY; whole logs go on to what the joints do (see `rows.LOG_STATE`)."""
     heading: Inexact[np.ndarray, " n_runs"]
     """At the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]
@@ -86,6 +88,7 @@ def march_many(
     use: Callable[[Block], Result],
     *,
     threads: int | None = None,
+    with_joints: bool = False,
 ) -> Iterator[Result]:
     """Run every run for `duration` and hand what is left behind, block by block, to `use`.
 
@@ -97,6 +100,7 @@ def march_many(
         sample_interval: Between two samples [s]; adjusted so that it divides `duration`.
         use: Called once per block, in the threads that compute.
         threads: None takes as many as this process may use cores.
+        with_joints: Log all that the kernels can, joints included.
 
     Yields:
         What `use` returned, in no particular order of runs.
@@ -106,8 +110,10 @@ def march_many(
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
         kind = float if runs[0].slope is None else complex
-        log = _aligned((1 + min(n_intervals, _SAMPLES), PATH_ROWS, WIDTH), kind)
-        kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
+        first = runs[int(task[0][0])].plant  # as to kernel and rows, like all runs of a kind
+        n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
+        log = _aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
+        kernel = first.kernels_of(WIDTH).run
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
     n_threads = threads or usable_cores()
@@ -194,6 +200,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
         time=np.real(path[:, 0, 0]),
         center_of_mass=path[:, _X : _X + 2],
         center_of_mass_velocity=path[:, _VX : _VX + 2],
+        log=path,
         heading=end[rows.HEADING].copy(),
         work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
         n_samples=n_samples,

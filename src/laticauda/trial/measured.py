@@ -32,6 +32,8 @@ class MeasuredTrial:
     """Equation (5); None where it was not available [m/s]."""
     mean_power: float | None
     """Electrical power above idle (4), not comparable with a mechanical power; None if not available [W]."""
+    is_maximum: bool = False
+    """Whether the table has a star here: the fastest of a sweep over amplitude, frequency or phase shift."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +65,7 @@ def efficiency_trials() -> tuple[MeasuredTrial, ...]:
             has_fin=row["config"] == "fin",
             forward_velocity=_number(row["v_m_s"]),
             mean_power=_number(row["P_avg_W"]),
+            is_maximum=row["maximum"] == "yes",
         )
         for row in _rows("table1.csv")
         if row["v_m_s"] or row["P_avg_W"]
