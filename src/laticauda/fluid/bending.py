@@ -39,11 +39,11 @@ def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndar
     hinge = np.array([one.position for one in fin.hinges])
     pieces = [(0.5 * (p.begin + p.end), p.mass, p.mass * p.length**2 / 12.0) for p in fin.pieces]
     water = zip(-strips.position, strips.mu_n, strips.lambda_1, strict=True)
-    M = np.zeros((hinge.size, hinge.size))
+    mass_matrix = np.zeros((hinge.size, hinge.size))
     for place, mass, inertia in [*pieces, *water]:
         behind = hinge < place
         arm = np.where(behind, place - hinge, 0.0)
-        M += mass * np.outer(arm, arm) + inertia * np.outer(behind, behind)
+        mass_matrix += mass * np.outer(arm, arm) + inertia * np.outer(behind, behind)
     root = np.diag([math.sqrt(one.stiffness) for one in fin.hinges])
-    flexibility = np.linalg.eigvalsh(np.linalg.inv(root) @ M @ np.linalg.inv(root))
+    flexibility = np.linalg.eigvalsh(np.linalg.inv(root) @ mass_matrix @ np.linalg.inv(root))
     return np.asarray(1.0 / (2.0 * math.pi * np.sqrt(flexibility[::-1])))
