@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 import laticauda as lc
+from laticauda.fluid import bending_frequencies
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
 from laticauda.planar.model import PlanarPlant
@@ -103,6 +104,18 @@ def test_two_frequencies_are_those_of_a_beam_of_finite_elements(opening, bounds)
     found = bending_rates(fin, WATER)
     assert found[0] == pytest.approx(beam[0], rel=bounds[0])
     assert found[1] == pytest.approx(beam[1], rel=bounds[1])
+
+
+@pytest.mark.parametrize("opening", ["open", "closed"])
+@pytest.mark.parametrize("rotational", ["paper", "strip"])
+def test_the_stated_frequencies_are_those_of_the_kernel(opening, rotational):
+    water = replace(WATER, rotational=rotational)
+    for n in range(1, 7):
+        fin = CaudalFin(opening=opening, n_hinges=n, flexural_rigidity=0.7)
+        stated = bending_frequencies(replace(RIGID, caudal_fin=fin), water)
+        np.testing.assert_allclose(2.0 * np.pi * stated, bending_rates(fin, water), rtol=1e-4)
+    with pytest.raises(ValueError, match=r"`robot` must have a fin that bends \(`caudal_fin.n_hinges` > 0\)"):
+        bending_frequencies(RIGID, water)
 
 
 def test_a_plucked_fin_swings_at_that_frequency():

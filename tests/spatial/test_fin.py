@@ -1,4 +1,4 @@
-"""The fin that bends and the fin that is driven, in MuJoCo: the same accelerations and the same swims as in the plane."""
+"""The fin that bends and the fin that is driven, in MuJoCo: accelerations and swims are those in the plane."""
 
 import math
 from dataclasses import replace

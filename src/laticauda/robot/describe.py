@@ -154,6 +154,13 @@ def _fin(fin: CaudalFin) -> str:
     for name in ("tangential_friction", "normal_drag", "added_mass"):
         if getattr(fin, name) is not None:
             parts.append(f"{name} {getattr(fin, name):g}")
+    if fin.n_hinges:
+        hinges = "1 hinge" if fin.n_hinges == 1 else f"{fin.n_hinges} hinges"
+        parts.append(
+            f"bends about {hinges}, E I {fin.flexural_rigidity:g} N m^2, eta I {fin.bending_damping:g} N m^2 s"
+        )
+    if fin.joint is not None:
+        parts.append("driven about its root")
     return ", ".join(parts)
 
 
