@@ -3,6 +3,7 @@
 # ezc3d has no types.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
+import io
 import struct
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,7 @@ from laticauda.trial.tables import Table
 
 BLOCK = 512  # bytes
 KEY = 0x50  # the second byte of every such file
+BIG_ENDIAN = 86  # the number of the processors whose numbers begin with the large end
 
 
 def read_c3d(path: Path) -> Table:
@@ -35,23 +37,40 @@ def read_c3d(path: Path) -> Table:
         door: Any = import_module("ezc3d")
     except ImportError as error:
         raise MissingExtra("Reading C3D", "ezc3d", "logs") from error
-    with path.open("rb") as file:  # what the file system has to say, in its own words
-        start = file.read(BLOCK)
-    if len(start) < BLOCK or start[1] != KEY:
-        raise TrialFileError(f"Cannot load {path}: it is no C3D file.")
     try:
+        n_frames = _check_whole(path)
         content = door.c3d(str(path))
-        _check_whole(start, content["data"]["points"].shape[2])
+        found = content["data"]["points"].shape[2]
+        if found < n_frames:  # the library takes what is there
+            raise ValueError(f"it must have {n_frames} frames, got {found}: it is cut off")
         return _table(content["parameters"], content["data"])
+    except FileNotFoundError:
+        raise
     except (RuntimeError, ValueError, KeyError, IndexError, MemoryError, OSError) as error:
         raise TrialFileError(f"Cannot load {path}: it is no whole C3D file ({error}).") from error
 
 
-def _check_whole(header: bytes, n_frames: int) -> None:
-    """Refuse a file that is cut off: the library then has fewer frames than the file's first block says."""
-    first, last = struct.unpack_from("<HH", header, 6)
-    if header[:1] == b"\x02" and n_frames < last - first + 1:  # in another byte order the numbers mean nothing
-        raise ValueError(f"it must have {last - first + 1} frames, got {n_frames}: it is cut off")
+def _check_whole(path: Path) -> int:
+    """Refuse what is no C3D file, or is cut off in its parameters, where the library would count for minutes.
+
+    Returns:
+        How many frames the file says it has.
+    """
+    with path.open("rb") as file:  # what the file system has to say is said here, in its own words
+        header = file.read(BLOCK)
+        if len(header) < BLOCK or header[1] != KEY:
+            raise ValueError("it has no header")
+        file.seek((header[0] - 1) * BLOCK)
+        start = file.read(4)
+        size = file.seek(0, io.SEEK_END)
+    if len(start) < 4:
+        raise ValueError("it ends before its parameters")
+    order = ">" if start[3] == BIG_ENDIAN else "<"
+    first, last = struct.unpack_from(order + "HH", header, 6)
+    (data_block,) = struct.unpack_from(order + "H", header, 16)
+    if size < (max(data_block - 1, header[0] - 1 + start[2])) * BLOCK:
+        raise ValueError("it ends in its parameters")
+    return last - first + 1
 
 
 def _table(parameters: Any, data: Any) -> Table:
