@@ -98,7 +98,7 @@ def test_a_log_without_a_map_and_a_map_with_a_mistake_are_refused_by_name(run, s
     run("trial convert bare.nc log.csv")
     refused = run("trial show log.csv")
     assert refused.status == 2
-    assert "does not say what swam; give a column map by --columns" in refused.err
+    assert "does not say what swam; give a column map (`columns`, on the command line --columns)" in refused.err
     (folder / "map.toml").write_text(MAP.replace("position", "positions"))
     refused = run("trial show log.csv --columns map.toml")
     assert refused.status == 2

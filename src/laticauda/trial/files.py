@@ -98,7 +98,8 @@ def load_trial(path: str | Path, columns: str | Path | ColumnMap | None = None) 
     try:
         if form.read is None:
             raise TrialFileError(
-                f"Cannot load {path}: a {form.ending} file does not say what swam; give a column map by `columns`."
+                f"Cannot load {path}: a {form.ending} file does not say what swam; give a column map "
+                "(`columns`, on the command line --columns)."
             )
         read: Callable[[Path], Trial] = getattr(_module(form), form.read)
         return read(path)

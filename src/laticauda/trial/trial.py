@@ -190,13 +190,13 @@ class Trial:
     @property
     def net_power(self) -> float:
         """Mean of sum u phi': braking joints give their power back [W]."""
-        self.need("a net power", "work")
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 1])
 
     @property
     def positive_power(self) -> float:
         """Mean of sum max(u phi', 0): braking joints cost nothing [W]."""
-        self.need("a positive power", "work")
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 2])
 
     @property
