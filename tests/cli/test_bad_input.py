@@ -101,7 +101,7 @@ BAD = {
     "trial show text.toml": "Cannot load text.toml: it is no netCDF file",
     "trial compare": "FILES must hold at least 2 trials to compare, got 0.",
     "trial compare nofile.nc a.nc": "Cannot read nofile.nc",
-    "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .csv, got out.xlsx.",
+    "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .nc or .mcap or .parquet or .mat or .csv, got",
     "trial convert a.nc nofolder/out.csv": "OUTPUT must be a file in a folder that exists, got nofolder/out.csv.",
     "trial convert text.toml out.csv": "Cannot load text.toml",
 }

@@ -106,7 +106,7 @@ def test_an_older_file_is_replaced_and_nothing_else_is_left(make_trial, full_tri
     ("where", "failure", "message"),
     [
         ("os.fsync", OSError(28, "No space left on device"), r"Cannot write .*run\.nc: no space left on device\."),
-        ("laticauda.trial.files._store_state", RuntimeError("NetCDF: HDF error"), r"HDF error; is the disk full\?"),
+        ("laticauda.trial.netcdf._store_state", RuntimeError("NetCDF: HDF error"), r"HDF error; is the disk full\?"),
     ],
 )
 def test_a_failed_write_leaves_the_old_file_and_no_litter(full_trial, path, monkeypatch, where, failure, message):

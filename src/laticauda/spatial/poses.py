@@ -37,7 +37,11 @@ def pose(trial: Trial, time: float, height: float) -> Pose:
         trial: Any trial.
         time: Within the trial's time [s].
         height: At which a planar robot swims [m].
+
+    Raises:
+        ValueError: If a measured trial does not say how the robot was bent.
     """
+    trial.need("a picture of the robot", "joint_angle", "heading")
     before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
     joint_angle = _between(trial, before, time, trial.joint_angle, trial.joint_rate)
     center = _between(trial, before, time, trial.center_of_mass, trial.center_of_mass_velocity)

@@ -95,6 +95,15 @@ def state_array(name: str, value: object) -> AnyArray:
     return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
 
 
+def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
+    """`value` as some of the names in `choices`, in their order."""
+    given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
+    for one in given:
+        if one not in choices:
+            raise ValueError(f"`{name}` must hold only {', '.join(choices)}, got {one!r}.")
+    return tuple(choice for choice in choices if choice in given)
+
+
 def same(one: object, other: object) -> bool:
     """Whether two contents are the same, arrays bit for bit."""
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):

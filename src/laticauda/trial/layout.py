@@ -147,6 +147,7 @@ def attributes(trial: Trial) -> dict[str, str | int]:
         "has_electrical_work": int(trial.electrical_work is not None),
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
         "signals": json.dumps(list(trial.signals)),
+        "not_measured": json.dumps(trial.not_measured),
         "state": json.dumps({name: value.dtype.str for name, value in trial.state.items()}),
     }
 
@@ -180,6 +181,7 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
         settings=json.loads(attributes["settings"]),
         **texts,
         succeeded=bool(attributes["succeeded"]),
+        not_measured=tuple(json.loads(attributes.get("not_measured", "[]"))),  # older versions have none
         state={name: read(f"state/{name}").astype(dtype) for name, dtype in state.items()},
     )
 
@@ -212,3 +214,22 @@ def _environment(read: Robot | Water | Ground) -> Water | Ground:
     if isinstance(read, Robot):
         raise ValueError("`environment` must be water or ground, got a robot.")
     return read
+
+
+def variable(name: str) -> Variable:
+    """The description of a time series by its name.
+
+    Args:
+        name: As in the file.
+
+    Raises:
+        KeyError: If no trial has one of that name.
+    """
+    for found in (*PLAIN, *WORK, ELECTRICAL):
+        if found.name == name:
+            return found
+    if name.startswith(FORCE):
+        return _force(name.removeprefix(FORCE))
+    if name.startswith(SIGNAL):
+        return _signal(name.removeprefix(SIGNAL))
+    raise KeyError(name)

@@ -24,6 +24,17 @@ if TYPE_CHECKING:
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 WORK_KINDS = ("absolute", "net", "positive")
+NOT_NEEDED = (
+    "heading",
+    "heading_rate",
+    "link_angle",
+    "joint_angle",
+    "joint_rate",
+    "joint_angle_ref",
+    "joint_torque",
+    "work",
+)
+"""What a measured trial may lack; where the robot was is what every trial has."""
 
 
 def _now() -> str:
@@ -89,6 +100,8 @@ class Trial:
     """How the run ended: a sentence, with advice where it failed."""
     succeeded: bool = True
     """Whether the run reached its end."""
+    not_measured: tuple[str, ...] = ()
+    """Arrays that nobody measured, see `NOT_NEEDED`: they hold zeros, and figures that need them refuse."""
     state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
     """The plant's final state, from which the run can go on; empty where there is none."""
 
@@ -102,6 +115,7 @@ class Trial:
             contents.instance(name, getattr(self, name), str)
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "not_measured", contents.names("not_measured", self.not_measured, NOT_NEEDED))
 
     def _clean(self) -> dict[str, object]:
         """Arrays and mappings as they are kept."""
@@ -170,16 +184,19 @@ class Trial:
     @property
     def mechanical_power(self) -> float:
         """Mean of sum |u phi'| over the run [W]."""
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 0])
 
     @property
     def net_power(self) -> float:
         """Mean of sum u phi': braking joints give their power back [W]."""
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 1])
 
     @property
     def positive_power(self) -> float:
         """Mean of sum max(u phi', 0): braking joints cost nothing [W]."""
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 2])
 
     @property
@@ -258,6 +275,7 @@ class Trial:
         Raises:
             ValueError: If there is no gait, or the run is shorter than one cycle.
         """
+        self.need("a mean heading", "heading")
         return cycle_mean(self.time, self.heading, self.heading_rate, self._known_period)
 
     @cached_property
@@ -276,6 +294,7 @@ class Trial:
         Raises:
             ValueError: If there is no gait, the run is too short, or the robot stands still.
         """
+        self.need("a sideslip", "heading")
         path = self.time, self.center_of_mass, self.center_of_mass_velocity
         return metrics.sideslip(*path, self.heading, self.heading_rate, self._known_period)
 
@@ -286,6 +305,7 @@ class Trial:
         Raises:
             ValueError: If there is no gait, or the run is too short.
         """
+        self.need("a turning rate", "heading")
         return metrics.turning_rate(self.time, self.heading, self.heading_rate, self._known_period)
 
     @cached_property
@@ -295,6 +315,7 @@ class Trial:
         Raises:
             ValueError: If there is no gait, the run is too short, or the robot stands still.
         """
+        self.need("a Strouhal number", "link_angle")
         path = self.time, self.center_of_mass, self.center_of_mass_velocity
         return metrics.strouhal_number(*path, self.link_angle, self._chain, self._known_period, self.fin_angle)
 
@@ -323,7 +344,7 @@ class Trial:
         return summary(self)
 
     def save(self, path: str | Path) -> None:
-        """Write the trial to the netCDF file `path`, for `load_trial` or any netCDF tool; see `files.save_trial`."""
+        """Write the trial to the file `path`, for `load_trial`; its ending says the format, see `files.save_trial`."""
         from laticauda.trial.files import save_trial
 
         save_trial(self, path)
@@ -346,6 +367,20 @@ class Trial:
             return False
         names = (field.name for field in dataclasses.fields(self))
         return all(contents.same(getattr(self, name), getattr(other, name)) for name in names)
+
+    def need(self, purpose: str, *names: str) -> None:
+        """Refuse a measured trial that lacks something.
+
+        Args:
+            purpose: What it is needed for, in words.
+            names: Of arrays, as in `not_measured`.
+
+        Raises:
+            ValueError: If one of them was not measured.
+        """
+        for name in names:
+            if name in self.not_measured:
+                raise ValueError(f"The trial must have a measured `{name}` for {purpose}, and it has none.")
 
     def __repr__(self) -> str:
         """On one line: who swam what for how long, and how it ended."""

@@ -1,0 +1,400 @@
+"""MCAP files, the door of the package `mcap`: a recorder whose file survives that its program is killed.
+
+Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
+refuse files of mixed encodings, so even what has no ROS type of its own travels as one: an event as the log message of
+ROS, with its data as JSON. Units stand in the metadata of each channel, under "unit". `recording` reads it again.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, Self
+
+from laticauda.errors import MissingExtra, StorageFailed, finite, positive, whole
+from laticauda.trial import ros2
+
+LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
+"""Levels of events and their numbers in rcl_interfaces/Log."""
+WORLD = "world"
+"""The frame of the world axes."""
+
+
+def need_mcap() -> None:
+    """Refuse where the package is missing.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    try:
+        import_module("mcap")
+    except ImportError as error:
+        raise MissingExtra("Reading and writing MCAP", "mcap", "logs") from error
+
+
+class Recorder:
+    """Writes messages to an MCAP file while they happen; any thread may.
+
+    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
+    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
+    context manager: leaving it, also by an error, completes the file.
+
+    Args:
+        path: The file.
+        chunk_seconds: A chunk is complete after this much time of the messages [s].
+        chunk_bytes: And when it holds this much [bytes].
+        overwrite: Whether an older file of that name may be replaced.
+
+    Raises:
+        ValueError: If an argument is out of range.
+        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
+        MissingExtra: If the package `mcap` is not installed.
+
+    Example:
+        >>> with Recorder("/dev/null", overwrite=True) as recorder:
+        ...     recorder.scalar("/power/electrical", 0.5, 92.0, unit="W")
+        ...     recorder.event(0.5, "running", {"gait": "eel_like"})
+    """
+
+    def __init__(
+        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
+    ) -> None:
+        need_mcap()
+        from mcap.writer import Writer
+
+        self._chunk_ns = _nanoseconds(positive("chunk_seconds", chunk_seconds, "s"))
+        self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
+        self.path = Path(path)
+        try:
+            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
+        except OSError as error:
+            raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
+        # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
+        self._writer = Writer(self._file, chunk_size=1 << 40)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, tuple[int, str]] = {}
+        self._lock = threading.Lock()
+        self._open_since: int | None = None
+        self._open_bytes = 0
+        self._sequence = 0
+        self._is_open = True
+        self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
+
+    # ---- what happens --------------------------------------------------------------------------------------------
+
+    def message(self, topic: str, time: float, kind: str, content: Mapping[str, Any], *, unit: str = "") -> None:
+        """Record any message of a known type.
+
+        Args:
+            topic: As "/joint_states"; its messages are all of one type.
+            time: When it happened [s], not negative: since the start of the run, or since 1970.
+            kind: The ROS type, one of `ros2_types.DEFINITIONS`, as "std_msgs/Float64".
+            content: Its fields.
+            unit: Of its numbers; kept with the first message of the topic.
+
+        Raises:
+            ValueError: If the content does not fit the type, or the topic has another type.
+            StorageFailed: If it cannot be written.
+        """
+        now = _nanoseconds(finite("time", time, "s"))
+        if now < 0:
+            raise ValueError(f"`time` must be >= 0 s, got {time}.")
+        data = ros2.codec(kind).encode(content)
+        with self._lock:
+            self._add(self._channel(topic, kind, unit), now, data)
+
+    def joint_state(
+        self,
+        topic: str,
+        time: float,
+        names: Sequence[str],
+        position: Sequence[float],
+        velocity: Sequence[float] = (),
+        effort: Sequence[float] = (),
+    ) -> None:
+        """Record the state of joints (sensor_msgs/JointState).
+
+        Args:
+            topic: Where, as "/joint_states".
+            time: When, as for `message` [s].
+            names: Of the joints, tail first.
+            position: Their angles [rad].
+            velocity: Their rates [rad/s]; empty if not known.
+            effort: Their torques [N m]; empty if not known.
+        """
+        content = {
+            "header": _header(time, ""),
+            "name": names,
+            "position": position,
+            "velocity": velocity,
+            "effort": effort,
+        }
+        self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
+
+    def pose(
+        self,
+        topic: str,
+        time: float,
+        position: Sequence[float],
+        quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        frame: str = WORLD,
+    ) -> None:
+        """Record where something is (geometry_msgs/PoseStamped).
+
+        Args:
+            topic: Where, as "/body".
+            time: When, as for `message` [s].
+            position: x, y, z [m].
+            quaternion: Its orientation w, x, y, z [-].
+            frame: Whose axes these are.
+        """
+        pose = {"position": _xyz(position), "orientation": _quaternion(quaternion)}
+        self.message(topic, time, "geometry_msgs/PoseStamped", {"header": _header(time, frame), "pose": pose}, unit="m")
+
+    def transforms(
+        self, time: float, frames: Mapping[str, tuple[Sequence[float], Sequence[float]]], parent: str = WORLD
+    ) -> None:
+        """Record where frames are, on /tf (tf2_msgs/TFMessage).
+
+        Args:
+            time: When, as for `message` [s].
+            frames: By name: position x, y, z [m] and orientation w, x, y, z [-].
+            parent: In whose axes.
+        """
+        header = _header(time, parent)
+        transforms = [
+            {
+                "header": header,
+                "child_frame_id": name,
+                "transform": {"translation": _xyz(position), "rotation": _quaternion(quaternion)},
+            }
+            for name, (position, quaternion) in frames.items()
+        ]
+        self.message("/tf", time, "tf2_msgs/TFMessage", {"transforms": transforms}, unit="m")
+
+    def scalar(self, topic: str, time: float, value: float, unit: str = "") -> None:
+        """Record one number (std_msgs/Float64).
+
+        Args:
+            topic: Where, as "/power/electrical".
+            time: When, as for `message` [s].
+            value: The number.
+            unit: Its unit.
+        """
+        self.message(topic, time, "std_msgs/Float64", {"data": value}, unit=unit)
+
+    def vector(self, topic: str, time: float, xyz: Sequence[float], unit: str = "", frame: str = WORLD) -> None:
+        """Record a vector (geometry_msgs/Vector3Stamped).
+
+        Args:
+            topic: Where, as "/current".
+            time: When, as for `message` [s].
+            xyz: Its components.
+            unit: Their unit.
+            frame: Whose axes these are.
+        """
+        content = {"header": _header(time, frame), "vector": _xyz(xyz)}
+        self.message(topic, time, "geometry_msgs/Vector3Stamped", content, unit=unit)
+
+    def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
+        """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
+
+        Args:
+            topic: Where, as "/link_force".
+            time: When, as for `message` [s].
+            values: An array of numbers.
+            unit: Their unit.
+            labels: Names of its axes.
+        """
+        import numpy as np
+
+        numbers = np.asarray(values, dtype=np.float64)
+        sizes = numbers.shape
+        dim = [
+            {
+                "label": labels[i] if i < len(labels) else "",
+                "size": size,
+                "stride": int(np.prod(sizes[i:], dtype=np.int64)),
+            }
+            for i, size in enumerate(sizes)
+        ]
+        content = {"layout": {"dim": dim, "data_offset": 0}, "data": numbers.ravel()}
+        self.message(topic, time, "std_msgs/Float64MultiArray", content, unit=unit)
+
+    def can_frame(
+        self,
+        topic: str,
+        time: float,
+        identifier: int,
+        data: bytes,
+        *,
+        is_extended: bool = False,
+        is_rtr: bool = False,
+        is_error: bool = False,
+    ) -> None:
+        """Record a raw frame of a CAN bus (can_msgs/Frame).
+
+        Args:
+            topic: Where, as "/can".
+            time: When, as for `message` [s].
+            identifier: Of the frame.
+            data: Up to 8 bytes.
+            is_extended: Whether the identifier has 29 bits.
+            is_rtr: Whether it asks for data.
+            is_error: Whether the bus reports an error by it.
+
+        Raises:
+            ValueError: If there are more than 8 bytes.
+        """
+        if len(data) > 8:
+            raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
+        content = {
+            "header": _header(time, ""),
+            "id": identifier,
+            "is_rtr": is_rtr,
+            "is_extended": is_extended,
+            "is_error": is_error,
+            "dlc": len(data),
+            "data": bytes(data).ljust(8, b"\x00"),
+        }
+        self.message(topic, time, "can_msgs/Frame", content)
+
+    def json(self, topic: str, time: float, content: object) -> None:
+        """Record anything that JSON can hold, as a text (std_msgs/String).
+
+        Args:
+            topic: Where, as "/settings".
+            time: When, as for `message` [s].
+            content: The data.
+        """
+        self.message(topic, time, "std_msgs/String", {"data": json.dumps(content)}, unit="json")
+
+    def event(self, time: float, name: str, data: object = None, *, level: str = "info") -> None:
+        """Record an event on /events (rcl_interfaces/Log), and hand on the chunk: what happens last matters most.
+
+        Args:
+            time: When [s].
+            name: What happened, in a word or two.
+            data: Anything more that JSON can hold.
+            level: One of `LEVELS`.
+
+        Raises:
+            ValueError: If the level is not known, or the data are not for JSON.
+        """
+        if level not in LEVELS:
+            raise ValueError(f"`level` must be one of {', '.join(LEVELS)}, got {level!r}.")
+        try:
+            text = "" if data is None else json.dumps(data)
+        except TypeError as error:
+            raise ValueError(f"`data` must be data that JSON can hold: {error}.") from error
+        content = {
+            "stamp": ros2.stamp(_nanoseconds(time)),
+            "level": LEVELS[level],
+            "name": name,
+            "msg": text,
+            "file": "",
+            "function": "",
+            "line": 0,
+        }
+        self.message("/events", time, "rcl_interfaces/Log", content)
+        self.flush()
+
+    def metadata(self, name: str, content: Mapping[str, str]) -> None:
+        """Record texts that belong to the whole file; they are on disk at once.
+
+        Args:
+            name: What they are about.
+            content: The texts by name.
+        """
+        with self._lock:
+            self._guarded(lambda: self._writer.add_metadata(name, dict(content)))
+            self._guarded(self._writer.flush)
+
+    # ---- files ---------------------------------------------------------------------------------------------------
+
+    def flush(self) -> None:
+        """Complete the open chunk and hand it to the operating system."""
+        with self._lock:
+            self._end_chunk()
+
+    def close(self) -> None:
+        """Complete the file; a second time it does nothing."""
+        with self._lock:
+            if not self._is_open:
+                return
+            self._is_open = False
+            try:
+                self._guarded(self._writer.finish)
+            finally:
+                self._guarded(self._file.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def _channel(self, topic: str, kind: str, unit: str) -> int:
+        found = self._channels.get(topic)
+        if found is not None:
+            if found[1] != kind:
+                raise ValueError(f"`topic` {topic} must keep its type {found[1]}, got {kind}.")
+            return found[0]
+        if not topic:
+            raise ValueError("`topic` must be a name such as /joint_states, got ''.")
+        if kind not in self._schemas:
+            text = ros2.schema_text(kind).encode()
+            self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
+        # The profile asks for the quality of service, and may have it empty.
+        metadata = {"offered_qos_profiles": "", "unit": unit}
+        number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
+        self._channels[topic] = number, kind
+        return number
+
+    def _add(self, channel: int, now: int, data: bytes) -> None:
+        if not self._is_open:
+            raise StorageFailed(f"Cannot write {self.path}: it is closed.")
+        if self._open_since is None:
+            self._open_since = now
+        self._sequence += 1
+        self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
+        self._open_bytes += len(data)
+        # Moments of several sources need not be in order: an older one does not end a chunk.
+        if self._open_bytes >= self._chunk_bytes or now - self._open_since >= self._chunk_ns:
+            self._end_chunk()
+
+    def _end_chunk(self) -> None:
+        self._guarded(self._writer.flush)
+        self._open_since, self._open_bytes = None, 0
+
+    def _guarded(self, act: Any) -> None:
+        try:
+            act()
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise StorageFailed(f"Cannot write {self.path}: {reason}; what came before is kept.") from error
+
+
+# ---- inside --------------------------------------------------------------------------------------------------------
+
+
+def _nanoseconds(time: float) -> int:
+    return round(time * 1e9)
+
+
+def _header(time: float, frame: str) -> dict[str, Any]:
+    return {"stamp": ros2.stamp(_nanoseconds(time)), "frame_id": frame}
+
+
+def _xyz(values: Sequence[float]) -> dict[str, float]:
+    x, y, z = values
+    return {"x": x, "y": y, "z": z}
+
+
+def _quaternion(values: Sequence[float]) -> dict[str, float]:
+    w, x, y, z = values
+    return {"x": x, "y": y, "z": z, "w": w}
