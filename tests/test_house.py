@@ -14,6 +14,7 @@ from jaxtyping import TypeCheckError
 ROOT = Path(__file__).parent.parent
 HEAVY = [
     "can",
+    "cantools",
     "casadi",
     "dask",
     "distributed",
@@ -25,7 +26,9 @@ HEAVY = [
     "numba",
     "pyarrow",
     "pymoo",
+    "qtm_rt",
     "scipy",
+    "serial",
     "tqdm",
     "viser",
     "xarray",

@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import within
+from laticauda.errors import finite, within
 from laticauda.gaits import Gait
 from laticauda.robot import CaudalFin, Environment, Robot
 
@@ -28,6 +28,37 @@ class Command:
     """phi_0 that steering adds to the gait's offset; positive turns left [rad]."""
     pitch_offset: float = 0.0
     """The same for the pitch joints; positive turns down [rad]."""
+    references: tuple[float, ...] | None = None
+    """Reference of every joint, from somewhere else, held until the next command: the gait and the offsets do not count
+    then, and the reference generator stands still. For joints driven by pd control or servos [rad]."""
+    enabled: tuple[bool, ...] | None = None
+    """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
+    are on. For joints driven by pd control or servos [-]."""
+
+    def check_held(self, n_joints: int, joints: str) -> None:
+        """Refuse references and switches that do not fit a plant.
+
+        Args:
+            n_joints: How many joints the plant drives.
+            joints: How: prescribed, pd or servo.
+
+        Raises:
+            ValueError: If there are not as many as joints, a reference is no finite number, or the joints are
+                prescribed.
+        """
+        for name in ("references", "enabled"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            if joints == "prescribed":
+                raise ValueError(
+                    f"`{name}` must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
+                    f"`servo` joints can, got {len(values)} of them."
+                )
+            if len(values) != n_joints:
+                raise ValueError(f"`{name}` must have one entry per joint, {n_joints} of them, got {len(values)}.")
+        for i, angle in enumerate(self.references or ()):
+            finite(f"references[{i}]", angle, "rad")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +165,7 @@ class OpenLoop:
         return None, self.command
 
 
+@runtime_checkable
 class Plant(Protocol[State]):
     """A body in the water. Its state is a value: the same state and command always give the same next state."""
 

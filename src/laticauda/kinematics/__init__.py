@@ -14,11 +14,14 @@ from laticauda.kinematics.poses import (
     trailing_edge,
     trailing_edge_velocity,
 )
+from laticauda.kinematics.space import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 
 __all__ = [
+    "ModulePoses",
     "center_of_mass",
     "center_of_mass_velocity",
     "fin_line",
+    "from_quaternion",
     "heading",
     "joint_angles",
     "joint_positions",
@@ -26,6 +29,8 @@ __all__ = [
     "link_centers",
     "link_ends",
     "link_velocities",
+    "module_poses",
     "trailing_edge",
     "trailing_edge_velocity",
+    "turned_about_vertical",
 ]

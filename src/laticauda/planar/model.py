@@ -24,6 +24,8 @@ FORCES = ("drag", "added_mass", "effector")
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
 ELASTIC_DT = 0.005  # with a fin that bends
+# Of a state vector: the phase, the filtered values and their rates.
+GENERATOR = slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -185,7 +187,10 @@ class PlanarPlant:
             body = force[..., 0]
             body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
             log |= {f"force_{name}": body[:, i, a.tail_link :] for i, name in enumerate(FORCES)}
-        return PlanarState(values=samples[-1, : state.values.size].copy()), log, None
+        values = samples[-1, : state.values.size].copy()
+        if command.references is not None:
+            values[GENERATOR] = state.values[GENERATOR]
+        return PlanarState(values=values), log, None
 
     def pack(self, state: PlanarState) -> dict[str, np.ndarray]:
         """A state as arrays that can be stored."""
@@ -231,7 +236,24 @@ class PlanarPlant:
         joints = state.values[rows.LOG_STATE :].reshape(2, -1)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
         body[a.tail_link + 1 :, rows.ENVELOPE] *= gait.joint_envelope(self.robot.n_links)
+        self._hold(S, body[a.tail_link + 1 :], command)
         return S
+
+    def _hold(self, S: np.ndarray, joints: np.ndarray, command: Command) -> None:
+        """Put in references from outside, and switch motors off."""
+        command.check_held(self.robot.n_joints, self.joints)
+        if command.references is not None:
+            # A wave of amplitude 1 that stands still at its crest, the references its envelope.
+            S[rows.AMPLITUDE : rows.OFFSET + 1] = 1.0, 0.0, 0.0, 0.0
+            S[rows.RAMP] = 0.0
+            S[rows.PHASE : rows.OFFSET_RATE + 1] = 0.0
+            S[rows.PHASE], S[rows.AMPLITUDE_NOW] = 0.5 * math.pi, 1.0
+            joints[:, rows.ENVELOPE] = command.references
+        if command.enabled is not None:
+            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            off = np.logical_not(command.enabled)
+            joints[off, rows.GAIN : rows.STALL_TORQUE + 1] = 0.0
+            joints[off, rows.STALL_POWER] = 0.0
 
     def what_went_wrong(self, time: float) -> str:
         """The sentence that a run ends with that diverged at `time` [s]."""

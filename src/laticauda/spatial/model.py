@@ -26,6 +26,8 @@ CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 ELASTIC_DT = 0.005  # with a fin that bends
+# Of a state vector: both waves' phase, filtered values and their rates.
+GENERATOR = (slice(driving.PHASE, driving.OFFSET_RATE + 1), slice(driving.PITCH, driving.FIN))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -201,7 +203,8 @@ class SpatialPlant:
         n_intervals = max(1, round(duration / sample_interval))
         every = max(1, math.ceil(duration / n_intervals / self.dt - 1e-9))
         dt = duration / n_intervals / every
-        after, samples = self._go(state, self._rows(command), n_intervals * every, dt, every)
+        begin = state if command.references is None else _at_rest(state)
+        after, samples = self._go(begin, self._rows(command), n_intervals * every, dt, every)
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):
@@ -209,7 +212,10 @@ class SpatialPlant:
             return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
         log = self._log(samples)
         if link_forces:
-            log |= self._link_forces(state, command, n_intervals, every, dt)
+            log |= self._link_forces(begin, command, n_intervals, every, dt)
+        if command.references is not None:
+            for rows in GENERATOR:
+                after.values[rows] = state.values[rows]
         return after, log, None
 
     def pack(self, state: SpatialState) -> dict[str, np.ndarray]:
@@ -262,7 +268,22 @@ class SpatialPlant:
             rows[driving.FIN_COMMAND : driving.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
             yaw = joints[:, driving.WAVE] == driving.YAW_WAVE
             joints[yaw, driving.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
+            self._hold(rows, joints[: self.robot.n_joints], command)
         return rows, joints
+
+    def _hold(self, rows: np.ndarray, joints: np.ndarray, command: Command) -> None:
+        """Put in references from outside, and switch motors off; see `_at_rest`."""
+        command.check_held(self.robot.n_joints, self.joints)
+        if command.references is not None:
+            rows[: driving.FIN_COMMAND] = 0.0
+            rows[driving.AMPLITUDE] = rows[driving.PITCH_COMMAND + driving.AMPLITUDE] = 1.0
+            rows[driving.RAMP] = 0.0
+            joints[:, driving.ENVELOPE] = command.references
+        if command.enabled is not None:
+            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            off = np.logical_not(command.enabled)
+            joints[off, driving.GAIN : driving.STALL_TORQUE + 1] = 0.0
+            joints[off, driving.STALL_POWER] = 0.0
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""
@@ -339,6 +360,16 @@ class SpatialPlant:
         first, second = driving.OFFSET_NOW, driving.SECOND + driving.OFFSET_NOW
         offset = samples[:, [second if joint.axis == "pitch" else first for joint in self.robot.joints]]
         return offset + (done - offset) / share
+
+
+def _at_rest(state: SpatialState) -> SpatialState:
+    """The state with both waves of amplitude 1, standing still at their crest: their envelope is the reference."""
+    values = state.values.copy()
+    for rows in GENERATOR:
+        values[rows] = 0.0
+    for first in (0, driving.SECOND):
+        values[first + driving.PHASE], values[first + driving.AMPLITUDE_NOW] = 0.5 * math.pi, 1.0
+    return SpatialState(values=values)
 
 
 def _what_went_wrong(time: float, joints: str, dt: float) -> str:

@@ -1,0 +1,93 @@
+"""What the cameras see of the last module, the tail: noise, lost frames, reflections, and the end of their view."""
+
+import math
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.kinematics import ModulePoses, turned_about_vertical
+from laticauda.lab.settings import MocapSettings
+from laticauda.protocol import BodyPose, MocapFrame
+
+BODY = "last-module"
+# Where the five markers sit on their body: a cross with one arm longer than the others; an assumption [m].
+MARKERS = ((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (-0.04, 0.0, 0.0), (0.0, 0.04, 0.0), (0.0, -0.03, 0.01))
+ROTATION_JUMP = 0.1  # rad, of a body with a marker mistaken for its mirror image
+
+
+class Cameras:
+    """The cameras and what they have to tell.
+
+    Args:
+        settings: Their numbers.
+        random: Where the noise comes from.
+    """
+
+    def __init__(self, settings: MocapSettings, random: np.random.Generator) -> None:
+        self.settings, self._random = settings, random
+        self._turn = turned_about_vertical(settings.mount_yaw)
+        self._frame = turned_about_vertical(settings.frame_yaw)
+        self._number = 0
+
+    def look(self, modules: ModulePoses, time: float, *, hidden: bool = False) -> MocapFrame | None:
+        """The next frame.
+
+        Args:
+            modules: Where the robot is.
+            time: Of the frame [s].
+            hidden: Whether something keeps the markers from the cameras.
+
+        Returns:
+            The frame, or None if it never comes.
+        """
+        s, random = self.settings, self._random
+        self._number += 1
+        chance = random.random(3)
+        noise = random.standard_normal((4, 3))
+        if chance[0] < s.drop_share:
+            return None
+        rotation = modules.rotation[0] @ self._turn
+        position = modules.position[0] + modules.rotation[0] @ np.array(s.mount)
+        body = None
+        if not hidden and chance[1] >= s.lost_share and self.covers(position):
+            body = self._measured(position, rotation, float(chance[2]), noise)
+        return MocapFrame(timestamp=time, number=self._number, bodies=(body,))
+
+    def covers(self, position: Float[np.ndarray, " 3"]) -> bool:
+        """Whether a place is in the volume that the cameras cover.
+
+        Args:
+            position: In world axes [m].
+        """
+        s = self.settings
+        return bool(np.all(np.abs(position - np.array(s.middle)) <= 0.5 * np.array(s.size)))
+
+    def _measured(
+        self,
+        position: Float[np.ndarray, " 3"],
+        rotation: Float[np.ndarray, "3 3"],
+        chance: float,
+        noise: Float[np.ndarray, "4 3"],
+    ) -> BodyPose:
+        """The pose in the cameras' frame, with what is wrong with it."""
+        s = self.settings
+        depth = max(-float(position[2]), 0.0)
+        mistaken = chance < s.reflection_share * math.exp(-depth / s.reflection_depth)
+        shift, turn = s.position_noise * noise[0], s.rotation_noise * noise[1]
+        residual = s.position_noise * float(np.linalg.norm(noise[2])) / math.sqrt(3.0)
+        if mistaken:
+            shift = shift + s.reflection_jump * noise[3]
+            turn = turn + ROTATION_JUMP * noise[2]
+            residual += 0.5 * float(np.linalg.norm(s.reflection_jump * noise[3]))
+        seen = self._frame.T @ (position + shift - np.array(s.frame))
+        return BodyPose(position=seen, rotation=self._frame.T @ _rotation(turn) @ rotation, residual=residual)
+
+
+def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
+    """The rotation about a vector by its length [rad] (Rodrigues)."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)

@@ -1,0 +1,256 @@
+"""The firmware of one joint module: its states, its answers on the bus, and what its motor does.
+
+P control of the joint is the servo's own (`actuation.laws.servo`); the node says where the servo is to go, whether its
+motor is on, and watches over it.
+"""
+
+from dataclasses import dataclass
+
+from laticauda.lab.settings import NodeSettings
+from laticauda.protocol import (
+    EVERY_NODE,
+    FAULTS,
+    Acceleration,
+    CanMessage,
+    CommandReply,
+    EmergencyStop,
+    Heartbeat,
+    JointState,
+    Loads,
+    NodeCommand,
+    NodeState,
+    Order,
+    References,
+    Result,
+    Sync,
+)
+from laticauda.protocol.messages import PER_FRAME
+
+LIMP_STATES = (NodeState.STARTUP, NodeState.CALIBRATING, NodeState.READY, NodeState.LIMP, NodeState.FAULT)
+SETTLED = (NodeState.READY, NodeState.LIMP)
+
+
+@dataclass(kw_only=True)
+class Senses:
+    """What a node's sensors read at one moment."""
+
+    angle: float = 0.0
+    """Of the joint, by a sensor whose zero is not known [rad]."""
+    rate: float = 0.0
+    """[rad/s]."""
+    current: float = 0.0
+    """Of the motor [A]."""
+    duty: float = 0.0
+    """Of the motor [-]."""
+    torque: float = 0.0
+    """Of the motor at the joint, by its current [N m]."""
+    load: float = 0.0
+    """By the force/torque sensor [N m]."""
+    acceleration: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """By the accelerometer [m/s^2]."""
+    temperature: float = 20.0
+    """Of the motor [deg C]."""
+    voltage: float = 35.0
+    """Of the supply [V]."""
+    leak: bool = False
+    """Whether there is water inside [-]."""
+
+
+class Node:
+    """One module's microcontroller.
+
+    Args:
+        number: 1 to 18.
+        settings: Its times and limits.
+        limit: Largest angle of the joint to either side [rad].
+    """
+
+    def __init__(self, number: int, settings: NodeSettings, limit: float) -> None:
+        self.number, self.settings, self.limit = number, settings, limit
+        self.power_on(0.0)
+
+    def power_on(self, now: float) -> None:
+        """Begin anew: all memory but that of the program is gone."""
+        self.state = NodeState.STARTUP
+        self.flags: set[str] = {"not_calibrated"}
+        self.zero = 0.0
+        self.reference = self.target = 0.0
+        self.error_count = 0
+        self._pending: float | None = None
+        self._since = self._referred = self._ticked = now
+        self._heartbeat_due = now
+        # Spread over the interval, so that the bus is not asked for all at once.
+        self._sensors_due = now + self.settings.sensor_interval * self.number / 18.0
+        self._counter = 0
+        self._current = self._stuck = 0.0
+
+    @property
+    def is_on(self) -> bool:
+        """Whether the motor is on."""
+        return self.state not in LIMP_STATES
+
+    def tick(self, now: float, senses: Senses) -> list[CanMessage]:
+        """Let time pass.
+
+        Args:
+            now: [s].
+            senses: What the sensors read now.
+
+        Returns:
+            What it has to say.
+        """
+        dt, self._ticked = now - self._ticked, now
+        before = self.state
+        self._watch(dt, senses)
+        self._live(now)
+        self._follow(dt)
+        said: list[CanMessage] = []
+        if self.state != before or now >= self._heartbeat_due - 1e-9:
+            said.append(self._heartbeat(now, senses))
+        if now >= self._sensors_due - 1e-9 and self.state != NodeState.STARTUP:
+            self._sensors_due = max(self._sensors_due + self.settings.sensor_interval, now)
+            along, left, up = senses.acceleration
+            said.append(Loads(node=self.number, force=None, torque=senses.load))
+            said.append(Acceleration(node=self.number, along=along, left=left, up=up))
+        return said
+
+    def receive(self, message: CanMessage, now: float, senses: Senses) -> list[CanMessage]:
+        """Hear a message, and answer.
+
+        Args:
+            message: From anybody.
+            now: [s].
+            senses: What the sensors read now.
+        """
+        if isinstance(message, References):
+            if message.group == (self.number - 1) // PER_FRAME:
+                self._pending = message.angles[(self.number - 1) % PER_FRAME]
+        elif isinstance(message, Sync):
+            return self._synchronize(now, senses)
+        elif isinstance(message, NodeCommand):
+            if message.node in (EVERY_NODE, self.number):
+                return [*self._obey(message, now, senses)]
+        elif isinstance(message, EmergencyStop):
+            self.flags.add("emergency_stopped")
+            before = self.state
+            self._live(now)
+            if self.state != before:
+                return [self._heartbeat(now, senses)]
+        return []
+
+    def _synchronize(self, now: float, senses: Senses) -> list[CanMessage]:
+        if self._pending is not None:
+            if self.state in (NodeState.ACTIVE, NodeState.HOLD):
+                self.target = min(max(self._pending, -self.limit), self.limit)
+                self._referred = now
+                if self.state == NodeState.HOLD:
+                    self.flags.discard("references_lost")
+                    self._enter(NodeState.ACTIVE, now)
+            self._pending = None
+        if self.state == NodeState.STARTUP:
+            return []
+        return [
+            JointState(
+                node=self.number,
+                angle=senses.angle + self.zero,
+                rate=senses.rate,
+                current=senses.current,
+                torque=senses.torque,
+            )
+        ]
+
+    def _obey(self, command: NodeCommand, now: float, senses: Senses) -> list[CanMessage]:
+        if self.state == NodeState.STARTUP:
+            return []
+        before = self.state
+        result = Result.DONE if self._do(command, now, senses) else Result.REFUSED
+        reply = CommandReply(node=self.number, order=command.order, result=result, state=self.state)
+        return [reply] if self.state == before else [reply, self._heartbeat(now, senses)]
+
+    def _do(self, command: NodeCommand, now: float, senses: Senses) -> bool:
+        """Carry an order out; whether it was possible."""
+        if command.order == Order.CLEAR:
+            return self._clear(now, senses)
+        if command.order == Order.SET_ZERO:
+            if self.state not in SETTLED:
+                return False
+            self.zero = command.angle - senses.angle
+            self.flags.discard("not_calibrated")
+            return True
+        if self.state in (NodeState.CALIBRATING, NodeState.FAULT):
+            return False
+        if command.order == Order.DISABLE:
+            self._enter(NodeState.READY, now)
+        elif not self.is_on:
+            self.reference = self.target = senses.angle + self.zero
+            self._referred, self._pending = now, None
+            self.flags.discard("references_lost")
+            self._enter(NodeState.ACTIVE, now)
+        return True
+
+    def _clear(self, now: float, senses: Senses) -> bool:
+        causes = {"leak": senses.leak, "over_temperature": senses.temperature > self.settings.temperature_again}
+        self.flags -= {name for name in (*FAULTS, "references_lost") if not causes.get(name, False)}
+        self._current = self._stuck = 0.0
+        if self.state == NodeState.FAULT and not self.flags & set(FAULTS):
+            self._enter(NodeState.READY, now)
+        return self.state != NodeState.FAULT
+
+    def _watch(self, dt: float, senses: Senses) -> None:
+        """Look for faults."""
+        limits = self.settings
+        if senses.leak:
+            self.flags.add("leak")
+        if senses.temperature > limits.temperature_limit:
+            self.flags.add("over_temperature")
+        self._current += (abs(senses.current) - self._current) * min(dt / limits.current_time, 1.0)
+        if self._current > limits.current_limit:
+            self.flags.add("over_current")
+        stands = abs(senses.rate) <= limits.stuck_rate + 3.0 * limits.rate_noise
+        still = stands and abs(senses.duty) >= limits.stuck_duty
+        self._stuck = self._stuck + dt if still and self.is_on else 0.0
+        if self._stuck > limits.stuck_time:
+            self.flags.add("stuck")
+
+    def _live(self, now: float) -> None:
+        """Go from state to state as time and faults will have it."""
+        limits = self.settings
+        if self.state == NodeState.STARTUP:
+            if now - self._since >= limits.startup_time:
+                self._enter(NodeState.CALIBRATING, now)
+            return
+        if self.flags.intersection(FAULTS):
+            if self.state != NodeState.FAULT:
+                self._enter(NodeState.FAULT, now)
+        elif self.state == NodeState.CALIBRATING:
+            if now - self._since >= limits.calibration_time:
+                self._enter(NodeState.READY, now)
+        elif self.state == NodeState.ACTIVE and now - self._referred > limits.hold_after:
+            self.flags.add("references_lost")
+            self._enter(NodeState.HOLD, now)
+        elif self.state == NodeState.HOLD and now - self._referred > limits.limp_after:
+            self._enter(NodeState.LIMP, now)
+
+    def _follow(self, dt: float) -> None:
+        """Move the reference to the target, no faster than allowed; a node that holds, holds where it is."""
+        if self.state == NodeState.ACTIVE:
+            most = self.settings.speed_limit * dt
+            self.reference += min(max(self.target - self.reference, -most), most)
+
+    def _enter(self, state: NodeState, now: float) -> None:
+        self.state, self._since = state, now
+
+    def _heartbeat(self, now: float, senses: Senses) -> Heartbeat:
+        self._heartbeat_due = now + self.settings.heartbeat_interval
+        self._counter = (self._counter + 1) % 256
+        said = Heartbeat(
+            node=self.number,
+            state=self.state,
+            temperature=senses.temperature,
+            voltage=senses.voltage,
+            error_count=min(self.error_count, 255),
+            counter=self._counter,
+            **dict.fromkeys(self.flags, True),
+        )
+        self.flags.discard("bus_errors")
+        return said

@@ -1,0 +1,217 @@
+"""A server of the QTM real-time protocol: enough of it that the vendor's own client package streams from it."""
+
+import asyncio
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from laticauda.errors import LaticaudaError
+from laticauda.lab.mocap import BODY, MARKERS
+from laticauda.protocol import MocapFrame, ProtocolError
+from laticauda.protocol.qtm import (
+    BANNER,
+    COMPONENTS,
+    PORT,
+    Component,
+    Event,
+    PacketReader,
+    PacketType,
+    decode_text,
+    encode_event,
+    encode_frame,
+    encode_packet,
+    encode_text,
+    parameters,
+    parameters_6d,
+    parameters_general,
+)
+
+LOOPBACK = "127.0.0.1"
+MOST_CLIENTS = 16
+MOST_WAITING = 1 << 20  # bytes that a client may leave unread before it misses frames
+OLDEST, NEWEST = (1, 8), (1, 25)
+MASTER = "You are now master"
+
+
+class ServerFailed(LaticaudaError, OSError):
+    """A server of the lab cannot begin: it says where, and why."""
+
+    __str__ = Exception.__str__
+
+
+@dataclass(eq=False)
+class _Client:
+    """One connection."""
+
+    writer: asyncio.StreamWriter
+    components: tuple[Component, ...] = ()  # of its stream; none: it has no stream
+    divisor: int = 1
+    reader: PacketReader = field(default_factory=PacketReader)
+
+    def send(self, packet: bytes) -> None:
+        if not self.writer.is_closing():
+            self.writer.write(packet)
+
+
+class QtmServer:
+    """Speaks to any number of clients, in a thread of its own.
+
+    Args:
+        rate: Frames per second that the cameras make [Hz].
+        host: Where it listens; the default is this computer alone.
+        port: 0: any that is free.
+    """
+
+    def __init__(self, rate: float, host: str = LOOPBACK, port: int = PORT) -> None:
+        self.rate, self.host, self.port = rate, host, port
+        self._latest: MocapFrame | None = None
+        self._clients: set[_Client] = set()
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="qtm-server", daemon=True)
+        self._server: asyncio.Server | None = None
+
+    def start(self) -> None:
+        """Begin to listen.
+
+        Raises:
+            ServerFailed: If it cannot.
+        """
+        self._thread.start()
+        try:
+            self._server = asyncio.run_coroutine_threadsafe(
+                asyncio.start_server(self._serve, self.host, self.port), self._loop
+            ).result()
+        except OSError as error:
+            self.stop()
+            raise ServerFailed(f"The cameras' server cannot listen at {self.host}:{self.port}: {error}.") from error
+        self.port = int(self._server.sockets[0].getsockname()[1])
+
+    def stop(self) -> None:
+        """End all connections and the thread."""
+        if not self._loop.is_running():
+            return
+        asyncio.run_coroutine_threadsafe(self._close(), self._loop).result(5.0)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(5.0)
+        self._loop.close()
+
+    def publish(self, frame: MocapFrame) -> None:
+        """A new frame, for all who stream; may be called from any thread."""
+        self._loop.call_soon_threadsafe(self._publish, frame)
+
+    def _publish(self, frame: MocapFrame) -> None:
+        self._latest = frame
+        for client in self._clients:
+            waits = client.writer.transport.get_write_buffer_size() > MOST_WAITING
+            if client.components and frame.number % client.divisor == 0 and not waits:
+                client.send(encode_frame(frame, client.components))
+
+    async def _close(self) -> None:
+        if self._server is not None:
+            self._server.close()
+        for client in list(self._clients):
+            client.send(encode_event(Event.SHUTTING_DOWN))
+            client.writer.close()
+        others = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
+        await asyncio.wait(others, timeout=1.0) if others else None
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        client = _Client(writer)
+        if len(self._clients) >= MOST_CLIENTS:
+            writer.close()
+            return
+        self._clients.add(client)
+        client.send(encode_text(BANNER))
+        try:
+            while data := await reader.read(65536):
+                for kind, payload in client.reader.feed(data):
+                    self._hear(client, kind, decode_text(payload))
+        except (ProtocolError, OSError):
+            pass  # whoever speaks something else is hung up on
+        finally:
+            self._clients.discard(client)
+            writer.close()
+
+    def _hear(self, client: _Client, kind: int, text: str) -> None:
+        if kind != PacketType.COMMAND:
+            client.send(encode_text("Parse error", PacketType.ERROR))
+            return
+        word, _, rest = text.strip().partition(" ")
+        words = rest.split()
+        answer = self._commands().get(word.lower())
+        client.send(encode_text("Parse error", PacketType.ERROR) if answer is None else answer(client, words))
+
+    def _commands(self) -> dict[str, Callable[[_Client, Sequence[str]], bytes]]:
+        def says(text: str) -> Callable[[_Client, Sequence[str]], bytes]:
+            return lambda client, words: encode_text(text)
+
+        return {
+            "version": self._version,
+            "qtmversion": says("QTM Version is that of laticauda's virtual tank"),
+            "byteorder": says("Byte order is little endian"),
+            "getstate": lambda client, words: encode_event(Event.CONNECTED),
+            "getparameters": self._parameters,
+            "getcurrentframe": self._current_frame,
+            "streamframes": self._stream_frames,
+            "takecontrol": says(MASTER),
+            "releasecontrol": says("You are now a regular client"),
+            "new": says("Already connected"),
+            "start": says("Starting measurement"),
+            "stop": says("Stopping measurement"),
+            "close": says("Closing connection"),
+        }
+
+    def _version(self, client: _Client, words: Sequence[str]) -> bytes:
+        if not words:
+            return encode_text(f"Version is {NEWEST[0]}.{NEWEST[1]}")
+        parts = words[0].split(".")
+        if len(parts) == 2 and all(p.isascii() and p.isdigit() and len(p) < 5 for p in parts):
+            if OLDEST <= (int(parts[0]), int(parts[1])) <= NEWEST:
+                return encode_text(f"Version set to {words[0]}")
+        return encode_text("Version NOT supported", PacketType.ERROR)
+
+    def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
+        asked = {word.lower() for word in words}
+        parts: list[str] = []
+        if asked & {"general", "all"}:
+            parts.append(parameters_general(self.rate))
+        if asked & {"6d", "all"}:
+            parts.append(parameters_6d([BODY], [MARKERS]))
+        return encode_text(parameters(*parts), PacketType.XML)
+
+    def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
+        components = _components(words)
+        if components is None:
+            return encode_text("Parse error", PacketType.ERROR)
+        if self._latest is None:
+            return encode_packet(PacketType.NO_MORE_DATA, b"")
+        return encode_frame(self._latest, components)
+
+    def _stream_frames(self, client: _Client, words: Sequence[str]) -> bytes:
+        if not words:
+            return encode_text("Parse error", PacketType.ERROR)
+        rate, *rest = (word.lower() for word in words)
+        if rate == "stop":
+            client.components = ()
+            return b""
+        components, divisor = _components(rest), self._divisor(rate)
+        if components is None or divisor is None:
+            return encode_text("Parse error", PacketType.ERROR)
+        client.components, client.divisor = components, divisor
+        return b""  # the first frame is the answer
+
+    def _divisor(self, word: str) -> int | None:
+        """Every how many frames one is to be sent; None: the word says nothing of it."""
+        name, _, number = word.partition(":")
+        if word == "allframes":
+            return 1
+        if name not in ("frequency", "frequencydivisor") or not (number.isascii() and number.isdigit()):
+            return None
+        if not 1 <= int(number[:9]) < 10**6:
+            return None
+        return int(number) if name == "frequencydivisor" else max(1, round(self.rate / int(number)))
+
+
+def _components(words: Sequence[str]) -> tuple[Component, ...] | None:
+    """What a client wants of every frame, as far as we have it; None: nothing that we have."""
+    return tuple(COMPONENTS[word.lower()] for word in words if word.lower() in COMPONENTS) or None

@@ -1,0 +1,177 @@
+"""The tank on real wires and at a real pace: a CAN bus, a server for the cameras, a serial line for the meter."""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from laticauda.errors import positive
+from laticauda.lab.qtm_server import LOOPBACK, QtmServer
+from laticauda.lab.serial_line import SerialLine
+from laticauda.lab.tank import Tank
+from laticauda.protocol import BusAddress, open_bus
+from laticauda.protocol.can import library
+from laticauda.protocol.qtm import PORT
+
+WORST_LAG = 0.5  # s; a lab that is further behind its clock lets the clock wait
+LONGEST_WAIT = 0.1  # s; how long Ctrl-C and other threads wait at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabAddresses:
+    """Where the lab is to be reached."""
+
+    bus: BusAddress
+    """The CAN bus."""
+    mocap_host: str
+    """Of the cameras' server [-]."""
+    mocap_port: int
+    """Of the cameras' server [-]."""
+    meter: str
+    """The meter's serial line [-]."""
+
+
+class Lab:
+    """A tank that others reach over its wires.
+
+    Args:
+        tank: What is in it.
+        bus: The CAN bus on which its nodes are.
+        host: Where the cameras' server listens; the default is this computer alone.
+        port: Likewise; 0: any that is free.
+        speed: Seconds of the lab for one second of ours.
+    """
+
+    def __init__(
+        self, tank: Tank, *, bus: BusAddress, host: str = LOOPBACK, port: int = PORT, speed: float = 1.0
+    ) -> None:
+        self.tank, self.speed = tank, positive("speed", speed)
+        self.lag = 0.0
+        """What the clock had to wait in all, because this computer could not follow [s]."""
+        self._bus_address = bus
+        self._server = QtmServer(tank.settings.mocap.rate, host, port)
+        self._line = SerialLine(self._answer)
+        self._lock = threading.Lock()
+        self._bus: Any = None
+        self._stopped = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._broken: BaseException | None = None
+
+    def open(self) -> LabAddresses:
+        """Open all wires.
+
+        Raises:
+            LaticaudaError: If one of them cannot be opened; the message says which, and why.
+        """
+        self._bus = open_bus(self._bus_address)
+        try:
+            self._server.start()
+            self._line.start()
+        except BaseException:
+            self.close()
+            raise
+        return LabAddresses(
+            bus=self._bus_address, mocap_host=self._server.host, mocap_port=self._server.port, meter=self._line.path
+        )
+
+    def close(self) -> None:
+        """Stop, and close all wires."""
+        self._stopped.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join(5.0)
+        self._server.stop()
+        if self._line.path:
+            self._line.stop()
+        if self._bus is not None:
+            self._bus.shutdown()
+
+    def start(self) -> LabAddresses:
+        """Open all wires, and let time go on in a thread of its own until `close`; see `open`."""
+        addresses = self.open()
+
+        def run() -> None:
+            try:
+                self.run()
+            except BaseException as error:
+                self._broken = error
+
+        self._thread = threading.Thread(target=run, name="lab", daemon=True)
+        self._thread.start()
+        return addresses
+
+    def __enter__(self) -> LabAddresses:
+        """As `start`."""
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        """As `close`; raises what went wrong in the thread meanwhile."""
+        self.close()
+        if self._broken is not None:
+            raise self._broken
+
+    def ask(self, question: Callable[[Tank], Any]) -> Any:
+        """Let a function look at the tank, or change it, while time stands still; from any thread.
+
+        Args:
+            question: Takes the tank.
+        """
+        with self._lock:
+            return question(self.tank)
+
+    def run(self, duration: float | None = None) -> None:
+        """Let time go on.
+
+        Args:
+            duration: How long, by the lab's clock; None: until `close` [s].
+
+        Raises:
+            SimulationFailed: If the body's motion diverges.
+        """
+        end = float("inf") if duration is None else self.tank.time + duration
+        began, first = time.monotonic(), self.tank.time
+        self.lag = 0.0
+        while not self._stopped.is_set() and self.tank.time < end - 1e-9:
+            now = first + (time.monotonic() - began) * self.speed - self.lag
+            behind = now - self.tank.next_tick
+            if behind > WORST_LAG * self.speed:
+                self.lag += behind
+                now -= behind
+            if now >= min(self.tank.next_tick, end):
+                with self._lock:
+                    self.tank.advance_to(min(self.tank.next_tick, end))
+                    self._send()
+            wait = (self.tank.next_tick - now) / self.speed
+            # With wait <= 0 there is a step to make; what has come meanwhile is heard all the same.
+            frame = self._heard(min(max(wait, 0.0), LONGEST_WAIT))
+            if frame is not None:
+                self._take(frame, first + (time.monotonic() - began) * self.speed - self.lag)
+
+    def _take(self, frame: Any, now: float) -> None:
+        if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
+            return
+        with self._lock:
+            self.tank.receive(frame.arbitration_id, bytes(frame.data), min(now, self.tank.next_tick))
+            self._send()
+
+    def _heard(self, timeout: float) -> Any:
+        """The next frame on the bus, or None; what a bus cannot make sense of is as good as lost."""
+        try:
+            return self._bus.recv(timeout)
+        except library("can", "python-can").CanError:
+            return None
+
+    def _send(self) -> None:
+        """What the nodes and the cameras have to say goes out."""
+        can = library("can", "python-can")
+        for identifier, data in self.tank.sent():
+            try:
+                self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+            except can.CanError:  # a full buffer loses frames, as a busy bus does
+                break
+        for frame in self.tank.seen():
+            self._server.publish(frame)
+
+    def _answer(self, line: str) -> bytes:
+        with self._lock:
+            return self.tank.answer(line)

@@ -1,0 +1,238 @@
+"""The virtual tank without any wires: modules, cameras and meter around one world, in steps, all from one seed.
+
+Nothing here waits and nothing runs by itself: who holds a `Tank` says how far time goes on, hands in frames that came,
+and takes away what there is to send. So a campaign runs as fast as it can, and the same calls give the same answers.
+"""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from laticauda.interfaces import Start
+from laticauda.lab.electronics import Electronics
+from laticauda.lab.faults import Fault, Faults
+from laticauda.lab.mocap import Cameras
+from laticauda.lab.multimeter import Multimeter
+from laticauda.lab.nodes import Node, Senses
+from laticauda.lab.settings import LabSettings
+from laticauda.lab.world import Truth, World
+from laticauda.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
+
+LEAST_STEP = 1e-4  # s; not worth a step of the plant
+Wire = tuple[int, bytes]
+"""A frame as the bus carries it: identifier and data."""
+
+
+class Tank:
+    """The tank with its robot.
+
+    Args:
+        world: The robot in the water.
+        settings: The devices' numbers.
+        faults: What is to go wrong, and when.
+
+    Raises:
+        ValueError: If the robot has more joints than the bus has nodes.
+    """
+
+    def __init__(self, world: World, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
+        if not 1 <= world.robot.n_joints <= N_NODES:
+            raise ValueError(f"`robot` must have 1 to {N_NODES} joints, got {world.robot.n_joints}.")
+        self.settings = settings or LabSettings()
+        self.world, self.faults = world, Faults(faults)
+        streams = np.random.SeedSequence(self.settings.seed).spawn(4)
+        body, eyes, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
+        self.electronics = Electronics(world.robot, self.settings, body)
+        self.cameras = Cameras(self.settings.mocap, eyes)
+        self.meter = Multimeter(self.settings.supply, supply)
+        joints = world.robot.joints
+        self.nodes = [Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
+        self.time = 0.0
+        self._ticks = self._frames = 0
+        self._leaks = np.zeros(len(joints), dtype=bool)
+        self._jammed: dict[int, float] = {}
+        self._silent = [False] * len(joints)  # off the bus, or without power
+        self._dead = [False] * len(joints)
+        self._senses = self._read()
+        self._outbox: list[Wire] = []
+        self._seen: list[MocapFrame] = []
+        self._late: list[tuple[float, Wire]] = []
+
+    @property
+    def truth(self) -> Truth:
+        """What is so, now."""
+        return self.world.truth
+
+    def inject(self, fault: Fault) -> None:
+        """Let something go wrong; a fault of the past never was."""
+        self.faults.add(fault)
+
+    def carry(self, start: Start) -> None:
+        """Take the robot out, straighten it, and put it back at rest at `start`."""
+        self.world.carry(start)
+        self.electronics.forget(self.truth)
+        self._senses = self._read()
+
+    def sent(self) -> list[Wire]:
+        """Take away the frames that the nodes sent since the last time."""
+        sent, self._outbox = self._outbox, []
+        return sent
+
+    def seen(self) -> list[MocapFrame]:
+        """Take away what the cameras saw since the last time."""
+        seen, self._seen = self._seen, []
+        return seen
+
+    def answer(self, line: str) -> bytes:
+        """What the meter says to a line; nothing while it is silent."""
+        return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
+
+    @property
+    def next_tick(self) -> float:
+        """When the devices look at the world again [s]."""
+        return (self._ticks + 1) * self.settings.step
+
+    def advance(self, dt: float) -> None:
+        """Let `dt` [s] pass."""
+        self.advance_to(self.time + dt)
+
+    def advance_to(self, time: float) -> None:
+        """Let time go on.
+
+        Args:
+            time: Until when; nothing happens if that is past [s].
+
+        Raises:
+            SimulationFailed: If the body's motion diverges.
+        """
+        while self.next_tick <= time + 1e-9:
+            self._hear_late(self.next_tick)
+            self._march(self.next_tick)
+            self._ticks += 1
+            self._tick()
+        if time - self.time >= LEAST_STEP:
+            self._march(time)
+
+    def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
+        """A frame came over the bus; those of our nodes, which a bus may bring back, are passed over.
+
+        Args:
+            identifier: Of the frame.
+            data: Its bytes, whatever they are.
+            time: When it came; None: now [s].
+        """
+        if from_node(identifier):
+            return
+        late = self.faults.on("late_computer")
+        if late is not None:
+            self._late.append((max(self.time, time or 0.0) + late.delay, (identifier, bytes(data))))
+            return
+        self._hear(identifier, bytes(data), time)
+
+    def _hear(self, identifier: int, data: bytes, time: float | None) -> None:
+        message = decode(identifier, data)
+        if isinstance(message, Sync):  # all others can wait for their moment
+            if time is not None:
+                self.advance_to(time)
+            self._senses = self._read()
+        for i, node in enumerate(self.nodes):
+            if self._silent[i]:
+                continue
+            heard = message
+            if self.faults.any:
+                if self._is_lost(node.number):
+                    continue
+                heard = self._corrupted(node.number, identifier, data, message)
+            if heard is not None:
+                self._say(node, node.receive(heard, self.time, self._senses[i]))
+
+    def _hear_late(self, time: float) -> None:
+        """Frames of a late computer whose time has come."""
+        due = [wire for when, wire in self._late if when <= time]
+        self._late = [(when, wire) for when, wire in self._late if when > time]
+        for identifier, data in due:
+            self._hear(identifier, data, None)
+
+    def _say(self, node: Node, messages: Iterable[CanMessage]) -> None:
+        for message in messages:
+            wire = encode(message)
+            if self.faults.any:
+                if self._silent[node.number - 1] or self._is_lost(node.number):
+                    continue
+                if self._is_hit("frame_corruption", node.number):
+                    wire = wire[0], self._wire.bytes(len(wire[1]))
+            self._outbox.append(wire)
+
+    def _march(self, time: float) -> None:
+        """The body, to `time`."""
+        dt = time - self.time
+        n = len(self.nodes)
+        wanted = np.fromiter((node.reference for node in self.nodes), float, n)
+        zero = np.fromiter((node.zero for node in self.nodes), float, n)
+        on = np.fromiter((node.is_on and not dead for node, dead in zip(self.nodes, self._dead, strict=True)), bool, n)
+        reference = wanted - self.electronics.offset(zero)
+        held, moves = reference.copy(), on.copy()
+        jammed = np.zeros(n, dtype=bool)
+        for i, angle in self._jammed.items():
+            held[i], moves[i], jammed[i] = angle, True, True
+        self.world.advance(held, moves, dt)
+        self.time = time
+        self.electronics.advance(self.truth, reference, on, jammed, dt)
+        self.meter.advance(self.electronics.supply_current, dt)
+
+    def _tick(self) -> None:
+        """All devices look at the world."""
+        self.faults.look(self.time)
+        self._apply_faults()
+        self.electronics.accelerate(self.truth, self.settings.step)
+        self._senses = self._read()
+        for i, node in enumerate(self.nodes):
+            if not self._dead[i]:
+                self._say(node, node.tick(self.time, self._senses[i]))
+        if self.time * self.settings.mocap.rate >= self._frames + 1 - 1e-6:
+            self._frames = math.floor(self.time * self.settings.mocap.rate + 1e-6)
+            hidden = self.faults.on("body_lost") is not None
+            frame = self.cameras.look(self.truth.modules, self.time, hidden=hidden)
+            if frame is not None and not self.faults.on("mocap_silent"):
+                self._seen.append(frame)
+
+    def _apply_faults(self) -> None:
+        """What the faults of this moment do to the modules."""
+        faults = self.faults
+        for i, node in enumerate(self.nodes):
+            number = node.number
+            dead = faults.on("dead_module", number) is not None
+            if self._dead[i] and not dead:
+                node.power_on(self.time)
+            off = faults.on("bus_off", number) is not None
+            if off:
+                node.error_count = 255
+            elif node.error_count:
+                node.error_count = 0
+                node.flags.add("bus_errors")
+            self._dead[i], self._silent[i] = dead, dead or off
+            self._leaks[i] = faults.on("leak", number) is not None
+            hot = faults.on("over_temperature", number)
+            if hot is not None:
+                self.electronics.temperature[i] = max(self.electronics.temperature[i], hot.temperature)
+            if faults.on("stuck_servo", number) is None:
+                self._jammed.pop(i, None)
+            else:
+                self._jammed.setdefault(i, float(self.truth.joint_angle[i]))
+
+    def _read(self) -> list[Senses]:
+        return self.electronics.read(self.truth, self._leaks)
+
+    def _is_lost(self, number: int) -> bool:
+        return self._is_hit("frame_loss", number)
+
+    def _is_hit(self, kind: str, number: int) -> bool:
+        fault = self.faults.on(kind, number)
+        return fault is not None and self._wire.random() < fault.share
+
+    def _corrupted(self, number: int, identifier: int, data: bytes, message: CanMessage | None) -> CanMessage | None:
+        """The message as this node hears it."""
+        if not self._is_hit("frame_corruption", number):
+            return message
+        return decode(identifier, self._wire.bytes(len(data)))

@@ -1,0 +1,161 @@
+"""The water and the robot's body in it: one `Plant`, whose joints are told from outside where to go."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.errors import SimulationFailed
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Log, Plant, Start
+from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
+from laticauda.robot import Robot
+from laticauda.trial import Trial
+
+SAMPLE_INTERVAL = 0.05  # s
+MOST_SAMPLES = 72_000
+STILL = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+ORIENTATION = tuple(f"signal_orientation_{part}" for part in "wxyz")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Truth:
+    """What is so, at one moment, whatever anyone measures."""
+
+    time: float
+    """[s]."""
+    center_of_mass: Float[np.ndarray, " 3"]
+    """[m]."""
+    heading: float
+    """Mean link angle (6) [rad]."""
+    joint_angle: Float[np.ndarray, " n_joints"]
+    """Of all joints of the robot; a planar world holds the pitch joints at 0 [rad]."""
+    joint_rate: Float[np.ndarray, " n_joints"]
+    """[rad/s]."""
+    joint_torque: Float[np.ndarray, " n_joints"]
+    """Of the motors [N m]."""
+    electrical_work: float
+    """What the servos took from the supply since the beginning [J]."""
+    modules: ModulePoses
+    """Where the modules are."""
+
+
+class World:
+    """One robot in one water, with its state.
+
+    Args:
+        robot: The robot as it is built, with all of its joints.
+        plant: The same robot as something that can be stepped, with servo joints; a planar one drives its yaw joints.
+        start: Where it begins.
+        depth: Below the surface at which a planar world swims [m].
+
+    Raises:
+        ValueError: If the plant is of another robot, or its joints are no servos.
+    """
+
+    def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
+        if plant.settings.get("joints") != "servo":
+            raise ValueError(f"`plant` must have `servo` joints, got {plant.settings.get('joints')!r}.")
+        driven = list(range(robot.n_joints))
+        if plant.robot.n_joints != robot.n_joints:
+            driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
+        if plant.robot.n_joints != len(driven):
+            raise ValueError(
+                f"`plant` must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints, "
+                f"got {plant.robot.n_joints}."
+            )
+        self.robot, self.plant, self.depth = robot, plant, depth
+        self.driven = np.array(driven, dtype=int)
+        self.start = start or Start()
+        self._work = self._time = 0.0
+        self._log: list[Log] = []
+        self._put(self.start)
+
+    def carry(self, start: Start) -> None:
+        """Take the robot out of the water, straighten it, and put it back at rest at `start`; time goes on."""
+        self._work, self._time = self.truth.electrical_work, self.truth.time
+        self._put(start)
+
+    def _put(self, start: Start) -> None:
+        still = Command(gait=STILL)
+        self._state: Any = self.plant.init(start, still)
+        off = Command(gait=STILL, references=(0.0,) * len(self.driven), enabled=(False,) * len(self.driven))
+        _, log, failure = self.plant.march(self._state, off, 1e-6, 1e-6)
+        self._check(failure)
+        log = {name: values[:1] for name, values in log.items()}
+        self._log = [log]
+        self.truth = self._truth(log)
+
+    def advance(self, references: Float[np.ndarray, " n_joints"], on: Bool[np.ndarray, " n_joints"], dt: float) -> None:
+        """Let `dt` [s] pass.
+
+        Args:
+            references: Where every joint's servo is to go [rad].
+            on: Whether its motor is on.
+            dt: [s].
+
+        Raises:
+            SimulationFailed: If the body's motion diverges.
+        """
+        held: Sequence[float] = references[self.driven].tolist()
+        enabled: Sequence[bool] = on[self.driven].tolist()
+        command = Command(gait=STILL, references=tuple(held), enabled=tuple(enabled))
+        self._state, log, failure = self.plant.march(self._state, command, dt, dt)
+        self._check(failure)
+        self.truth = self._truth(log)
+        if float(log["time"][-1] - self._log[-1]["time"][-1]) >= SAMPLE_INTERVAL - 1e-9:
+            self._log.append({name: values[-1:] for name, values in log.items()})
+            del self._log[MOST_SAMPLES:]
+
+    def trial(self, version: str) -> Trial:
+        """What was so since the robot was put into the water, whatever anyone measured; an hour at most.
+
+        Args:
+            version: Of laticauda.
+        """
+        log = {name: np.concatenate([part[name] for part in self._log]) for name in self._log[0]}
+        signals = {name.removeprefix("signal_"): log.pop(name) for name in list(log) if name.startswith("signal_")}
+        return Trial(
+            **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
+            robot=self.plant.robot,
+            environment=self.plant.environment,
+            settings=self.plant.settings,
+            signals=signals,
+            version=version,
+            status="The truth of the virtual tank.",
+            succeeded=True,
+        )
+
+    def _truth(self, log: Log) -> Truth:
+        angle, rate, torque = (self._all_joints(log[f"joint_{name}"][-1]) for name in ("angle", "rate", "torque"))
+        center = log["center_of_mass"][-1]
+        if center.size == 2:
+            center = np.array([center[0], center[1], -self.depth])
+        if ORIENTATION[0] in log:
+            rotation = from_quaternion(*(float(log[name][-1]) for name in ORIENTATION))
+        else:
+            rotation = turned_about_vertical(float(log["link_angle"][-1, 0]))
+        ballast = float(self.plant.settings.get("ballast_depth", 0.0))
+        return Truth(
+            time=self._time + float(log["time"][-1]),
+            center_of_mass=center,
+            heading=float(log["heading"][-1]),
+            joint_angle=angle,
+            joint_rate=rate,
+            joint_torque=torque,
+            electrical_work=self._work + float(log["electrical_work"][-1]),
+            modules=module_poses(self.robot, center, rotation, angle, ballast_depth=ballast),
+        )
+
+    def _all_joints(self, values: np.ndarray) -> np.ndarray:
+        """Of all joints, from those that the plant has; the others are held."""
+        full = np.zeros(self.robot.n_joints)
+        full[self.driven] = values
+        return full
+
+    @staticmethod
+    def _check(failure: str | None) -> None:
+        if failure is not None:
+            raise SimulationFailed(failure)

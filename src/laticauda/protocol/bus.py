@@ -1,0 +1,120 @@
+"""Buses of python-can: in one process, between processes of one computer, or the real one."""
+
+import ipaddress
+import socket
+from dataclasses import dataclass
+from typing import Any
+
+from laticauda.errors import LaticaudaError, one_of
+from laticauda.protocol.can import library
+
+INTERFACES = ("virtual", "udp_multicast", "socketcan")
+BITRATE = 1_000_000  # bit/s
+GROUP, PORT = "239.74.163.2", 43113
+
+
+class BusFailed(LaticaudaError, OSError):
+    """A CAN bus cannot be opened: it says which, and why."""
+
+    __str__ = Exception.__str__
+
+
+@dataclass(frozen=True, kw_only=True)
+class BusAddress:
+    """Which CAN bus.
+
+    - `virtual`: within one process; the channel is any name.
+    - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. Frames do not leave this
+      computer, and those from elsewhere are not heard, unless `hops` says so. Everyone hears their own frames, too.
+    - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the operating system has set it
+      to 1 Mbit/s.
+    """
+
+    interface: str = "udp_multicast"
+    """virtual, udp_multicast or socketcan [-]."""
+    channel: str = ""
+    """See above; empty: a group of our own, or `mamba`, or `can0` [-]."""
+    port: int = PORT
+    """Of udp_multicast [-]."""
+    hops: int = 0
+    """Routers that frames of udp_multicast may pass; 0: they stay on this computer, 1: on this network [-]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        one_of("interface", self.interface, INTERFACES)
+        if not self.channel:
+            usual = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}[self.interface]
+            object.__setattr__(self, "channel", usual)
+        if self.interface == "udp_multicast":
+            try:
+                group = ipaddress.ip_address(self.channel)
+            except ValueError:
+                group = None
+            if not isinstance(group, ipaddress.IPv4Address) or not group.is_multicast:
+                raise ValueError(f"`channel` must be an IPv4 multicast group such as {GROUP}, got {self.channel!r}.")
+        if not 1 <= self.port <= 65535:
+            raise ValueError(f"`port` must be between 1 and 65535, got {self.port}.")
+        if not 0 <= self.hops <= 255:
+            raise ValueError(f"`hops` must be between 0 and 255, got {self.hops}.")
+
+    def __str__(self) -> str:
+        """As the user reads and writes it: interface:channel, with the port of udp_multicast."""
+        port = f":{self.port}" if self.interface == "udp_multicast" else ""
+        return f"{self.interface}:{self.channel}{port}"
+
+
+def bus_address(text: str, *, hops: int = 0) -> BusAddress:
+    """The address that a text such as `udp_multicast:239.74.163.2:43113`, `virtual:mamba` or `socketcan` says.
+
+    Args:
+        text: Interface, then channel and port, which may be left out.
+        hops: As in `BusAddress`.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    interface, _, rest = text.partition(":")
+    if interface != "udp_multicast":
+        return BusAddress(interface=interface, channel=rest)
+    channel, _, port = rest.partition(":")
+    if port and not (port.isascii() and port.isdigit()):
+        raise ValueError(f"`port` must be a whole number, got {port!r}.")
+    return BusAddress(interface=interface, channel=channel, port=int(port) if port else PORT, hops=hops)
+
+
+def open_bus(address: BusAddress) -> Any:
+    """A `can.BusABC` at `address`, which is to be shut down after use.
+
+    Raises:
+        BusFailed: If it cannot be opened.
+        MissingExtra: If python-can (or msgpack, for udp_multicast) is not installed.
+    """
+    can = library("can", "python-can")
+    settings: dict[str, Any] = {"interface": address.interface, "channel": address.channel}
+    if address.interface == "udp_multicast":
+        library("msgpack", "msgpack")
+        settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
+    try:
+        bus = can.Bus(**settings)
+    except (can.CanError, OSError) as error:
+        raise BusFailed(f"The CAN bus {address} cannot be opened: {error}.") from error
+    if address.interface == "udp_multicast" and address.hops == 0:
+        _deafen(bus, address)
+    return bus
+
+
+def _deafen(bus: Any, address: BusAddress) -> None:
+    """Let a bus hear this computer only: python-can's socket takes datagrams from everywhere."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((address.channel, address.port))
+            ours = probe.getsockname()[0]
+        except OSError:  # no network at all
+            return
+    listen = bus._multicast.recv
+
+    def recv(timeout: float | None = None) -> Any:
+        heard = listen(timeout)
+        return heard if heard is None or heard[1][0] == ours or heard[1][0].startswith("127.") else None
+
+    bus._multicast.recv = recv

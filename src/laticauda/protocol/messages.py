@@ -1,0 +1,216 @@
+"""What goes over the robot's CAN bus, as values: one class per message of `mamba.dbc`.
+
+Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of the code.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TypeAlias
+
+N_NODES = 18
+PER_FRAME = 4  # references in one frame
+N_GROUPS = -(-N_NODES // PER_FRAME)
+EVERY_NODE = 0
+
+
+class NodeState(IntEnum):
+    """What a node is doing."""
+
+    STARTUP = 0
+    """Power has come on; it listens, and answers nothing but its heartbeat."""
+    CALIBRATING = 1
+    """It reads the offset of its angle sensor from memory, and tests its sensors."""
+    READY = 2
+    """Well, and limp: the motor is off."""
+    ACTIVE = 3
+    """The motor follows the references."""
+    HOLD = 4
+    """References stay away; it holds the last one."""
+    LIMP = 5
+    """References stayed away for too long; the motor is off until the node is enabled again."""
+    FAULT = 6
+    """Something is wrong (see the flags of its heartbeat); the motor is off until the fault is gone and cleared."""
+
+
+class Order(IntEnum):
+    """What a node can be told."""
+
+    ENABLE = 1
+    """Follow references, from where the joint stands; from READY and LIMP."""
+    DISABLE = 2
+    """Motor off."""
+    SET_ZERO = 3
+    """From now on, the angle at which the joint stands reads `angle`; from READY and LIMP."""
+    CLEAR = 4
+    """Forget the faults whose cause is gone."""
+
+
+class Result(IntEnum):
+    """What became of an order."""
+
+    DONE = 0
+    REFUSED = 1
+    """Not in this state."""
+    UNKNOWN = 2
+    """No such order."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmergencyStop:
+    """All motors off at once, and off they stay until they are cleared. Anyone may send it."""
+
+    reason: int = 0
+    """0 unknown, 1 the operator's key, 2 the supervisor, 3 a module [-]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeCommand:
+    """An order to one node, or to all of them; every node that it is meant for answers with a `CommandReply`."""
+
+    node: int = EVERY_NODE
+    """Which; 0: all [-]."""
+    order: Order
+    """What [-]."""
+    angle: float = 0.0
+    """For SET_ZERO: what the present joint angle shall read [rad]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sync:
+    """The moment at which all nodes take up their latest references, and measure."""
+
+    counter: int
+    """One more every time; 65535 is followed by 0 [-]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class References:
+    """Reference angles of four joints in a row. They count from the next `Sync` on."""
+
+    group: int
+    """0: nodes 1 to 4, 1: nodes 5 to 8, and so on [-]."""
+    angles: tuple[float, float, float, float]
+    """phi_ref [rad]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointState:
+    """A node's answer to every `Sync`: what it measured at that moment."""
+
+    node: int
+    """Who [-]."""
+    angle: float
+    """phi [rad]."""
+    rate: float
+    """phi' [rad/s]."""
+    current: float
+    """Of the motor, at its own supply [A]."""
+    torque: float
+    """Of the motor at the joint, from its current [N m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loads:
+    """The force/torque sensor at the joint, in axes of the module on its tail side."""
+
+    node: int
+    """Who [-]."""
+    force: tuple[float, float, float] | None
+    """Along, to the left, up; None where the sensor has none to give [N]."""
+    torque: float
+    """About the joint's axis [N m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acceleration:
+    """The accelerometer, in axes of the module on the joint's tail side: at rest it shows g upward."""
+
+    node: int
+    """Who [-]."""
+    along: float
+    """[m/s^2]."""
+    left: float
+    """[m/s^2]."""
+    up: float
+    """[m/s^2]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heartbeat:
+    """How a node is: ten times a second, and at every change of its state."""
+
+    node: int
+    """Who [-]."""
+    state: NodeState
+    """What it is doing [-]."""
+    leak: bool = False
+    """Water in the module [-]."""
+    over_temperature: bool = False
+    """The motor was too hot [-]."""
+    over_current: bool = False
+    """The motor's current was too great for too long [-]."""
+    stuck: bool = False
+    """The joint did not move although the motor pulled [-]."""
+    references_lost: bool = False
+    """References stayed away while it was active [-]."""
+    emergency_stopped: bool = False
+    """Somebody sent an `EmergencyStop` [-]."""
+    not_calibrated: bool = False
+    """Nobody has set its zero since power came on [-]."""
+    bus_errors: bool = False
+    """It was off the bus since its last heartbeat [-]."""
+    temperature: float = 20.0
+    """Of the motor [deg C]."""
+    voltage: float = 35.0
+    """Of the supply that runs through the modules [V]."""
+    error_count: int = 0
+    """The controller's count of transmit errors, as far as 255 [-]."""
+    counter: int = 0
+    """One more every time; 255 is followed by 0 [-]."""
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """The names of the flags that keep a node in FAULT."""
+        return tuple(name for name in FAULTS if getattr(self, name))
+
+
+FAULTS = ("leak", "over_temperature", "over_current", "stuck", "emergency_stopped")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandReply:
+    """A node's answer to a `NodeCommand`."""
+
+    node: int
+    """Who [-]."""
+    order: int
+    """Which order it answers; a number that is no `Order` comes back as it came [-]."""
+    result: Result
+    """What became of it [-]."""
+    state: NodeState
+    """The node's state after it [-]."""
+
+
+CanMessage: TypeAlias = (
+    EmergencyStop | NodeCommand | Sync | References | JointState | Loads | Acceleration | Heartbeat | CommandReply
+)
+
+
+def references(angles: Sequence[float]) -> tuple[References, ...]:
+    """The frames that carry the references of all joints.
+
+    Args:
+        angles: phi_ref of every joint, tail first [rad]; 1 to 18 of them. Places beyond the last joint are zero.
+
+    Raises:
+        ValueError: If there are more joints than nodes, or none.
+    """
+    if not 1 <= len(angles) <= N_NODES:
+        raise ValueError(f"`angles` must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}.")
+    padded = [float(angle) for angle in angles]
+    padded += [0.0] * (-len(padded) % PER_FRAME)
+    return tuple(
+        References(group=k // PER_FRAME, angles=(padded[k], padded[k + 1], padded[k + 2], padded[k + 3]))
+        for k in range(0, len(padded), PER_FRAME)
+    )

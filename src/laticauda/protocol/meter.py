@@ -1,0 +1,200 @@
+"""The serial interface of Fluke 287 and 289 multimeters: one line of ASCII asked, one or two answered.
+
+A question ends with a carriage return. The answer begins with a line that has one digit: 0 well, 1 syntax error,
+2 execution error, 5 no data; after a 0 comes a line of data, if there is any. 115200 baud, 8N1.
+
+Fluke documents ID, QM and QDDA among others. `PRESS MINMAX`, a push of that button, is known from other programs only;
+here it begins the record of minimum, average and maximum anew.
+
+References:
+    Fluke, "Fluke 289/287 Remote Interface Specification" (remote_spec28X); N0ury/dmm_util for the fields' names.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from laticauda.protocol.wrong import ProtocolError
+
+BAUD_RATE = 115200
+END = b"\r"
+IDENTITY, MEASURE, DISPLAYED, RESTART = "ID", "QM", "QDDA", "PRESS MINMAX"
+LONGEST = 1000  # bytes of a line; no sound one comes near
+READING_FIELDS = 9
+OVERLOAD = 9.99999999e37
+
+
+class Acknowledgment(IntEnum):
+    """How an answer begins."""
+
+    WELL = 0
+    SYNTAX_ERROR = 1
+    EXECUTION_ERROR = 2
+    NO_DATA = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeterReading:
+    """What the meter shows of the supply's current."""
+
+    live: float
+    """Now [A]."""
+    average: float | None = None
+    """Since its record began; None: it keeps none [A]."""
+    minimum: float | None = None
+    """Likewise [A]."""
+    maximum: float | None = None
+    """Likewise [A]."""
+    duration: float | None = None
+    """Of the record [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeterIdentity:
+    """Which meter it is."""
+
+    model: str
+    """[-]."""
+    software: str
+    """[-]."""
+    serial: str
+    """[-]."""
+
+
+@dataclass
+class LineReader:
+    """Cuts a stream of bytes into lines that end with a carriage return, and drops what is too long to be one."""
+
+    _waiting: bytes = field(default=b"")
+
+    def feed(self, data: bytes) -> list[str]:
+        """The lines that are complete with `data`, without their ends; what is no ASCII is replaced."""
+        *lines, self._waiting = (self._waiting + data).split(END)
+        self._waiting = self._waiting[-LONGEST:]
+        return [line.strip(b"\n").decode("ascii", errors="replace") for line in lines]
+
+
+def encode_question(word: str) -> bytes:
+    """A question as it goes over the line."""
+    return word.encode("ascii") + END
+
+
+def encode_answer(data: str | None = None, acknowledgment: Acknowledgment = Acknowledgment.WELL) -> bytes:
+    """An answer as it goes over the line.
+
+    Args:
+        data: The second line, if there is one.
+        acknowledgment: The first line.
+    """
+    first = str(int(acknowledgment)).encode() + END
+    return first if data is None else first + data.encode("ascii") + END
+
+
+def identity_text(identity: MeterIdentity) -> str:
+    """The data of the answer to ID."""
+    return f"{identity.model},{identity.software},{identity.serial}"
+
+
+def decode_identity(text: str) -> MeterIdentity:
+    """The meter that the answer to ID tells of.
+
+    Raises:
+        ProtocolError: If it is no such answer.
+    """
+    words = text.split(",")
+    if len(words) != 3:
+        raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {text!r:.80}")
+    return MeterIdentity(model=words[0].strip(), software=words[1].strip(), serial=words[2].strip())
+
+
+def live_text(current: float) -> str:
+    """The data of the answer to QM: value, unit, state, attribute."""
+    return f"{current:.6E},ADC,NORMAL,NONE"
+
+
+def decode_live(text: str) -> float:
+    """The current that the answer to QM tells [A].
+
+    Raises:
+        ProtocolError: If it is no such answer, or not a direct current, or the meter is overloaded.
+    """
+    words = text.split(",")
+    if len(words) != 4 or words[1] != "ADC" or words[2] != "NORMAL":
+        raise ProtocolError(f"the meter must show a direct current, its answer to QM is {text!r:.80}")
+    return _current(words[0])
+
+
+def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
+    """The data of the answer to QDDA.
+
+    It has primary and secondary function, range, unit, range number, multiplier, the lightning bolt, when the record
+    began, the number of modes and their names, the number of readings, and nine fields for each: which, value, unit,
+    multiplier, decimals, digits, state, attribute, when.
+
+    Args:
+        reading: What the meter shows.
+        now: By the meter's clock [s].
+    """
+    readings: dict[str, float] = {"LIVE": reading.live}
+    modes: tuple[str, ...] = ()
+    began = 0.0
+    if reading.average is not None and reading.minimum is not None and reading.maximum is not None:
+        modes, began = ("MIN_MAX_AVG",), now - (reading.duration or 0.0)
+        values = (reading.live, reading.maximum, reading.average, reading.minimum)
+        readings |= dict(zip(("PRIMARY", "MAXIMUM", "AVERAGE", "MINIMUM"), values, strict=True))
+    words = ["A_DC", "NONE", "AUTO", "ADC", "10", "0", "OFF", f"{began:.3f}", str(len(modes)), *modes]
+    words.append(str(len(readings)))
+    for name, value in readings.items():
+        words += [name, f"{value:.6E}", "ADC", "0", "4", "5", "NORMAL", "NONE", f"{now:.3f}"]
+    return ",".join(words)
+
+
+def decode_displayed(text: str) -> MeterReading:
+    """What the answer to QDDA tells.
+
+    Raises:
+        ProtocolError: If it is no such answer, or not a direct current.
+    """
+    words = text.split(",")
+    try:
+        began, n_modes = float(words[7]), int(words[8])
+        if words[3] != "ADC" or not 0 <= n_modes < len(words):
+            raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
+        count = int(words[9 + n_modes])
+        rest = words[10 + n_modes :]
+        if len(rest) != count * READING_FIELDS:
+            raise ProtocolError(f"the meter's answer to QDDA is cut short: {text!r:.80}")
+        readings = [rest[i : i + READING_FIELDS] for i in range(0, len(rest), READING_FIELDS)]
+        values = {r[0]: _current(r[1]) for r in readings if r[2] == "ADC" and r[6] == "NORMAL"}
+        now = max((float(r[8]) for r in readings), default=began)
+    except (IndexError, ValueError) as error:
+        if isinstance(error, ProtocolError):
+            raise
+        raise ProtocolError(f"the meter's answer to QDDA makes no sense: {text!r:.80}") from None
+    return _reading(values, now - began, text)
+
+
+def _reading(values: Mapping[str, float], duration: float, text: str) -> MeterReading:
+    live = values.get("LIVE", values.get("PRIMARY"))
+    if live is None:
+        raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
+    if not {"AVERAGE", "MINIMUM", "MAXIMUM"} <= set(values) or not math.isfinite(duration):
+        return MeterReading(live=live)
+    return MeterReading(
+        live=live,
+        average=values["AVERAGE"],
+        minimum=values["MINIMUM"],
+        maximum=values["MAXIMUM"],
+        duration=duration,
+    )
+
+
+def _current(word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        raise ProtocolError(f"the meter's reading must be a number, got {word!r:.40}") from None
+    if not abs(value) < OVERLOAD:
+        raise ProtocolError(f"the meter is overloaded, it reads {word!r:.40}")
+    return value

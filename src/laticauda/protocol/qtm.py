@@ -1,0 +1,250 @@
+"""Packets of the real-time protocol of Qualisys Track Manager (QTM), version 1.25: what the tank's cameras speak.
+
+A packet is its size and its type, each four bytes with the least significant first, and its payload. Positions are in
+mm on the wire and in m here; rotation matrices go column by column. A body that is not seen has nan in all its numbers
+on the wire, and is None here.
+
+References:
+    Qualisys AB, "QTM Real-time Server Protocol Documentation", version 1.25; qualisys/qualisys_python_sdk.
+"""
+
+import math
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from xml.sax.saxutils import escape
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.protocol.wrong import ProtocolError
+
+PORT = 22223  # for those who take the least significant byte first
+VERSION = "1.25"
+BANNER = "QTM RT Interface connected"
+LARGEST = 1 << 20  # bytes; no packet of a few bodies comes near
+HEADER = struct.Struct("<II")
+DATA_HEADER = struct.Struct("<qII")
+COMPONENT_HEADER = struct.Struct("<II")
+BODIES_HEADER = struct.Struct("<ihh")
+
+
+class PacketType(IntEnum):
+    """What a packet holds."""
+
+    ERROR = 0
+    COMMAND = 1
+    XML = 2
+    DATA = 3
+    NO_MORE_DATA = 4
+    EVENT = 6
+
+
+class Event(IntEnum):
+    """What a server tells of itself."""
+
+    CONNECTED = 1
+    CONNECTION_CLOSED = 2
+    SHUTTING_DOWN = 11
+    CAPTURE_STARTED = 3
+    CAPTURE_STOPPED = 4
+
+
+class Component(IntEnum):
+    """What a data packet may hold of a frame."""
+
+    BODIES = 5
+    BODIES_EULER = 6
+    BODIES_RESIDUAL = 11
+    BODIES_EULER_RESIDUAL = 12
+
+
+COMPONENTS = {
+    "6d": Component.BODIES,
+    "6deuler": Component.BODIES_EULER,
+    "6dres": Component.BODIES_RESIDUAL,
+    "6deulerres": Component.BODIES_EULER_RESIDUAL,
+}
+WITH_RESIDUAL = (Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
+EULER = (Component.BODIES_EULER, Component.BODIES_EULER_RESIDUAL)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyPose:
+    """Where the cameras see a body."""
+
+    position: Float[np.ndarray, " 3"]
+    """Of its origin, in the cameras' frame [m]."""
+    rotation: Float[np.ndarray, "3 3"]
+    """Its axes as columns, in the cameras' frame [-]."""
+    residual: float = math.nan
+    """Mean distance of its markers from where the pose has them; nan: not asked for [m]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MocapFrame:
+    """All bodies at one moment."""
+
+    timestamp: float
+    """By the cameras' clock [s]."""
+    number: int
+    """One more every frame; frames that were lost leave gaps [-]."""
+    bodies: tuple[BodyPose | None, ...]
+    """In the order of the server's list; None: not seen."""
+
+
+def encode_packet(kind: PacketType, payload: bytes) -> bytes:
+    """A packet as it goes over the connection."""
+    return HEADER.pack(HEADER.size + len(payload), kind) + payload
+
+
+def encode_text(text: str, kind: PacketType = PacketType.COMMAND) -> bytes:
+    """The packet of a command, an answer, an error or an XML text."""
+    return encode_packet(kind, text.encode() + b"\0")
+
+
+def encode_event(event: Event) -> bytes:
+    """The packet of an event."""
+    return encode_packet(PacketType.EVENT, bytes([event]))
+
+
+class PacketReader:
+    """Cuts a stream of bytes into packets; holds those bytes of which the rest has yet to come."""
+
+    def __init__(self) -> None:
+        self._waiting = b""
+
+    def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
+        """Type and payload of every packet that is complete with `data`.
+
+        Raises:
+            ProtocolError: If a packet says an impossible size; the stream is of no use from there on.
+        """
+        self._waiting += data
+        while len(self._waiting) >= HEADER.size:
+            size, kind = HEADER.unpack_from(self._waiting)
+            if not HEADER.size <= size <= LARGEST:
+                raise ProtocolError(f"a packet says that it has {size} bytes")
+            if len(self._waiting) < size:
+                return
+            payload, self._waiting = self._waiting[HEADER.size : size], self._waiting[size:]
+            yield kind, payload
+
+
+def decode_text(payload: bytes) -> str:
+    """The text in the payload of a command, an error or an XML packet; what is no UTF-8 is replaced."""
+    return payload.split(b"\0", 1)[0].decode(errors="replace")
+
+
+def encode_frame(frame: MocapFrame, components: Sequence[Component] = (Component.BODIES_RESIDUAL,)) -> bytes:
+    """The data packet of a frame.
+
+    Args:
+        frame: What the cameras saw.
+        components: In what forms to send it.
+    """
+    parts = [DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))]
+    for component in components:
+        bodies = b"".join(_body_bytes(body, component) for body in frame.bodies)
+        body = BODIES_HEADER.pack(len(frame.bodies), 0, 0) + bodies
+        parts += [COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(body), component), body]
+    return encode_packet(PacketType.DATA, b"".join(parts))
+
+
+def decode_frame(payload: bytes) -> MocapFrame:
+    """The frame in the payload of a data packet, from its first component of rotation matrices.
+
+    Raises:
+        ProtocolError: If it has none, or is cut short.
+    """
+    try:
+        time, number, count = DATA_HEADER.unpack_from(payload)
+        at = DATA_HEADER.size
+        for _ in range(count):
+            size, kind = COMPONENT_HEADER.unpack_from(payload, at)
+            if kind in (Component.BODIES, Component.BODIES_RESIDUAL):
+                bodies = _bodies(payload, at + COMPONENT_HEADER.size, kind == Component.BODIES_RESIDUAL)
+                return MocapFrame(timestamp=time / 1e6, number=number, bodies=bodies)
+            if size < COMPONENT_HEADER.size:
+                raise ProtocolError(f"a component says that it has {size} bytes")
+            at += size
+    except struct.error as error:
+        raise ProtocolError(f"a data packet of {len(payload)} bytes is cut short: {error}") from None
+    raise ProtocolError("a data packet has no bodies with rotation matrices")
+
+
+def parameters_6d(names: Sequence[str], markers: Sequence[Sequence[tuple[float, float, float]]]) -> str:
+    """The answer to `getparameters 6d`.
+
+    Args:
+        names: Of the bodies.
+        markers: Of every body, where its markers are in its own axes [m].
+    """
+    bodies = "".join(
+        f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>"
+        + "".join(
+            f'<Point X="{1e3 * x:.3f}" Y="{1e3 * y:.3f}" Z="{1e3 * z:.3f}" Virtual="0" PhysicalId="0" Name=""/>'
+            for x, y, z in points
+        )
+        + "</Points></Body>"
+        for name, points in zip(names, markers, strict=True)
+    )
+    return f"<The_6D>{bodies}</The_6D>"
+
+
+def parameters_general(frequency: float) -> str:
+    """The answer to `getparameters general`.
+
+    Args:
+        frequency: Frames per second [Hz].
+    """
+    return f"<General><Frequency>{frequency:g}</Frequency></General>"
+
+
+def parameters(*parts: str) -> str:
+    """The whole text of an answer to `getparameters`."""
+    return f"<QTM_Parameters_Ver_{VERSION}>{''.join(parts)}</QTM_Parameters_Ver_{VERSION}>"
+
+
+def euler_angles(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float]:
+    """Roll, pitch, yaw of R = R_x(roll) R_y(pitch) R_z(yaw), QTM's standard rotations [rad]."""
+    pitch = math.asin(min(max(float(rotation[0, 2]), -1.0), 1.0))
+    roll = math.atan2(-rotation[1, 2], rotation[2, 2])
+    yaw = math.atan2(-rotation[0, 1], rotation[0, 0])
+    return roll, pitch, yaw
+
+
+def _body_bytes(body: BodyPose | None, component: Component) -> bytes:
+    """A body's numbers in one form."""
+    n = 3 + (3 if component in EULER else 9) + (component in WITH_RESIDUAL)
+    if body is None:
+        return struct.pack(f"<{n}f", *[math.nan] * n)
+    if component in EULER:
+        turned: Sequence[float] = [math.degrees(angle) for angle in euler_angles(body.rotation)]
+    else:
+        turned = body.rotation.T.ravel().tolist()
+    residual = [1e3 * body.residual] if component in WITH_RESIDUAL else []
+    return struct.pack(f"<{n}f", *(1e3 * body.position).tolist(), *turned, *residual)
+
+
+def _bodies(payload: bytes, at: int, with_residual: bool) -> tuple[BodyPose | None, ...]:
+    count, _, _ = BODIES_HEADER.unpack_from(payload, at)
+    form = struct.Struct("<13f" if with_residual else "<12f")
+    at += BODIES_HEADER.size
+    if not 0 <= count <= (len(payload) - at) // form.size:
+        raise ProtocolError(f"a data packet of {len(payload)} bytes says that it has {count} bodies")
+    return tuple(body_pose(form.unpack_from(payload, at + i * form.size)) for i in range(count))
+
+
+def body_pose(numbers: Sequence[float]) -> BodyPose | None:
+    """The pose that a body's numbers say: position [mm], rotation by columns, and perhaps the residual [mm].
+
+    Returns:
+        The pose, or None if a number of its position or rotation is not finite: the body was not seen.
+    """
+    if not all(math.isfinite(number) for number in numbers[:12]):
+        return None
+    residual = 1e-3 * numbers[12] if len(numbers) > 12 else math.nan
+    rotation = np.array(numbers[3:12]).reshape(3, 3).T
+    return BodyPose(position=1e-3 * np.array(numbers[:3]), rotation=rotation, residual=residual)

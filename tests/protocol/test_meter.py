@@ -1,0 +1,67 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.protocol import MeterIdentity, MeterReading, ProtocolError, meter
+from laticauda.protocol.meter import LineReader, decode_displayed, decode_identity, decode_live, displayed_text
+
+AMPERES = st.integers(-(10**6), 10**6).map(lambda raw: raw * 1e-5)
+READINGS = st.builds(MeterReading, live=AMPERES) | st.builds(
+    MeterReading, live=AMPERES, average=AMPERES, minimum=AMPERES, maximum=AMPERES, duration=st.integers(0, 10**6)
+)
+
+
+@given(reading=READINGS, now=st.integers(0, 10**6))
+def test_what_the_meter_displays_comes_back(reading, now):
+    back = decode_displayed(displayed_text(reading, now))
+    for name in ("live", "average", "minimum", "maximum", "duration"):
+        found, expected = getattr(back, name), getattr(reading, name)
+        assert found == expected or found == pytest.approx(expected, rel=1e-6, abs=1e-3 * (name == "duration"))
+
+
+@given(current=AMPERES)
+def test_the_current_comes_back(current):
+    assert decode_live(meter.live_text(current)) == pytest.approx(current, rel=1e-6)
+
+
+def test_the_identity_comes_back():
+    identity = MeterIdentity(model="FLUKE 289", software="V1.00", serial="95081087")
+    assert decode_identity(meter.identity_text(identity)) == identity
+
+
+@given(lines=st.lists(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126))), cut=st.integers(1, 5))
+def test_lines_come_back_however_the_stream_is_cut(lines, cut):
+    stream = b"".join(map(meter.encode_question, lines))
+    reader = LineReader()
+    assert [line for i in range(0, len(stream), cut) for line in reader.feed(stream[i : i + cut])] == lines
+
+
+@given(data=st.binary(max_size=3000))
+def test_random_bytes_give_lines(data):
+    reader = LineReader()
+    for line in reader.feed(data):
+        for read in (decode_displayed, decode_live, decode_identity):
+            try:
+                read(line)
+            except ProtocolError:
+                pass
+    assert len(reader._waiting) <= meter.LONGEST
+
+
+@given(reading=READINGS, data=st.data())
+def test_an_answer_that_is_cut_short_is_an_error_or_lacks_digits_of_its_time_only(reading, data):
+    text = displayed_text(reading)
+    cut = text[: data.draw(st.integers(0, text.rindex(",")))]
+    with pytest.raises(ProtocolError):
+        decode_displayed(cut)
+
+
+def test_what_is_no_direct_current_is_refused():
+    with pytest.raises(ProtocolError, match="must show a direct current"):
+        decode_live("1.0E0,VDC,NORMAL,NONE")
+    with pytest.raises(ProtocolError, match="overloaded"):
+        decode_live("9.99999999E+37,ADC,NORMAL,NONE")
+    with pytest.raises(ProtocolError, match="must have 3 fields"):
+        decode_identity("FLUKE 289")
+    with pytest.raises(ProtocolError, match="must show a direct current"):
+        decode_displayed("V_DC,NONE,AUTO,VDC,5,0,OFF,0.000,0,1,LIVE,1.0E0,VDC,0,4,5,NORMAL,NONE,0.0")

@@ -1,0 +1,137 @@
+import math
+import struct
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from qtm_rt import QRTPacket
+
+from laticauda.protocol import BodyPose, MocapFrame, ProtocolError
+from laticauda.protocol.qtm import (
+    Component,
+    PacketReader,
+    PacketType,
+    body_pose,
+    decode_frame,
+    decode_text,
+    encode_frame,
+    encode_packet,
+    encode_text,
+    euler_angles,
+)
+
+METERS = st.floats(-50, 50, width=32)
+
+
+def turned(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    def about(axis: int, angle: float) -> np.ndarray:
+        c, s = math.cos(angle), math.sin(angle)
+        matrix, (i, j) = np.eye(3), [(1, 2), (2, 0), (0, 1)][axis]
+        matrix[i, i], matrix[i, j], matrix[j, i], matrix[j, j] = c, -s, s, c
+        return matrix
+
+    return about(0, roll) @ about(1, pitch) @ about(2, yaw)
+
+
+# Plain numbers: the run-time check of shapes must not run while hypothesis draws.
+POSES = st.tuples(
+    st.tuples(METERS, METERS, METERS),
+    st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)),
+    st.floats(0, 0.1),
+)
+FRAMES = st.tuples(st.integers(0, 10**12), st.integers(0, 2**32 - 1), st.lists(POSES | st.none(), max_size=3))
+
+
+def made(numbers) -> MocapFrame:
+    time, number, poses = numbers
+    bodies = [
+        pose and BodyPose(position=np.array(pose[0]), rotation=turned(*pose[1]), residual=pose[2]) for pose in poses
+    ]
+    return MocapFrame(timestamp=time / 1e6, number=number, bodies=tuple(bodies))
+
+
+def payload(packet: bytes) -> bytes:
+    ((kind, found),) = PacketReader().feed(packet)
+    assert kind == PacketType.DATA
+    return found
+
+
+@given(frame=FRAMES)
+def test_a_frame_comes_back_as_it_was(frame):
+    frame = made(frame)
+    back = decode_frame(payload(encode_frame(frame)))
+    assert (back.timestamp, back.number, len(back.bodies)) == (frame.timestamp, frame.number, len(frame.bodies))
+    for one, other in zip(back.bodies, frame.bodies, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None and other is not None:
+            np.testing.assert_allclose(one.position, other.position, rtol=1e-6, atol=1e-9)
+            np.testing.assert_allclose(one.rotation, other.rotation, atol=1e-7)
+            assert one.residual == pytest.approx(other.residual, rel=1e-6, abs=1e-12)
+
+
+@given(frame=FRAMES)
+def test_the_vendors_package_reads_the_same_numbers(frame):
+    frame = made(frame)
+    components = (Component.BODIES, Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
+    packet = QRTPacket(payload(encode_frame(frame, components)))
+    assert (packet.timestamp, packet.framenumber) == (round(frame.timestamp * 1e6), frame.number)
+    _, plain = packet.get_6d()
+    _, bodies = packet.get_6d_residual()
+    _, euler = packet.get_6d_euler_residual()
+    assert len(plain) == len(bodies) == len(euler) == len(frame.bodies)
+    for (position, matrix, residual), expected in zip(bodies, frame.bodies, strict=True):
+        pose = body_pose((*position, *matrix.matrix, *residual))
+        assert (pose is None) == (expected is None)
+        if pose is not None and expected is not None:
+            np.testing.assert_allclose(pose.rotation, expected.rotation, atol=1e-7)
+
+
+@given(angles=st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)))
+def test_euler_angles_are_those_of_the_rotation(angles):
+    np.testing.assert_allclose(euler_angles(turned(*angles)), angles, atol=1e-6)
+
+
+@given(texts=st.lists(st.text(alphabet=st.characters(exclude_characters="\0", codec="utf-8"))), cut=st.integers(1, 7))
+def test_texts_come_back_however_the_stream_is_cut(texts, cut):
+    stream = b"".join(map(encode_text, texts))
+    reader = PacketReader()
+    found = [p for i in range(0, len(stream), cut) for p in reader.feed(stream[i : i + cut])]
+    assert found == [(PacketType.COMMAND, text.encode() + b"\0") for text in texts]
+    assert [decode_text(data) for _, data in found] == texts
+
+
+@given(data=st.binary(max_size=200))
+def test_random_bytes_give_packets_or_a_protocol_error(data):
+    try:
+        for _, found in PacketReader().feed(data):
+            decode_text(found)
+    except ProtocolError as error:
+        assert "bytes" in str(error)
+
+
+@given(data=st.binary(max_size=200))
+def test_a_random_payload_gives_a_frame_or_a_protocol_error(data):
+    try:
+        decode_frame(data)
+    except ProtocolError:
+        pass
+
+
+@given(frame=FRAMES, data=st.data())
+def test_a_truncated_frame_is_a_protocol_error(frame, data):
+    whole = payload(encode_frame(made(frame)))
+    with pytest.raises(ProtocolError):
+        decode_frame(whole[: data.draw(st.integers(0, len(whole) - 1))])
+
+
+def test_impossible_sizes_are_said():
+    with pytest.raises(ProtocolError, match="a packet says that it has 4 bytes"):
+        list(PacketReader().feed(struct.pack("<II", 4, 1)))
+    with pytest.raises(ProtocolError, match="a component says that it has 0 bytes"):
+        decode_frame(struct.pack("<qIIII", 0, 1, 1, 0, 1))
+    with pytest.raises(ProtocolError, match="says that it has 9 bodies"):
+        decode_frame(struct.pack("<qIIIIihh", 0, 1, 1, 16, 5, 9, 0, 0))
+    with pytest.raises(ProtocolError, match="no bodies with rotation matrices"):
+        decode_frame(struct.pack("<qII", 0, 1, 0))
+    assert list(PacketReader().feed(encode_packet(PacketType.NO_MORE_DATA, b""))) == [(4, b"")]
