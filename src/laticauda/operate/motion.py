@@ -1,0 +1,286 @@
+"""The motion model of the filter: what is estimated, how it moves on, and what a marker sees of it.
+
+The center of mass and the heading are a smooth motion through moving water plus the gait's ripple, which repeats with
+the gait. Joint angles are what was asked for, smoothed, plus a deviation. See docs/theory/estimation.md.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.kinematics import link_angles, link_centers
+from laticauda.operate.estimate import Mount
+from laticauda.operate.filtering import Gaussian
+from laticauda.operate.noise import Noise
+from laticauda.robot import Robot
+
+Vector = Float[np.ndarray, " n"]
+Matrix = Float[np.ndarray, "m n"]
+
+# Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
+# rate of turning and the sideways speed per mean joint angle.
+X, Y, U, S, VX, VY, H, R, TURN, SLIP = range(10)
+# What one mode of the body's bending adds to the heading, and to the place of the center of mass across it.
+N_MODES = 4
+HEADING_GAIN = slice(10, 10 + N_MODES)
+ACROSS_GAIN = slice(10 + N_MODES, 10 + 2 * N_MODES)
+# What repeats with the gait is a turning pointer (c, s) per harmonic; what is seen of it is c.
+HEADING, ALONG, ACROSS = range(3)
+RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACROSS, 2))
+RIPPLE = 10 + 2 * N_MODES
+JOINTS = RIPPLE + 2 * len(RIPPLES)
+_SEEN = [[RIPPLE + 2 * i for i, (what, _) in enumerate(RIPPLES) if what == kind] for kind in range(3)]
+_HARMONIC = [np.array([harmonic for what, harmonic in RIPPLES if what == kind]) for kind in range(3)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionModel:
+    """The model for one robot with one marker body; holds what never changes."""
+
+    robot: Robot
+    """Its planar reduction counts."""
+    mount: Mount = field(default_factory=Mount)
+    """Where the marker body sits."""
+    noise: Noise = field(default_factory=Noise)
+    """What is not known."""
+    swim_speed: float | None = None
+    """The robot's speed through the water under its gait, if it is known: then a current along the course can be told
+    from the robot's own speed. None: only turning tells the two apart [m/s]."""
+    swim_speed_std: float = 0.01
+    """How well it is known [m/s]."""
+    ripple_memory: float = 100.0
+    """Time in which a ripple that nobody sees fades [s]."""
+    reference_bandwidth: float = 25.0
+    """Of the second-order filter that stands for the joints' lag [rad/s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once, and work out the levers."""
+        chain = self.robot.planar()
+        n = chain.n_links
+        link, (along, across) = self.mount.on_link(self.robot)
+        # One link along x and all others along y: what the place of a link's middle has in x is that one's lever.
+        one_turned = 0.5 * math.pi * (1.0 - np.eye(n))
+        lever = link_centers(chain, np.zeros((n, 2)), one_turned)[:, link, 0].astype(np.complex128)
+        lever[link] += complex(along, across)
+        spread = link_angles(np.eye(n - 1), angle=np.zeros(n - 1)).T if n > 1 else np.zeros((1, 0))
+        for name, value in (("chain", chain), ("n_joints", n - 1), ("link", link), ("lever", lever)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "spread", spread)
+        object.__setattr__(self, "modes", _bending_modes(n - 1))
+        object.__setattr__(self, "size", JOINTS + 2 * (n - 1))
+
+    chain: Robot = field(init=False)
+    """The planar reduction."""
+    n_joints: int = field(init=False)
+    """Its joints [-]."""
+    size: int = field(init=False)
+    """Length of what is estimated [-]."""
+    link: int = field(init=False)
+    """Which link carries the markers [-]."""
+    lever: np.ndarray = field(init=False)
+    """Marker body minus center of mass = sum of these times exp(i theta), in complex numbers [m]."""
+    spread: np.ndarray = field(init=False)
+    """theta minus heading, per joint angle [-]."""
+    modes: np.ndarray = field(init=False)
+    """Bending modes, per joint angle; the first is the mean [-]."""
+
+    def start(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector) -> Gaussian:
+        """What is known after the first frame: mean and covariance.
+
+        Args:
+            center_of_mass: p [m].
+            heading: [rad].
+            deviation: Joint angles minus references [rad].
+            deviation_rate: Their rates [rad/s].
+        """
+        mean = np.zeros(self.size)
+        mean[[X, Y]], mean[H] = center_of_mass, heading
+        mean[JOINTS::2], mean[JOINTS + 1 :: 2] = deviation, deviation_rate
+        variance = np.zeros(self.size)
+        noise = self.noise
+        variance[[X, Y]] = 0.05**2
+        variance[[U, S]] = 0.1**2, noise.sway**2
+        variance[[VX, VY]] = noise.current**2
+        variance[[H, R]] = 0.05**2, 0.1**2
+        variance[[TURN, SLIP]] = 0.5**2, 0.2**2
+        variance[HEADING_GAIN], variance[ACROSS_GAIN] = 1.0, 0.1**2
+        variance[JOINTS::2], variance[JOINTS + 1 :: 2] = (2.0 * noise.joint) ** 2, 0.5**2
+        return Gaussian(mean=mean, covariance=np.diag(variance))
+
+    def step(self, mean: Vector, reference: Vector, frequency: float, dt: float) -> tuple[Vector, Matrix, Matrix]:
+        """One step of time.
+
+        Args:
+            mean: What is estimated, before it.
+            reference: What joint angles deviate from [rad].
+            frequency: Of the gait, omega [rad/s].
+            dt: [s].
+
+        Returns:
+            The mean after it, F and Q.
+        """
+        f, q = np.eye(self.size), np.zeros((self.size, self.size))
+        after = mean.copy()
+        self._travel(mean, after, f, float(self.modes[0] @ (reference + mean[JOINTS::2])), dt)
+        self._wander(after, f, q, frequency, dt)
+        self._ripples(after, f, q, frequency, dt)
+        places = np.arange(JOINTS, self.size, 2)
+        after[places] += dt * mean[places + 1]
+        f[places, places + 1] = dt
+        _walk_of_rate(q, places, self.noise.joint_acceleration**2, dt)
+        return after, f, q
+
+    def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float) -> None:
+        """The smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
+        turning = mean[R] + mean[TURN] * bend
+        h = mean[H] + 0.5 * dt * turning
+        c, s = math.cos(h), math.sin(h)
+        after[[X, Y]] += dt * _through_water(mean, bend, c, s) + dt * mean[[VX, VY]]
+        after[H] += dt * turning
+        per_bend = dt * self.modes[0]
+        f[H, R], f[H, TURN] = dt, dt * bend
+        f[H, JOINTS::2] = mean[TURN] * per_bend
+        across = mean[S] + mean[SLIP] * bend
+        turned = dt * np.array([-s * mean[U] - c * across, c * mean[U] - s * across])
+        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * bend * turned
+        f[X, U], f[X, S], f[X, SLIP], f[X, VX] = dt * c, -dt * s, -dt * s * bend, dt
+        f[Y, U], f[Y, S], f[Y, SLIP], f[Y, VY] = dt * s, dt * c, dt * c * bend, dt
+        f[X, JOINTS::2], f[Y, JOINTS::2] = -s * mean[SLIP] * per_bend, c * mean[SLIP] * per_bend
+
+    def _wander(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """What nobody knows of the smooth motion, and of the gains."""
+        noise = self.noise
+        fade = math.exp(-dt / noise.sway_time)
+        after[S] *= fade
+        f[S, S] = fade
+        q[S, S] = noise.sway**2 * (1.0 - fade * fade)
+        self._surge(after, f, q, frequency, dt)
+        q[X, X] = q[Y, Y] = noise.position_walk**2 * dt
+        q[VX, VX] = q[VY, VY] = noise.current_walk**2 * dt
+        _walk_of_rate(q, H, noise.turning**2, dt)
+        q[TURN, TURN], q[SLIP, SLIP] = noise.turn_gain**2 * dt, noise.slip_gain**2 * dt
+        for gains, walk in ((HEADING_GAIN, noise.heading_gain), (ACROSS_GAIN, noise.across_gain)):
+            q[gains, gains] = walk**2 * dt * np.eye(N_MODES)
+
+    def _surge(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """Speed through the water: a random walk, or drawn to the known one within some cycles."""
+        if self.swim_speed is None:
+            q[U, U] = self.noise.surge**2 * dt
+            return
+        fade = math.exp(-dt / SPEED_UP)
+        target = self.swim_speed if frequency > 0.0 else 0.0
+        after[U] = target + fade * (after[U] - target)
+        f[U, U] = fade
+        q[U, U] = self.swim_speed_std**2 * (1.0 - fade * fade)
+
+    def _ripples(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """Every pointer turns by the gait's phase; without a gait it fades at once."""
+        moving = frequency > 0.0
+        fade = math.exp(-dt / (self.ripple_memory if moving else STOPPED_MEMORY))
+        for i, (kind, harmonic) in enumerate(RIPPLES):
+            angle, at = harmonic * frequency * dt, RIPPLE + 2 * i
+            turn = fade * np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+            after[at : at + 2] = turn @ after[at : at + 2]
+            f[at : at + 2, at : at + 2] = turn
+            walk = self.noise.heading_ripple if kind == HEADING else self.noise.position_ripple
+            if moving:
+                q[at, at] = q[at + 1, at + 1] = (walk / harmonic) ** 2 * dt
+
+    # ---- what is seen of it ----------------------------------------------------------------------------------------
+
+    def pose(self, mean: Vector, reference: Vector) -> tuple[Vector, float, Matrix]:
+        """Center of mass [m], heading (6) [rad], ripple included, and the derivative of these three.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+        """
+        bending = self.modes @ (reference + mean[JOINTS::2])
+        c, s = math.cos(mean[H]), math.sin(mean[H])
+        along = mean[_SEEN[ALONG]].sum()
+        across = mean[_SEEN[ACROSS]].sum() + mean[ACROSS_GAIN] @ bending
+        theta = mean[H] + mean[_SEEN[HEADING]].sum() + mean[HEADING_GAIN] @ bending
+        rows = np.zeros((3, self.size))
+        rows[0, X] = rows[1, Y] = rows[2, H] = 1.0
+        rows[0, H], rows[1, H] = -s * along - c * across, c * along - s * across
+        rows[0, _SEEN[ALONG]], rows[1, _SEEN[ALONG]] = c, s
+        rows[2, _SEEN[HEADING]] = 1.0
+        rows[2, HEADING_GAIN] = bending
+        rows[2, JOINTS::2] = mean[HEADING_GAIN] @ self.modes
+        sideways = np.zeros(self.size)
+        sideways[_SEEN[ACROSS]], sideways[ACROSS_GAIN] = 1.0, bending
+        sideways[JOINTS::2] = mean[ACROSS_GAIN] @ self.modes
+        rows[0] -= s * sideways
+        rows[1] += c * sideways
+        place = np.array([mean[X] + c * along - s * across, mean[Y] + s * along + c * across])
+        return place, float(theta), rows
+
+    def rates(self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float) -> tuple[Vector, float]:
+        """Velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+            reference_rate: Its rate [rad/s].
+            frequency: Of the gait, omega [rad/s].
+        """
+        bending = self.modes @ (reference + mean[JOINTS::2])
+        bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
+        c, s = math.cos(mean[H]), math.sin(mean[H])
+        place = [float(mean[_SEEN[kind]].sum()) for kind in range(3)]
+        pace = [float(-frequency * _HARMONIC[kind] @ mean[np.array(_SEEN[kind]) + 1]) for kind in range(3)]
+        place[ACROSS] += float(mean[ACROSS_GAIN] @ bending)
+        pace[ACROSS] += float(mean[ACROSS_GAIN] @ bending_rate)
+        turning = float(mean[R] + mean[TURN] * bending[0])
+        along = pace[ALONG] - turning * place[ACROSS]
+        across = pace[ACROSS] + turning * place[ALONG]
+        velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
+        velocity += np.array([c * along - s * across, s * along + c * across])
+        return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
+
+    def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
+        """What motion capture should see: x, y [m] and yaw of the link [rad], and its derivative.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+        """
+        place, heading, rows = self.pose(mean, reference)
+        theta = heading + self.spread @ (reference + mean[JOINTS::2])
+        arm = self.lever * np.exp(1j * theta)
+        seen = complex(place[0], place[1]) + arm.sum()
+        per_link = 1j * arm
+        whole = per_link.sum()
+        rows[0] += whole.real * rows[2]
+        rows[1] += whole.imag * rows[2]
+        per_joint = per_link @ self.spread
+        rows[0, JOINTS::2] += per_joint.real
+        rows[1, JOINTS::2] += per_joint.imag
+        rows[2, JOINTS::2] += self.spread[self.link]
+        return np.array([seen.real, seen.imag, theta[self.link]]), rows
+
+
+# Time in which the robot comes to its speed [s], and in which ripples fade once the gait stands still [s].
+SPEED_UP = 4.0
+STOPPED_MEMORY = 0.3
+
+
+def _through_water(mean: Vector, bend: float, c: float, s: float) -> Vector:
+    """Velocity of the smooth motion through the water, world axes [m/s]."""
+    surge, across = mean[U], mean[S] + mean[SLIP] * bend
+    return np.array([c * surge - s * across, s * surge + c * across])
+
+
+def _walk_of_rate(q: Matrix, at: int | np.ndarray, density: float, dt: float) -> None:
+    """A value whose rate is a random walk."""
+    q[at, at] = density * dt**3 / 3.0
+    q[at, at + 1] = q[at + 1, at] = density * dt**2 / 2.0
+    q[at + 1, at + 1] = density * dt
+
+
+def _bending_modes(n_joints: int) -> Matrix:
+    """Rows that make modes of the joint angles: their mean, and cosines of 1, 2 and 3 half waves along the body."""
+    place = (np.arange(n_joints) + 0.5) / max(n_joints, 1)
+    return np.array([np.cos(math.pi * k * place) for k in range(N_MODES)]) / max(n_joints, 1)

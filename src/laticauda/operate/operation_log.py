@@ -1,0 +1,124 @@
+"""Reading a recording: samples, estimates, commands and events in the order in which they were recorded."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from laticauda.errors import TrialFileError
+from laticauda.interfaces import Command
+from laticauda.operate.estimate import Estimate
+from laticauda.operate.packing import ESTIMATE, TOPICS, Recorded, unpacked, unpacked_estimate
+from laticauda.operate.recording import COMMAND, FORMAT, HEADER, Header
+from laticauda.operate.samples import Event
+from laticauda.operate.values import from_json
+from laticauda.robot import Robot, from_toml
+from laticauda.trial import Logged, open_recording
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decision:
+    """What a controller decided at one control instant."""
+
+    time: float
+    """Of the estimate that it decided on [s]."""
+    command: Command
+    """What it decided."""
+    signals: Mapping[str, float]
+    """What it had in mind."""
+
+
+Entry = Recorded | Estimate | Decision | Event
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperationLog:
+    """Everything of a recording but the raw frames of the bus."""
+
+    path: Path
+    """The file."""
+    header: Header
+    """What the recording says about the whole operation."""
+    version: str
+    """Of the laticauda that recorded it."""
+    notes: Mapping[str, Mapping[str, str]]
+    """What was found out on the way, by name."""
+    entries: tuple[Entry, ...]
+    """In the order in which they were recorded."""
+    lost: str
+    """What is missing from the file: a sentence; "" if nothing is."""
+
+    def of(self, *kinds: type[Any]) -> list[Any]:
+        """The entries of some classes, in their order."""
+        return [entry for entry in self.entries if isinstance(entry, kinds)]
+
+
+def read_operation(path: str | Path) -> OperationLog:
+    """Read what `OperationRecorder` wrote; of a file that ends in the middle, all that is complete.
+
+    Args:
+        path: The file.
+
+    Raises:
+        TrialFileError: If there is no such file, or it is no recording of an operation; the message says why.
+        MissingExtra: If the package `mcap` is not installed.
+    """
+    recording = open_recording(path)
+    texts = recording.metadata.get(HEADER)
+    if texts is None:
+        raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
+    if texts.get("format") != FORMAT:
+        raise TrialFileError(
+            f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads {FORMAT}."
+        )
+    try:
+        header = _header(texts)
+        topics = (*TOPICS.values(), ESTIMATE, COMMAND, "/events")
+        entries = tuple(_entry(logged) for logged in recording.messages(*topics))
+    except KeyError as error:
+        raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
+    except (ValueError, TypeError, IndexError) as error:
+        raise TrialFileError(f"Cannot load {path}: {error}") from error
+    notes = {name: content for name, content in recording.metadata.items() if name != HEADER}
+    return OperationLog(
+        path=Path(path),
+        header=header,
+        version=texts["version"],
+        notes=notes,
+        entries=entries,
+        lost=recording.lost,
+    )
+
+
+def _header(texts: Mapping[str, str]) -> Header:
+    robot = from_toml(texts["robot"], Robot)
+    environment = from_toml(texts["environment"])
+    if isinstance(environment, Robot):
+        raise ValueError("`environment` must be water or ground, got a robot.")
+    return Header(
+        robot=robot,
+        environment=environment,
+        gait=from_json(texts["gait"]),
+        controller=from_json(texts["controller"]),
+        estimator=from_json(texts["estimator"], robot=robot),
+        supply_voltage=float(texts["supply_voltage"]),
+        settings=json.loads(texts["settings"]),
+        operation=texts["operation"],
+    )
+
+
+def _entry(logged: Logged) -> Entry:
+    content = logged.content
+    if logged.topic == "/events":
+        told = json.loads(content["msg"]) if content["msg"] else {}
+        return Event(
+            time=logged.time, kind=content["name"], message=told.get("message", ""), data=told.get("data") or {}
+        )
+    if logged.topic == COMMAND:
+        told = json.loads(content["data"])
+        command = from_json(json.dumps(told["command"]))
+        return Decision(time=told["time"], command=command, signals=told["signals"])
+    if logged.topic == ESTIMATE:
+        return unpacked_estimate(content["data"])
+    return unpacked(logged.topic, content["data"])
