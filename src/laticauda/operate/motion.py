@@ -16,8 +16,8 @@ from laticauda.operate.filtering import Gaussian
 from laticauda.operate.noise import Noise
 from laticauda.robot import Robot
 
-Vector = Float[np.ndarray, " n"]
-Matrix = Float[np.ndarray, "m n"]
+Vector = Float[np.ndarray, " _n"]  # of any length, each its own
+Matrix = Float[np.ndarray, "_m _n"]
 
 # Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
 # rate of turning and the sideways speed per mean joint angle.

@@ -1,0 +1,139 @@
+"""`laticauda operate`: run a trial file or a series file on the robot, virtual or real."""
+
+import json
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from laticauda.cli.flags import Number, Switch, Text, Whole, default
+
+if TYPE_CHECKING:
+    from laticauda.operate.settings import Connection, Operation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Operate:
+    """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
+
+    Ctrl-C straightens and stops the robot; a second Ctrl-C is the emergency stop. The virtual tank of `laticauda lab`
+    is operated like the robot.
+
+    For example: laticauda operate trial.toml --output runs
+    """
+
+    file: tyro.conf.Positional[str]
+    """Trial file or series file (TOML)."""
+    output: Annotated[Text, default("runs")] = None
+    """Folder of the recordings and trials."""
+    check: Switch = False
+    """Only connect and check the hardware; nothing moves."""
+    clear: Switch = False
+    """Clear faults of the modules first: you have looked at them."""
+    no_dashboard: Switch = False
+    """Plain lines instead of the dashboard; so it is where the output is no terminal."""
+    json: Switch = False
+    """Print one JSON object at the end."""
+    speed: Annotated[Number, default("1")] = None
+    """Multiple of real time, for a virtual tank that runs at the same."""
+    repeats: Annotated[Whole, default("the file's")] = None
+    """Of every setting of a series."""
+    meter: Annotated[Text, default("the file's")] = None
+    """Serial port of the power meter."""
+    can: Annotated[Text, default("the file's")] = None
+    """CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0."""
+    mocap: Annotated[Text, default("the file's")] = None
+    """Motion capture: HOST:PORT."""
+
+    def __call__(self) -> int:
+        """Operate, print, and return the exit status."""
+        from laticauda.operate.files import SeriesFile, load_operation
+
+        wanted = load_operation(self.file)
+        folder = Path("runs" if self.output is None else self.output)
+        if isinstance(wanted, SeriesFile):
+            return self._series(wanted, folder)
+        operation = replace(wanted, connection=self._connection(wanted.connection))
+        result = self._operate(operation, None if self.check else folder)
+        summary = result.summary()
+        self._print(summary)
+        return 0 if result.accepted else 1
+
+    def _operate(self, operation: "Operation", folder: Path | None) -> Any:
+        from laticauda.operate.drivers import Clock
+        from laticauda.operate.keys import Keys
+        from laticauda.operate.session import operate
+
+        text = Path(self.file).read_text(encoding="utf-8-sig")
+        with Keys() as keys, self._shown(operation) as show:
+            return operate(
+                operation,
+                folder,
+                clock=Clock(speed=1.0 if self.speed is None else self.speed),
+                keys=keys,
+                show=show,
+                clears=self.clear,
+                check_only=self.check,
+                text=text,
+            )
+
+    def _series(self, series: Any, folder: Path) -> int:
+        from laticauda.operate.series import run_series
+
+        series = replace(
+            series,
+            repeats=series.repeats if self.repeats is None else self.repeats,
+            operations=tuple(replace(o, connection=self._connection(o.connection)) for o in series.operations),
+        )
+        done = run_series(series, folder / series.name, self._operate, place=self._place)
+        if self.json:
+            print(json.dumps(done.summary()))
+        else:
+            print(done.table())
+        return 0 if done.is_complete else 1
+
+    def _place(self, operation: "Operation", repeat: int) -> None:
+        """Ask for the robot to be put where the next run starts."""
+        if operation.start is None:
+            return
+        import math
+
+        x, y = operation.start.position
+        where = f"({x:.2f}, {y:.2f}) m, heading {math.degrees(operation.start.heading):.1f} deg"
+        print(f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True)
+        if sys.stdin.isatty():
+            input("Enter when it lies there: ")
+
+    def _shown(self, operation: "Operation") -> Any:
+        """What shows the ticks: the dashboard, or plain lines on standard error."""
+        from laticauda.operate.dashboard import Dashboard, Lines
+
+        if self.no_dashboard or self.json or not sys.stdout.isatty():
+            return Lines(sys.stderr)
+        return Dashboard(operation)
+
+    def _connection(self, usual: "Connection") -> "Connection":
+        """The file's connections, with what the options say otherwise."""
+        from laticauda.protocol import bus_address
+
+        changes: dict[str, Any] = {}
+        if self.meter is not None:
+            changes["meter_port"] = self.meter
+        if self.can is not None:
+            address = bus_address(self.can)
+            changes |= {"can_interface": address.interface, "can_channel": address.channel, "can_port": address.port}
+        if self.mocap is not None:
+            host, _, port = self.mocap.rpartition(":")
+            if not host or not port.isdigit():
+                raise ValueError(f"`mocap` must be HOST:PORT, got {self.mocap!r}.")
+            changes |= {"mocap_host": host, "mocap_port": int(port)}
+        return replace(usual, **changes)
+
+    def _print(self, summary: dict[str, Any]) -> None:
+        from laticauda.operate.session import table
+
+        if not summary["accepted"]:
+            print(summary["reason"], file=sys.stderr)
+        print(json.dumps(summary) if self.json else table(summary))

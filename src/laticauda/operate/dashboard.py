@@ -1,0 +1,194 @@
+"""What is to be seen while operating: a dashboard in the terminal, or plain lines."""
+
+# rich is typed; its renderables are many, so `Any` stands for them.
+
+import math
+import threading
+from types import TracebackType
+from typing import Any, Self, TextIO
+
+from laticauda.errors import MissingExtra
+from laticauda.operate.modules import Modules
+from laticauda.operate.operator import PHASES, OperatorState, Outputs
+from laticauda.operate.samples import Event
+from laticauda.operate.settings import Operation
+from laticauda.protocol import NodeState
+
+REFRESH = 0.2  # [s, wall clock]
+LAST_EVENTS = 6
+COLORS = {"idle": "white", "ready": "cyan", "running": "green", "stopping": "yellow", "fault": "red"}
+STATE_COLORS = {NodeState.ACTIVE: "green", NodeState.HOLD: "yellow", NodeState.LIMP: "yellow", NodeState.FAULT: "red"}
+
+
+class Lines:
+    """One line per event.
+
+    Args:
+        stream: Where they go.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def __call__(self, state: OperatorState, outputs: Outputs) -> None:
+        """Write the events of one tick."""
+        for event in outputs.events:
+            if event.kind != "phase":
+                print(line_of(event), file=self._stream, flush=True)
+
+    def __enter__(self) -> Self:
+        """Nothing to begin."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing to end."""
+
+
+def line_of(event: Event) -> str:
+    """An event as a line: time, kind, message."""
+    return f"{event.time:8.2f} s  {event.kind.replace('_', ' '):<13} {event.message}"
+
+
+class Dashboard:
+    """Modules, pose, state and events, drawn again and again by a thread of its own.
+
+    Args:
+        operation: What is operated.
+    """
+
+    def __init__(self, operation: Operation) -> None:
+        self._operation = operation
+        self._state: OperatorState | None = None
+        self._events: tuple[Event, ...] = ()
+        self._ended = threading.Event()
+        self._live: Any = _rich("live").Live(screen=False, auto_refresh=False)
+        self._thread = threading.Thread(target=self._run, name="laticauda-dashboard", daemon=True)
+
+    def __call__(self, state: OperatorState, outputs: Outputs) -> None:
+        """Take one tick; drawing it is the thread's business."""
+        self._state = state
+        told = tuple(event for event in outputs.events if event.kind != "phase")
+        if told:
+            self._events = (*self._events, *told)[-LAST_EVENTS:]
+
+    def _run(self) -> None:
+        while not self._ended.wait(REFRESH):
+            self._draw()
+
+    def _draw(self) -> None:
+        if self._state is not None:
+            self._live.update(picture(self._operation, self._state, self._events), refresh=True)
+
+    def __enter__(self) -> Self:
+        """Begin to draw."""
+        self._live.start()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Draw the end, and give the terminal back."""
+        self._ended.set()
+        self._thread.join(2.0)
+        self._draw()
+        self._live.stop()
+
+
+def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...]) -> Any:
+    """The dashboard as something that rich can print.
+
+    Args:
+        operation: What is operated.
+        state: After the latest tick.
+        events: The latest ones.
+    """
+    columns = _rich("columns").Columns([_modules(state.modules), _pose(operation, state)], padding=(0, 2))
+    log = _rich("text").Text("\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis")
+    group = _rich("console").Group(_head(operation, state), columns, log)
+    title = f"[bold]{operation.name}[/bold]   Ctrl-C: straighten and stop; again: emergency stop"
+    return _rich("panel").Panel(group, title=title, border_style=COLORS[state.supervisor.state], title_align="left")
+
+
+def _head(operation: Operation, state: OperatorState) -> Any:
+    """State, phase and time on one line."""
+    supervisor = state.supervisor
+    phase = state.phase.replace("_", " ")
+    steps = f"{PHASES.index(state.phase) + 1}/{len(PHASES)}"
+    color = COLORS[supervisor.state]
+    text = _rich("text").Text.from_markup(f"[bold {color}]{supervisor.state.upper():<9}[/] {phase} ({steps})")
+    if state.begun is not None and state.now is not None:
+        end = state.now if state.ended is None else state.ended
+        gone, whole = end - state.begun, operation.duration
+        filled = round(24 * min(gone / whole, 1.0))
+        text.append(f"   {gone:5.1f} of {whole:.0f} s  [{'=' * filled}{' ' * (24 - filled)}]")
+    if supervisor.cause:
+        text.append(f"   {supervisor.cause.replace('_', ' ')}: {supervisor.action.replace('_', ' ')}", style=color)
+    return text
+
+
+def _modules(modules: Modules) -> Any:
+    """A row per module."""
+    table = _rich("table").Table(box=None, pad_edge=False, header_style="bold")
+    for name, width in (("node", 4), ("state", 11), ("angle", 9), ("current", 8), ("temp.", 7), ("supply", 7)):
+        table.add_column(name, justify="left" if name == "state" else "right", min_width=width)
+    for k, beat in enumerate(modules.heartbeat):
+        if beat is None:
+            table.add_row(str(k + 1), "[red]not heard[/]", "", "", "", "")
+            continue
+        color = "red" if beat.leak else STATE_COLORS.get(beat.state, "white")
+        word = "LEAK" if beat.leak else beat.state.name.lower()
+        table.add_row(
+            str(k + 1),
+            f"[{color}]{word}[/]",
+            _number(math.degrees(modules.angle[k]), 1, "°"),
+            _number(modules.current[k], 2, " A"),
+            _number(beat.temperature, 0, " °C"),
+            _number(beat.voltage, 1, " V"),
+        )
+    return table
+
+
+def _pose(operation: Operation, state: OperatorState) -> Any:
+    """Where the robot is, and what it draws."""
+    table = _rich("table").Table.grid(padding=(0, 2))
+    estimate = state.estimate
+    rows: list[tuple[str, str]] = []
+    if estimate is None:
+        rows.append(("pose", "not known yet"))
+    else:
+        x, y = estimate.center_of_mass
+        speed = math.hypot(*estimate.center_of_mass_velocity)
+        rows += [
+            ("position", f"{x:7.3f}, {y:7.3f} m"),
+            ("speed", f"{speed:7.3f} m/s"),
+            ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
+            ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
+        ]
+    if state.asking.command is not None and operation.following is not None:
+        rows.append(("offset", f"{math.degrees(state.asking.command.offset):7.1f}°"))
+    if state.reading is not None:
+        rows.append(("supply", f"{state.reading.current:7.3f} A"))
+    if state.idle_current is not None:
+        rows.append(("at rest", f"{state.idle_current:7.3f} A"))
+    for name, value in rows:
+        table.add_row(f"[bold]{name}[/]", value)
+    return table
+
+
+def _number(value: float, digits: int, unit: str) -> str:
+    return f"{value:.{digits}f}{unit}" if math.isfinite(value) else "-"
+
+
+def _rich(name: str) -> Any:
+    """A module of rich.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    from importlib import import_module
+
+    try:
+        return import_module(f"rich.{name}")
+    except ImportError as error:
+        raise MissingExtra("The dashboard", "rich", "hardware") from error

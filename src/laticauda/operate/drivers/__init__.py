@@ -1,0 +1,13 @@
+"""The devices: CAN bus, motion capture, power meter. Each has a thread, and no exception leaves it.
+
+A driver is connected when it has been made, or says why not; then it holds what came in until it is asked (`taken`),
+says what is wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
+"""
+
+from laticauda.operate.drivers.can import CanDriver
+from laticauda.operate.drivers.clock import Clock
+from laticauda.operate.drivers.meter import MeterDriver
+from laticauda.operate.drivers.mocap import MocapDriver
+from laticauda.operate.drivers.worker import DeviceFailed
+
+__all__ = ["CanDriver", "Clock", "DeviceFailed", "MeterDriver", "MocapDriver"]

@@ -1,0 +1,116 @@
+"""The CAN bus, by python-can: frames in and out, and whether the computer is still on the bus."""
+
+# python-can is partly typed: this module hands typed messages on.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from laticauda.operate.drivers.clock import Clock
+from laticauda.operate.drivers.worker import DeviceFailed, Worker
+from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, open_bus, to_frame
+
+POLL = 0.05  # longest wait for a frame [s, wall clock]
+BUS_OFF = 0x40  # of the identifier of Linux' error frames
+ADVICE = {
+    "socketcan": "check that the interface is up: `ip link set can0 up type can bitrate 1000000`",
+    "udp_multicast": "check the address and that this computer has a network",
+    "virtual": "check the channel's name",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """One frame that went over the bus."""
+
+    time: float
+    """When it came or went, our clock [s]."""
+    identifier: int
+    """[-]."""
+    data: bytes
+    """[-]."""
+    is_ours: bool
+    """Whether we sent it."""
+    message: CanMessage | None
+    """What it says; None if it is none of our protocol."""
+
+
+class CanDriver(Worker[Frame]):
+    """The bus that the modules are on.
+
+    Args:
+        address: Which bus.
+        clock: What stamps the frames.
+
+    Raises:
+        DeviceFailed: If it cannot be opened.
+        MissingExtra: If python-can is not installed.
+    """
+
+    def __init__(self, address: BusAddress, clock: Clock) -> None:
+        super().__init__("can")
+        self._clock, self._send_trouble = clock, ""
+        self._is_off = False
+        try:
+            self._bus = open_bus(address)
+        except BusFailed as error:
+            raise DeviceFailed(f"{error} {ADVICE[address.interface].capitalize()}.") from error
+        self._start()
+
+    @property
+    def bus_off(self) -> str:
+        """Why nothing can be sent, in a sentence; "" if it can."""
+        return self._send_trouble or (self.trouble if self._is_off else "")
+
+    def work(self) -> None:
+        """Wait for a frame and keep it."""
+        try:
+            frame: Any = self._bus.recv(POLL)
+        except Exception:
+            self._is_off = True
+            raise
+        if frame is None:
+            return
+        if frame.is_error_frame:
+            self._is_off = bool(frame.arbitration_id & BUS_OFF)
+            if self._is_off:
+                raise DeviceFailed("the CAN controller is in its bus-off state")
+            return
+        self._is_off = False
+        self._found.append(
+            Frame(
+                time=self._clock.now(),
+                identifier=frame.arbitration_id,
+                data=bytes(frame.data),
+                is_ours=False,
+                message=from_frame(frame),
+            )
+        )
+
+    def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
+        """Send messages, in this order.
+
+        Args:
+            messages: What to say.
+
+        Returns:
+            The frames that went out; those that did not are told by `bus_off`.
+        """
+        sent: list[Frame] = []
+        trouble = ""
+        for message in messages:
+            try:
+                frame = to_frame(message)
+                self._bus.send(frame, timeout=0.0)
+            except Exception as error:  # the supervisor is told, and the modules stop by themselves
+                trouble = f"nothing can be sent: {error}"
+                continue
+            identifier, data = frame.arbitration_id, bytes(frame.data)
+            sent.append(Frame(time=self._clock.now(), identifier=identifier, data=data, is_ours=True, message=message))
+        self._send_trouble = trouble
+        return tuple(sent)
+
+    def release(self) -> None:
+        """Shut the bus down."""
+        self._bus.shutdown()

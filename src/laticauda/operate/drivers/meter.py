@@ -1,0 +1,109 @@
+"""The power meter in the supply cable, by pyserial: current now, average, minimum and maximum."""
+
+# pyserial has no types: this module hands typed readings on.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+import contextlib
+import threading
+import time
+from typing import Any
+
+from laticauda.operate.drivers.clock import Clock
+from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
+from laticauda.operate.samples import PowerReading
+from laticauda.protocol import ProtocolError
+from laticauda.protocol.meter import (
+    BAUD_RATE,
+    DISPLAYED,
+    IDENTITY,
+    RESTART,
+    LineReader,
+    decode_displayed,
+    decode_identity,
+    encode_question,
+)
+
+ANSWER_TIME = 0.6  # [s, wall clock]
+INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]
+
+
+class MeterDriver(Worker[PowerReading]):
+    """The multimeter.
+
+    Args:
+        port: Of the serial interface, or a pseudo-terminal.
+        clock: What stamps the readings.
+
+    Raises:
+        DeviceFailed: If the port cannot be opened, or what is there is no such meter.
+        MissingExtra: If pyserial is not installed.
+    """
+
+    def __init__(self, port: str, clock: Clock) -> None:
+        super().__init__("meter")
+        self._port, self._clock = port, clock
+        self._serial = library("serial", "pyserial")
+        self._line: Any = None
+        self._restart = threading.Event()
+        self._since: float | None = None
+        try:
+            self.identity = decode_identity(self._asked(IDENTITY))
+        except (OSError, ProtocolError, ValueError) as error:
+            self._drop()
+            raise DeviceFailed(
+                f"The power meter at {port} does not answer ({error}): check that it is on, that it shows A DC, and "
+                "the name of the port."
+            ) from error
+        self._start()
+
+    def restart(self) -> None:
+        """Begin the meter's record of average, minimum and maximum anew."""
+        self._restart.set()
+
+    def work(self) -> None:
+        """One question and its answer."""
+        try:
+            if self._restart.is_set():
+                self._asked(RESTART, has_data=False)
+                self._since = self._clock.now()
+                self._restart.clear()
+            shown = decode_displayed(self._asked(DISPLAYED))
+        except Exception:
+            self._drop()  # and open it again at the next try
+            raise
+        self._found.append(
+            PowerReading(
+                time=self._clock.now(),
+                current=shown.live,
+                average=shown.average,
+                minimum=shown.minimum,
+                maximum=shown.maximum,
+                since=self._since,
+            )
+        )
+        self._ended.wait(INTERVAL / self._clock.speed)
+
+    def _asked(self, word: str, *, has_data: bool = True) -> str:
+        """The answer's line of data."""
+        if self._line is None:
+            self._line = self._serial.Serial(self._port, BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
+        self._line.reset_input_buffer()
+        self._line.write(encode_question(word))
+        reader, lines, end = LineReader(), list[str](), time.monotonic() + ANSWER_TIME
+        while len(lines) < 1 + has_data:
+            if time.monotonic() > end or self._ended.is_set():
+                raise ProtocolError(f"no answer to {word}")
+            lines += reader.feed(self._line.read(max(self._line.in_waiting, 1)))
+            if lines and lines[0] != "0":
+                raise ProtocolError(f"it refuses {word} with {lines[0]!r:.40}")
+        return lines[1] if has_data else ""
+
+    def _drop(self) -> None:
+        if self._line is not None:
+            with contextlib.suppress(Exception):
+                self._line.close()
+            self._line = None
+
+    def release(self) -> None:
+        """Close the port."""
+        self._drop()

@@ -1,0 +1,135 @@
+"""The motion capture, by the vendor's own client package, whose event loop runs in a thread."""
+
+# qtm_rt has no types: this module hands typed frames on.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+import asyncio
+import logging
+import threading
+import time
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from laticauda.operate.drivers.clock import Clock
+from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
+from laticauda.operate.samples import PoseSample
+from laticauda.protocol.qtm import body_pose
+
+CONNECT_TIME = 5.0  # [s, wall clock]
+LOST = np.full(3, np.nan)
+
+
+class MocapDriver(Worker[tuple[float, PoseSample]]):
+    """The rigid body on the robot, as the cameras see it; tank frame, the cameras' clock, with the time of arrival.
+
+    A connection that breaks is made again.
+
+    Args:
+        host: Address of the computer that measures.
+        port: Its port for the least significant byte first.
+        body: Name of the rigid body; "" takes the only one there is.
+        clock: What stamps the arrivals.
+
+    Raises:
+        DeviceFailed: If it cannot be reached, or has no such body.
+        MissingExtra: If qtm_rt is not installed.
+    """
+
+    def __init__(self, host: str, port: int, body: str, clock: Clock) -> None:
+        super().__init__("mocap")
+        self._address, self._body, self._clock = (host, port), body, clock
+        self._qtm = library("qtm_rt", "qtm-rt")
+        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # its errors are told by ours
+        self._wanted = 0  # place of the body in the server's list
+        self._first: DeviceFailed | None = None
+        self._ready = threading.Event()
+        self._start()
+        if not self._ready.wait(CONNECT_TIME + 2.0) or self._first is not None:
+            failed = self._first or DeviceFailed(f"The motion capture at {host}:{port} does not answer.")
+            self.close()
+            raise failed
+
+    def work(self) -> None:
+        """One connection, from its begin to its end."""
+        asyncio.run(self._connected())
+
+    async def _connected(self) -> None:
+        host, port = self._address
+        gone = asyncio.Event()
+
+        def left(_: object) -> None:
+            gone.set()
+
+        try:
+            link: Any = await asyncio.wait_for(
+                self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME), CONNECT_TIME
+            )
+            if link is None:
+                raise DeviceFailed(
+                    f"The motion capture at {host}:{port} cannot be reached: check that QTM runs there, and that its "
+                    "real-time server has this port."
+                )
+        except Exception as error:
+            self._told(error)
+            raise
+        try:
+            await self._find_body(link)
+            await link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._took)
+            self._trouble = ""
+            self._ready.set()
+            while not (self._ended.is_set() or gone.is_set()):
+                await asyncio.sleep(0.05)
+        except Exception as error:
+            self._told(error)
+            raise
+        finally:
+            if link.has_transport():
+                link.disconnect()
+                await asyncio.sleep(0.0)  # lets the transport close
+        if gone.is_set() and not self._ended.is_set():
+            raise DeviceFailed(f"the motion capture at {host}:{port} closed the connection")
+
+    async def _find_body(self, link: Any) -> None:
+        """The place of the body in the list."""
+        text: Any = await link.get_parameters(["6d"])
+        names = [(name.text or "").strip() for name in ElementTree.fromstring(text).findall("*/Body/Name")]
+        if self._body and self._body not in names:
+            listed = ", ".join(names) or "none"
+            raise DeviceFailed(f"The motion capture has no body {self._body!r}; its bodies are: {listed}.")
+        if not self._body and len(names) != 1:
+            listed = ", ".join(names) or "none"
+            raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
+        self._wanted = names.index(self._body) if self._body else 0
+
+    def _told(self, error: Exception) -> None:
+        """Keep the first error for who made this driver."""
+        if self._ready.is_set():
+            return
+        host, port = self._address
+        known = isinstance(error, DeviceFailed)
+        self._first = error if known else DeviceFailed(f"The motion capture at {host}:{port} fails: {error!r}.")
+        self._ready.set()
+
+    def _took(self, packet: Any) -> None:
+        """One packet, in the thread of the event loop."""
+        arrival = self._clock.now()
+        try:
+            _, rows = packet.get_6d_residual()
+            position, matrix, residual = rows[self._wanted]
+            pose = body_pose((*position, *matrix.matrix, *residual))
+            stamp = packet.timestamp / 1e6
+        except Exception as error:  # a packet that makes no sense is a frame that is lost
+            self._trouble = f"a packet of the motion capture makes no sense: {error}"
+            return
+        if pose is None:
+            frame = PoseSample(time=stamp, position=LOST)
+        else:
+            residual = 0.0 if np.isnan(pose.residual) else pose.residual
+            frame = PoseSample(time=stamp, position=pose.position, rotation=pose.rotation, residual=residual)
+        self._found.append((arrival, frame))
+
+    def release(self) -> None:
+        """Nothing is held: the connection ends with the thread."""
+        time.sleep(0.0)

@@ -1,0 +1,104 @@
+"""A thread that never dies of an exception, and always ends when it is told to."""
+
+import threading
+from abc import ABC, abstractmethod
+from collections import deque
+from importlib import import_module
+from types import TracebackType
+from typing import Any, Generic, Self, TypeVar
+
+from laticauda.errors import LaticaudaError, MissingExtra
+
+T = TypeVar("T")
+MOST_WAITING = 100_000  # items that nobody asks for; then the oldest are dropped
+GIVE_UP = 5.0  # a thread that does not end by then is reported [s]
+RETRY = 0.5  # after an error, before the next try [s, wall clock]
+
+
+class DeviceFailed(LaticaudaError, OSError):
+    """A device cannot be reached: it says which, why, and what to check."""
+
+    __str__ = Exception.__str__
+
+
+def library(name: str, package: str) -> Any:
+    """A device's library, which comes with the extra `hardware`.
+
+    Args:
+        name: As it is imported.
+        package: As it is installed.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingExtra("Operating a robot", package, "hardware") from error
+
+
+class Worker(ABC, Generic[T]):
+    """Runs `work` again and again in a thread of its own.
+
+    What it finds goes into a queue; what goes wrong becomes a sentence in `trouble`, and it tries again.
+
+    Args:
+        name: Of the thread.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._found: deque[T] = deque(maxlen=MOST_WAITING)
+        self._trouble = ""
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"laticauda-{name}", daemon=True)
+
+    @abstractmethod
+    def work(self) -> None:
+        """One piece of work, which must come back within some tenths of a second."""
+
+    @abstractmethod
+    def release(self) -> None:
+        """Give back what the device holds; called once, after the thread has ended."""
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong now, in a sentence; "" if nothing is."""
+        return self._trouble
+
+    def taken(self) -> tuple[T, ...]:
+        """What came in since the last call, oldest first."""
+        items: list[T] = []
+        while self._found:
+            items.append(self._found.popleft())
+        return tuple(items)
+
+    def close(self) -> None:
+        """End the thread and give the device back."""
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        if self._thread.is_alive():
+            self._thread.join(GIVE_UP)
+        self.release()
+
+    def _start(self) -> None:
+        self._thread.start()
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                self.work()
+                self._trouble = ""
+            except Exception as error:
+                self._trouble = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+                self._ended.wait(RETRY)
+
+    def __enter__(self) -> Self:
+        """Itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close it."""
+        self.close()

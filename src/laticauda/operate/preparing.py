@@ -1,0 +1,220 @@
+"""What comes before the run, phase by phase: connect, check, calibrate, idle current, stillness, count down."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from laticauda.angles import wrap_to_pi
+from laticauda.operate.calibration import CalibrationFailed, Places, Stillness, joint_zeros, marker_yaw
+from laticauda.operate.modules import complaints
+from laticauda.operate.samples import Event
+
+if TYPE_CHECKING:
+    from laticauda.operate.operator import Operator, OperatorState
+
+PHASES = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
+CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
+COLLECT_TIME = 1.0  # of samples for a calibration [s]
+LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
+Answer: TypeAlias = "tuple[OperatorState, tuple[str, ...], tuple[Event, ...]]"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """What the preparations found."""
+
+    marker_turned: float = 0.0
+    """By how much the marker body sits otherwise on its module than the trial file says, as measured [rad]."""
+    angle: tuple[np.ndarray, ...] = ()
+    """Joint angles of the limp robot [rad]."""
+    rotation: tuple[np.ndarray, ...] = ()
+    """Of the marker body, path frame [-]."""
+    sets_zero: bool = False
+    """Whether the modules are to take their angles as zero."""
+    places: Places = ()
+    """Where the robot was in the last moments."""
+    start: tuple[float, float, float] | None = None
+    """Center of mass [m, m] and heading [rad] of the robot at rest, path frame: p_y(0) and theta(0)."""
+
+
+def step(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """One tick of the phase that `state` is in.
+
+    Args:
+        operator: The operation.
+        state: Before.
+        now: [s].
+
+    Returns:
+        The state after it, what the supervisor is asked for, and what is to be logged.
+    """
+    phase = _STEPS.get(state.phase)
+    if phase is None or state.failure:
+        return state, (), ()
+    try:
+        return phase(operator, state, now)
+    except CalibrationFailed as error:
+        return _given_up(state, now, str(error))
+
+
+def _next(state: "OperatorState", now: float, phase: str, message: str, **data: object) -> Answer:
+    event = Event(time=now, kind=state.phase, message=message, data=data)
+    return replace(state, phase=phase, since=now), (), (event,)
+
+
+def _given_up(state: "OperatorState", now: float, why: str) -> Answer:
+    return replace(state, failure=why), (), (Event(time=now, kind="failed", message=why),)
+
+
+def _gone(state: "OperatorState", now: float) -> float:
+    return 0.0 if state.since is None else now - state.since
+
+
+def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """Until every module, the motion capture and the power meter have been heard."""
+    modules, connection = state.modules, operator.operation.connection
+    missing: list[str] = []
+    if not modules.is_heard:
+        silent = [
+            str(k + 1)
+            for k, beat in enumerate(modules.heartbeat)
+            if beat is None or not math.isfinite(modules.angle[k])
+        ]
+        which = "no module is heard" if len(silent) == modules.n else f"module {', '.join(silent)} is not heard"
+        missing.append(f"{which} on {connection.can_interface} {connection.can_channel}: check power, cable and node")
+    if state.seen is None:
+        body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"
+        missing.append(
+            f"the motion capture at {connection.mocap_host}:{connection.mocap_port} does not see {body}: check that it "
+            "measures, and that the robot is within its volume"
+        )
+    if connection.meter_port and state.reading is None:
+        missing.append(f"the power meter at {connection.meter_port} says nothing: check that it is on and connected")
+    if not missing:
+        return _next(state, now, "checking", f"{modules.n} modules and the motion capture are heard")
+    if _gone(state, now) > CONNECT_TIME:
+        return _given_up(state, now, "; ".join(missing).capitalize() + ".")
+    return state, (), ()
+
+
+def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """Every module: firmware state, temperature, leak, voltage; limp."""
+    limits = operator.operation.limits
+    found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
+    if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
+        beats = [beat for beat in state.modules.heartbeat if beat is not None]
+        warm, low = max(beat.temperature for beat in beats), min(beat.voltage for beat in beats)
+        message = f"all modules are well: at most {warm:.0f} degC, at least {low:.1f} V"
+        return _next(state, now, "calibrating", message, temperature=warm, voltage=low)
+    if _gone(state, now) > CONNECT_TIME / 2.0:
+        return _given_up(state, now, "; ".join(found or ("the modules do not go limp",)).capitalize() + ".")
+    return state, (), ()
+
+
+def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
+    how, prepared = operator.operation.calibration, state.prepared
+    prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
+    state = replace(state, prepared=prepared)
+    if _gone(state, now) < COLLECT_TIME:
+        return state, (), ()
+    words = [f"clock of the cameras {1e3 * (state.clock or (0.0, 0.0))[0]:+.1f} ms"]
+    if how.joint_zeros and any(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat):
+        zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
+        words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
+        prepared = replace(prepared, sets_zero=True)
+    if how.straight_heading is not None:
+        rotation = np.array(prepared.rotation).reshape(-1, 3, 3)
+        if len(rotation) < LEAST_FRAMES:
+            raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
+        yaw = marker_yaw(rotation, heading=how.straight_heading - operator.operation.tank.path_heading)
+        words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
+        prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
+    return _next(replace(state, prepared=prepared), now, "idle_current", "; ".join(words))
+
+
+def _idle_current(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """I_0: the mean while the robot is limp."""
+    if not operator.operation.connection.meter_port:
+        return _checked(operator, state, now, "no power meter: the run has no power")
+    if _gone(state, now) < operator.operation.calibration.idle_time:
+        return state, (), ()
+    mean = state.idle.mean
+    if mean is None:
+        return _given_up(state, now, "The power meter fell silent while the current at rest was measured.")
+    message = f"I_0 = {mean:.3f} A from {state.idle.count} readings"
+    return _checked(operator, state, now, message, current=mean, readings=state.idle.count)
+
+
+def _checked(operator: "Operator", state: "OperatorState", now: float, message: str, **data: object) -> Answer:
+    if operator.check_only:
+        event = Event(time=now, kind=state.phase, message=message, data=data)
+        return replace(state, phase="done", since=now), (), (event,)
+    state, _, events = _next(state, now, "settling", message, **data)
+    return state, ("checked",), events
+
+
+def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """Held straight, until the water is calm and the robot lies where it is to start."""
+    how, estimate = operator.operation.calibration, state.estimate
+    if state.supervisor.state == "idle":  # something spoke against it: ask again, and not forever
+        if _gone(state, now) > CONNECT_TIME / 2.0:
+            return _given_up(state, now, "The robot may not move: " + _why(state))
+        return state, ("checked",), ()
+    if _gone(state, now) > how.patience:
+        return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
+    if estimate is None or state.supervisor.state != "ready" or np.any(state.asking.references):
+        return replace(state, prepared=replace(state.prepared, places=())), (), ()
+    start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
+    still = Stillness(speed=how.still_speed, rate=how.still_rate, duration=how.still_time)
+    places, is_still = still.step(state.prepared.places, now, *start)
+    state = replace(state, prepared=replace(state.prepared, places=places, start=_mean(places)))
+    if not is_still:
+        return state, (), ()
+    start = _mean(places)
+    off = _off_place(operator, start)
+    if off:
+        return _given_up(state, now, off)
+    message = f"still at p_y(0) = {start[1]:.4f} m, theta(0) = {math.degrees(start[2]):.2f} deg"
+    return _next(state, now, "countdown", message, x=start[0], y=start[1], heading=start[2])
+
+
+def _mean(places: Places) -> tuple[float, float, float]:
+    n = len(places)
+    return sum(p[1] for p in places) / n, sum(p[2] for p in places) / n, sum(p[3] for p in places) / n
+
+
+def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
+    wanted = operator.operation.start
+    if wanted is None:
+        return ""
+    away = math.hypot(start[0] - wanted.position[0], start[1] - wanted.position[1])
+    turned = wrap_to_pi(start[2] - wanted.heading)
+    if away <= wanted.tolerance and abs(turned) <= wanted.heading_tolerance:
+        return ""
+    return (
+        f"The robot lies {away:.2f} m and {math.degrees(turned):+.0f} deg from its start; put it at "
+        f"({wanted.position[0]:.2f}, {wanted.position[1]:.2f}) m, heading {math.degrees(wanted.heading):.0f} deg."
+    )
+
+
+def _countdown(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+    """Some seconds for everybody to step back."""
+    return state, ("started",) if _gone(state, now) >= operator.operation.countdown else (), ()
+
+
+def _why(state: "OperatorState") -> str:
+    return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
+
+
+_STEPS: dict[str, Callable[["Operator", "OperatorState", float], Answer]] = {
+    "connecting": _connecting,
+    "checking": _checking,
+    "calibrating": _calibrating,
+    "idle_current": _idle_current,
+    "settling": _settling,
+    "countdown": _countdown,
+}

@@ -1,0 +1,216 @@
+"""One operation from the connections to the trial: devices, loop, recording, figures."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from laticauda.errors import TrialFileError
+from laticauda.operate.drivers import Clock
+from laticauda.operate.keys import Keys
+from laticauda.operate.loop import connected, run_loop
+from laticauda.operate.operation_log import read_operation
+from laticauda.operate.operator import Operator, OperatorState, Outputs
+from laticauda.operate.recording import Header, OperationRecorder
+from laticauda.operate.replay import trial_of
+from laticauda.operate.settings import Operation
+from laticauda.operate.sink import RecordingSink
+from laticauda.operate.supervisor import BY_EVENT
+from laticauda.operate.timing import Timing
+from laticauda.trial import Trial
+
+SUPPLY_VOLTAGE = 35.0  # the paper's V of (4) [V]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Result:
+    """What became of an operation."""
+
+    name: str
+    """Of the operation."""
+    accepted: bool
+    """Whether the run counts: it began, and was not ended by a fault or by the operator."""
+    reason: str
+    """How it ended, or why it does not count."""
+    trial: Trial | None
+    """The run; None if there was none."""
+    start: tuple[float, float, float] | None
+    """Center of mass [m, m] and heading [rad] before it."""
+    idle_current: float | None
+    """I_0 [A]; None where it was not measured."""
+    notes: tuple[str, ...]
+    """What went wrong and did not stop it."""
+    recording: Path | None
+    """The file with everything."""
+    timing: Timing | None
+    """How punctual the loop was; None if it had no clock."""
+
+    def summary(self) -> dict[str, Any]:
+        """The figures of the run by name, ready for JSON."""
+        found: dict[str, Any] = {"name": self.name, "accepted": self.accepted, "reason": self.reason}
+        if self.start is not None:
+            found |= {"initial_cross_track_error": self.start[1], "initial_heading": self.start[2]}
+        found["idle_current"] = self.idle_current
+        trial = self.trial
+        if trial is not None:
+            found |= {"duration": trial.duration, "forward_velocity": trial.forward_velocity}
+            has_power = trial.electrical_work is not None and not self.notes
+            found["electrical_power"] = trial.electrical_power if has_power else None
+            idle = 0.0 if self.idle_current is None else SUPPLY_VOLTAGE * self.idle_current
+            found["total_power"] = trial.electrical_power + idle if has_power else None
+            error = trial.signals.get("cross_track_error")
+            if error is not None:
+                found["final_cross_track_error"] = float(error[-1])
+        found["notes"] = list(self.notes)
+        found["recording"] = None if self.recording is None else str(self.recording)
+        found["timing"] = None if self.timing is None else self.timing.summary()
+        return found
+
+
+def header_of(operator: Operator, text: str = "") -> Header:
+    """What the recording says about an operation.
+
+    Args:
+        operator: Of the operation.
+        text: The trial file as it was read.
+    """
+    how = operator.operation
+    return Header(
+        robot=operator.robot,
+        environment=how.pool(),
+        gait=how.gait,
+        controller=None if how.following is None else how.controller(),
+        estimator=operator.estimator,
+        supply_voltage=SUPPLY_VOLTAGE,
+        settings={
+            "model": "robot",
+            "joints": "modules",
+            "ramp": how.ramp,
+            "offset_bandwidth": how.offset_bandwidth,
+            "rate": how.rate,
+        },
+        operation=text,
+    )
+
+
+def operate(
+    operation: Operation,
+    folder: Path | None,
+    *,
+    clock: Clock | None = None,
+    keys: Keys | None = None,
+    show: Callable[[OperatorState, Outputs], None] | None = None,
+    clears: bool = False,
+    check_only: bool = False,
+    text: str = "",
+) -> Result:
+    """Operate the robot once.
+
+    Args:
+        operation: What to do.
+        folder: Where the recording goes, ``NAME.mcap``, and the trial, ``NAME.nc``; None keeps nothing.
+        clock: None: real time.
+        keys: What the operator presses; None: its signals.
+        show: Called with every tick; must be quick.
+        clears: Clear faults of the modules first.
+        check_only: Stop before anything moves.
+        text: The trial file as it was read.
+
+    Returns:
+        What became of it; a refusal or a fault is no exception.
+
+    Raises:
+        DeviceFailed: If a device cannot be reached.
+        StorageFailed: If the recording cannot be written at the start.
+    """
+    operator = Operator(operation=operation, clears=clears, check_only=check_only)
+    header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
+    clock = clock or Clock()
+    keys = keys or Keys()
+    with connected(operation.connection, clock) as devices:
+        if folder is None:
+            state, timing = run_loop(operator, devices, clock, keys=lambda: keys.events, show=show)
+            return result_of(operator, state, None, timing)
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"{operation.name}.mcap"
+        with OperationRecorder(path, header) as recorder, RecordingSink(recorder) as sink:
+            state, timing = run_loop(operator, devices, clock, keys=lambda: keys.events, sink=sink, show=show)
+    return result_of(operator, state, path, timing)
+
+
+def result_of(operator: Operator, state: OperatorState, recording: Path | None, timing: Timing | None) -> Result:
+    """What became of an operation, out of its last state and its recording.
+
+    Args:
+        operator: Of the operation.
+        state: The last one.
+        recording: The closed file; None if nothing was recorded.
+        timing: Of the loop; None if it had none.
+    """
+    trial: Trial | None = None
+    if recording is not None and state.begun is not None:
+        try:
+            trial = trial_of(read_operation(recording))
+            trial.save(recording.with_suffix(".nc"))
+        except TrialFileError as error:
+            state = replace(state, notes=(*state.notes, str(error)))
+    accepted, reason = _judged(operator, state)
+    return Result(
+        name=operator.operation.name,
+        accepted=accepted and (trial is not None or recording is None),
+        reason=reason,
+        trial=trial,
+        start=state.prepared.start,
+        idle_current=state.idle_current,
+        notes=state.notes,
+        recording=recording,
+        timing=timing,
+    )
+
+
+def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
+    """Whether the run counts, and how it ended."""
+    if operator.check_only and not state.failure:
+        return True, "All devices are well."
+    if state.begun is None:
+        cause = BY_EVENT.get(state.supervisor.cause)
+        return False, state.failure or (f"{cause.says.capitalize()}." if cause else "The run did not begin.")
+    stopped = state.stopped_by
+    if not stopped:
+        return True, "The run reached its end."
+    says = BY_EVENT[stopped].says if stopped in BY_EVENT else stopped
+    if stopped == "edge":
+        return True, f"The run ended: {says}."
+    return False, f"The run was ended: {says}."
+
+
+def table(summary: Mapping[str, Any]) -> str:
+    """A summary in words, one figure a line.
+
+    Args:
+        summary: Of a `Result`.
+    """
+    words = {
+        "initial_cross_track_error": ("p_y(0)", "m", 4),
+        "initial_heading": ("theta(0)", "rad", 4),
+        "duration": ("duration", "s", 2),
+        "forward_velocity": ("forward velocity (5)", "m/s", 4),
+        "idle_current": ("current at rest I_0", "A", 3),
+        "electrical_power": ("power above idle (4)", "W", 2),
+        "total_power": ("total power", "W", 2),
+        "final_cross_track_error": ("p_y at the end", "m", 4),
+    }
+    lines = [f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"]
+    for name, (says, unit, digits) in words.items():
+        if summary.get(name) is not None:
+            lines.append(f"  {says:<24}{summary[name]:>12.{digits}f} {unit}")
+    timing = summary.get("timing")
+    if timing and "period_p99" in timing:
+        lines.append(
+            f"  {'loop':<24}{timing['ticks']:>12} ticks, period p99 {1e3 * timing['period_p99']:.2f} ms, latency p99 "
+            f"{1e3 * timing['latency_p99']:.2f} ms, {timing['missed']} missed"
+        )
+    lines += [f"  note: {note}" for note in summary.get("notes", ())]
+    if summary.get("recording"):
+        lines.append(f"  recording: {summary['recording']}")
+    return "\n".join(lines)

@@ -1,0 +1,101 @@
+"""What keeps the record of an operation: a thread writes what the loop hands over, so that no disk makes it late."""
+
+import threading
+from collections import deque
+from types import TracebackType
+from typing import Self
+
+from laticauda.operate.drivers.can import Frame
+from laticauda.operate.operator import Inputs, OperatorState, Outputs
+from laticauda.operate.recording import OperationRecorder
+
+PAUSE = 0.02  # of the thread when there is nothing to write [s, wall clock]
+PATIENCE = 10.0  # for the rest to be written at the end [s, wall clock]
+Tick = tuple[OperatorState, Outputs, tuple[Frame, ...]]
+
+
+def write_tick(recorder: OperationRecorder, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+    """Write everything of one tick.
+
+    Args:
+        recorder: Open.
+        state: After the tick.
+        outputs: Of the tick.
+        frames: Of the bus, both ways.
+    """
+    now = state.now
+    assert now is not None  # it was a tick
+    for frame in frames:
+        recorder.can(frame.time, frame.identifier, frame.data, sent=frame.is_ours)
+    for sample in outputs.samples:
+        recorder.sample(sample, received=now)
+    if outputs.estimate is not None:
+        recorder.estimate(outputs.estimate)
+        if outputs.command is not None:
+            recorder.command(outputs.estimate.time, outputs.command, outputs.signals)
+    for event in outputs.events:
+        recorder.event(event)
+        if event.kind == "idle_current" and "current" in event.data:
+            recorder.note("idle", event.data)
+        if event.kind == "settling" and "heading" in event.data:
+            recorder.note("initial", event.data)
+
+
+class PlainSink:
+    """Writes at once; for operations without a clock.
+
+    Args:
+        recorder: Open; it stays open.
+    """
+
+    def __init__(self, recorder: OperationRecorder) -> None:
+        self._recorder = recorder
+        self.trouble = ""
+
+    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+        """Write one tick; after an error nothing more."""
+        if self.trouble:
+            return
+        try:
+            write_tick(self._recorder, state, outputs, frames)
+        except Exception as error:
+            self.trouble = str(error) or type(error).__name__
+
+
+class RecordingSink(PlainSink):
+    """Writes in a thread; a context manager, whose end waits until all is written."""
+
+    def __init__(self, recorder: OperationRecorder) -> None:
+        super().__init__(recorder)
+        self._waiting: deque[Tick] = deque()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="laticauda-recorder", daemon=True)
+
+    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+        """Hand one tick over."""
+        if not self.trouble:
+            self._waiting.append((state, outputs, frames))
+
+    def _run(self) -> None:
+        while self._waiting or not self._ended.is_set():
+            if not self._waiting:
+                self._ended.wait(PAUSE)
+                continue
+            state, outputs, frames = self._waiting.popleft()
+            try:
+                write_tick(self._recorder, state, outputs, frames)
+            except Exception as error:
+                self.trouble = str(error) or type(error).__name__
+                self._waiting.clear()
+
+    def __enter__(self) -> Self:
+        """Begin to write."""
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Write the rest."""
+        self._ended.set()
+        self._thread.join(PATIENCE)

@@ -1,0 +1,122 @@
+"""Operate something that is stepped, such as `laticauda.lab.Tank`: no threads, no wires, as fast as it goes.
+
+The same operator, the same protocol; only the drivers are left out. The same calls give the same answers.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from laticauda.operate.drivers.can import Frame
+from laticauda.operate.loop import NoSink, Sink
+from laticauda.operate.operator import Inputs, Operator, OperatorState, Outputs
+from laticauda.operate.samples import PoseSample, PowerReading
+from laticauda.protocol import MocapFrame, ProtocolError, decode, encode
+from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
+
+METER_INTERVAL = 0.2  # between two questions to the meter [s]
+
+
+class SteppedTank(Protocol):
+    """What can be operated without wires."""
+
+    time: float
+
+    def advance_to(self, time: float) -> None:
+        """Let time go on [s]."""
+        ...
+
+    def sent(self) -> Iterable[tuple[int, bytes]]:
+        """Take away the frames of the modules."""
+        ...
+
+    def seen(self) -> Iterable[MocapFrame]:
+        """Take away what the cameras saw."""
+        ...
+
+    def answer(self, line: str) -> bytes:
+        """What the power meter says to a line."""
+        ...
+
+    def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
+        """A frame of ours."""
+        ...
+
+
+def run_stepped(
+    operator: Operator,
+    tank: SteppedTank,
+    *,
+    keys: Callable[[float], Mapping[str, str]] = lambda now: {},
+    sink: Sink | None = None,
+    show: Callable[[OperatorState, Outputs], None] | None = None,
+    longest: float = 600.0,
+) -> OperatorState:
+    """Operate until it is done.
+
+    Args:
+        operator: What to do.
+        tank: What is operated.
+        keys: What the operator has pressed by a time [s].
+        sink: What keeps the record; None: nothing does.
+        show: Called with every tick.
+        longest: After which it is given up [s].
+
+    Returns:
+        The last state.
+
+    Raises:
+        RuntimeError: If it is not done by then.
+    """
+    interval, sink = 1.0 / operator.operation.rate, sink or NoSink()
+    state, first, asked = operator.init(), tank.time, -np.inf
+    count = 0
+    while not state.is_done:
+        now = first + count * interval
+        if now - first > longest:
+            raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
+        tank.advance_to(now)
+        heard = [Frame(time=now, identifier=i, data=d, is_ours=False, message=decode(i, d)) for i, d in tank.sent()]
+        readings: tuple[PowerReading, ...] = ()
+        if operator.operation.connection.meter_port and now - asked >= METER_INTERVAL - 1e-9:
+            readings, asked = _reading(tank, now), now
+        events = dict(keys(now))
+        if sink.trouble:
+            events["recorder_failed"] = sink.trouble
+        inputs = Inputs(
+            messages=tuple((frame.time, frame.message) for frame in heard if frame.message is not None),
+            frames=tuple((now, _sample(frame)) for frame in tank.seen()),
+            readings=readings,
+            events=events,
+        )
+        state, outputs = operator.tick(state, now, inputs)
+        said: list[Frame] = []
+        for message in outputs.messages:
+            identifier, data = encode(message)
+            said.append(Frame(time=now, identifier=identifier, data=data, is_ours=True, message=message))
+            tank.receive(identifier, data, now)
+        sink.tick(state, inputs, outputs, (*heard, *said))
+        if show is not None:
+            show(state, outputs)
+        count += 1
+    return state
+
+
+def _sample(frame: MocapFrame) -> PoseSample:
+    """The first body of a frame, as the driver hands it on."""
+    pose: Any = frame.bodies[0] if frame.bodies else None
+    if pose is None:
+        return PoseSample(time=frame.timestamp, position=np.full(3, np.nan))
+    residual = 0.0 if np.isnan(pose.residual) else pose.residual
+    return PoseSample(time=frame.timestamp, position=pose.position, rotation=pose.rotation, residual=residual)
+
+
+def _reading(tank: SteppedTank, now: float) -> tuple[PowerReading, ...]:
+    """What the meter shows; nothing where it says nothing, or nothing of sense."""
+    try:
+        lines = LineReader().feed(tank.answer(DISPLAYED))
+        shown = decode_displayed(lines[1])
+    except (IndexError, ProtocolError):
+        return ()
+    return (PowerReading(time=now, current=shown.live),)

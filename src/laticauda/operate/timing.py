@@ -1,0 +1,73 @@
+"""How punctual the loop was: period and latency of every tick, and the deadlines that it missed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+Times = Float[np.ndarray, " n_ticks"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """A distribution in a few numbers."""
+
+    median: float
+    """[s]."""
+    p99: float
+    """99 % are smaller [s]."""
+    largest: float
+    """[s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Timing:
+    """The ticks of one operation."""
+
+    due: Times
+    """When each was to begin [s]."""
+    began: Times
+    """When it began [s]."""
+    sent: Times
+    """When its last frame had been handed to the bus [s]."""
+    interval: float
+    """Between two ticks, as asked for [s]."""
+
+    @property
+    def period(self) -> Times:
+        """From the begin of a tick to that of the next [s]."""
+        return np.diff(self.began)
+
+    @property
+    def latency(self) -> Times:
+        """From when a tick was due until its last frame was sent [s]."""
+        return self.sent - self.due
+
+    @property
+    def missed(self) -> int:
+        """Ticks that were not over when the next was due [-]."""
+        return int(np.count_nonzero(self.latency > self.interval))
+
+    def summary(self) -> dict[str, float | int]:
+        """Median, 99th percentile and largest of period and latency, the ticks and the missed deadlines."""
+        found: dict[str, float | int] = {"ticks": int(self.due.size), "interval": self.interval, "missed": self.missed}
+        for name in ("period", "latency"):
+            values = getattr(self, name)
+            if values.size:
+                spread = spread_of(values)
+                found |= {
+                    f"{name}_median": spread.median,
+                    f"{name}_p99": spread.p99,
+                    f"{name}_largest": spread.largest,
+                }
+        return found
+
+
+def spread_of(values: Times) -> Spread:
+    """Median, 99th percentile and largest.
+
+    Args:
+        values: At least one [s].
+    """
+    median, p99 = np.percentile(values, (50.0, 99.0))
+    return Spread(median=float(median), p99=float(p99), largest=float(np.max(values)))

@@ -1,0 +1,317 @@
+"""Laws of the whole tick, on a rig that does as it is told; the virtual tank comes in test_session.py."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import laticauda as lc
+from laticauda.gaits import Generator
+from laticauda.operate.operator import Operator
+from laticauda.operate.samples import ReferenceSample
+from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement, Tank
+from laticauda.operate.supervisor import BY_EVENT
+from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
+from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
+
+GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+QUICK = Calibration(idle_time=0.2, still_time=0.3)
+
+
+def operation(**changes) -> Operation:
+    usual = Operation(
+        name="test",
+        gait=GAIT,
+        following=Following(),
+        duration=2.0,
+        rate=25.0,
+        estimator="kinematics",
+        countdown=0.1,
+        connection=Connection(meter_port="there"),
+        calibration=QUICK,
+        limits=Limits(straighten_time=1.0),
+    )
+    return replace(usual, **changes)
+
+
+def running(**changes) -> Run:
+    run = run_of(Operator(operation=operation(**changes)))
+    run.until("running")
+    return run
+
+
+def test_an_operation_goes_through_its_phases_and_ends_limp_in_idle():
+    run = running()
+    run.until("done")
+    assert run.state.supervisor.state == "idle"
+    assert run.rig.is_limp
+    assert run.state.begun is not None and run.state.ended is not None
+    assert run.state.ended - run.state.begun == pytest.approx(2.0, abs=0.05)
+    phases = [event.message for event in run.events if event.kind == "phase"]
+    words = [phases[0].split(" -> ")[0], *(phase.split(" -> ")[1] for phase in phases)]
+    assert words == [
+        "connecting",
+        "checking",
+        "calibrating",
+        "idle_current",
+        "settling",
+        "countdown",
+        "running",
+        "stopping",
+        "done",
+    ]
+
+
+def test_the_start_is_logged_and_the_currents_of_rest_and_run_are_apart():
+    run = running()
+    run.until("done")
+    assert run.state.prepared.start == pytest.approx((1.0, 0.5, 0.1), abs=1e-3)
+    assert run.state.idle.mean == pytest.approx(1.18)
+    assert run.state.drawn.mean == pytest.approx(2.18)
+    assert any("p_y(0) = 0.5000 m" in event.message for event in run.events)
+
+
+def test_the_references_of_the_run_are_those_of_the_one_generator():
+    run = running(following=None, rate=100.0)
+    begun = run.state.begun
+    assert begun is not None
+    run.tick(80)
+    asked = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
+    generator = Generator(n_links=9)
+    state = generator.init(GAIT)
+    for sample in asked:
+        state = generator.step(state, GAIT, sample.time - begun - state.time)
+        assert sample.angle == pytest.approx(generator.joints(state, GAIT)[0], abs=1e-12)
+
+
+def test_the_sync_comes_last_and_the_references_before_it():
+    run = running()
+    kinds = [type(message) for message in run.outputs.messages]
+    assert kinds == [References, References, Sync]
+    assert [m.group for m in run.outputs.messages if isinstance(m, References)] == [0, 1]
+
+
+def test_path_following_steers_towards_the_path():
+    run = running(duration=30.0)
+    run.tick(150)
+    signals = run.operator.asker.signals(run.state.asking)
+    assert signals["cross_track_error"] > 0.4
+    assert signals["offset"] < 0.0
+
+
+def test_pitch_joints_are_held_at_zero():
+    run = running(robot="mamba-modules")
+    run.tick(50)
+    asked = run.state.asking.references
+    assert asked.size == 18
+    assert np.all(asked[1::2] == 0.0)
+    assert np.any(asked[::2] != 0.0)
+
+
+def test_the_clocks_are_matched_and_the_path_frame_is_placed_in_the_tank():
+    run = run_of(Operator(operation=operation(tank=Tank(path_origin=(0.5, 0.2), path_heading=0.3))))
+    run.until("countdown")
+    assert run.state.clock is not None and run.state.clock[0] == pytest.approx(CAMERAS_AHEAD)
+    x, y, heading = run.state.prepared.start or (0, 0, 0)
+    tank = run.operator.operation.tank
+    assert tank.to_tank(np.array([x, y])) == pytest.approx([1.0, 0.5], abs=1e-3)
+    assert heading == pytest.approx(0.1 - 0.3, abs=1e-3)
+
+
+def test_a_marker_body_that_sits_askew_is_calibrated_from_the_straight_robot():
+    run = run_of(Operator(operation=operation(calibration=replace(QUICK, straight_heading=0.1))))
+    run.rig._frame = turned_frame(run.rig, 0.4)  # type: ignore[method-assign]
+    run.until("countdown")
+    assert run.state.prepared.marker_turned == pytest.approx(0.4, abs=1e-6)
+    assert run.state.prepared.start == pytest.approx((1.0, 0.5, 0.1), abs=1e-3)
+
+
+def turned_frame(rig: Rig, yaw: float):
+    plain = rig._frame
+
+    def frame():
+        seen = plain()
+        c, s = math.cos(yaw), math.sin(yaw)
+        assert seen.rotation is not None
+        return replace(seen, rotation=seen.rotation @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
+
+    return frame
+
+
+def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():
+    run = run_of(Operator(operation=operation(calibration=replace(QUICK, joint_zeros=True))))
+    run.rig.angle[:] = 0.03
+    told = []
+    while run.state.phase != "settling":
+        run.tick()
+        told += [m for m in run.outputs.messages if isinstance(m, NodeCommand)]
+    run.tick(5)
+    told += [m for m in run.outputs.messages if isinstance(m, NodeCommand)]
+    assert NodeCommand(order=Order.SET_ZERO) in told
+    bent = run_of(Operator(operation=operation(calibration=replace(QUICK, joint_zeros=True))))
+    bent.rig.angle[2] = 0.3
+    bent.until("done")
+    assert "module 3 reports 17.2 deg" in bent.state.failure
+    assert bent.rig.is_limp
+
+
+# ---- what speaks against a run ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rig", "message"),
+    [
+        ({"dead": {4}}, r"Module 5 is not heard on udp_multicast .*check power, cable and node"),
+        ({"hears": False}, r"No module is heard"),
+        ({"sees": False}, r"The motion capture at 127\.0\.0\.1:22223 does not see a body"),
+        ({"measures": False}, r"The power meter at there says nothing: check that it is on and connected"),
+        ({"leak": {2}}, r"Module 3 reports water inside: take the robot out"),
+        ({"temperature": 80.0}, r"Module 1 has 80 degC, allowed are 70: let it cool"),
+    ],
+)
+def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message):
+    run = run_of(Operator(operation=operation()), **rig)
+    run.until("done")
+    import re
+
+    assert re.match(message, run.state.failure), run.state.failure
+    assert not any(isinstance(s, ReferenceSample) for s in run.samples)
+
+
+def test_a_robot_that_lies_elsewhere_is_not_started():
+    run = run_of(Operator(operation=operation(start=Placement(position=(0.0, 1.7), heading=0.1))))
+    run.until("done")
+    assert "put it at (0.00, 1.70) m, heading 6 deg" in run.state.failure
+    assert run.rig.is_limp
+
+
+def test_a_check_only_moves_nothing():
+    run = run_of(Operator(operation=operation(), check_only=True))
+    run.until("done")
+    assert run.state.failure == ""
+    assert not any(isinstance(s, ReferenceSample) for s in run.samples)
+
+
+def test_faults_that_somebody_has_looked_at_are_cleared_first():
+    fault = [NodeState.FAULT] * 8
+    run = run_of(Operator(operation=operation()))
+    run.rig.states = list(fault)
+    run.until("done")
+    assert "is in its fault state" in run.state.failure
+    run = run_of(Operator(operation=operation(), clears=True))
+    run.rig.states = list(fault)
+    run.until("running")
+
+
+# ---- what stops a run ------------------------------------------------------------------------------------------------
+
+SWITCHES = {
+    "leak": {"leak": {3}},
+    "over_temperature": {"temperature": 90.0},
+    "over_current": {"current": 6.0},
+    "joint_error": {"stuck": {2}},
+    "lost_heartbeat": {"dead": {5}},
+    "lost_mocap": {"sees": False},
+}
+
+
+@pytest.mark.parametrize("event", SWITCHES)
+def test_what_goes_wrong_in_a_run_stops_it_within_the_stated_time(event):
+    run = running(duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3))
+    run.tick(40)
+    for name, value in SWITCHES[event].items():
+        setattr(run.rig, name, value)
+    while event not in run.log:
+        run.tick()
+        assert run.rig.time < 20.0, run.log
+    seen = run.rig.time
+    within = run.operator.supervisor.within(BY_EVENT[event].action)
+    while not run.rig.is_limp:
+        run.tick()
+        assert run.rig.time < seen + 10.0
+    assert run.rig.time - seen <= within + 0.1
+    run.until("done")
+    assert run.state.supervisor.state == "fault"
+    assert run.state.begun is not None
+
+
+def test_the_operators_key_straightens_first():
+    run = running(duration=30.0)
+    run.tick(
+        60,
+    )
+    run.tick(1, operator_key="by test")
+    while not run.state.is_done:
+        run.tick(1, operator_key="by test")
+    assert run.state.supervisor.state == "idle"
+    assert np.max(np.abs(run.rig.angle)) < math.radians(4)
+    assert run.rig.is_limp
+
+
+def test_the_second_key_is_an_emergency_stop_at_that_very_tick():
+    run = running(duration=30.0)
+    run.tick(40)
+    run.tick(2, operator_key="x")
+    run.tick(1, operator_key="x", emergency_key="y")
+    assert EmergencyStop(reason=1) in run.outputs.messages
+    assert not any(isinstance(message, References) for message in run.outputs.messages)
+
+
+def test_the_run_ends_before_the_edge_of_the_measuring_volume():
+    run = running(duration=60.0, tank=Tank(volume_x=(0.0, 2.0)))
+    run.until("done")
+    assert "edge" in run.log
+    assert run.state.supervisor.state == "idle"
+    assert run.rig.position[0] < 2.0
+
+
+def test_a_late_computer_stops_the_run():
+    run = running(duration=30.0)
+    run.tick(20)
+    for _ in range(10):  # 0.4 s in which the operator does nothing
+        run.rig.advance(0.04, ())
+    run.tick(2)
+    assert "late_loop" in run.log
+    run.until("done")
+    assert run.rig.is_limp
+
+
+def test_a_silent_meter_lets_the_run_end_and_is_noted():
+    run = running(duration=8.0)
+    run.rig.measures = False
+    run.until("done")
+    assert run.state.supervisor.state == "idle"
+    assert run.state.notes and run.state.notes[0].startswith("lost_meter")
+
+
+def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not_the_program(monkeypatch):
+    run = running(duration=30.0)
+
+    def broken(*_):
+        raise ZeroDivisionError("the controller divides by zero")
+
+    monkeypatch.setattr(type(run.operator.asker), "think", broken)
+    run.until("done")
+    assert run.state.supervisor.state == "fault"
+    assert any("the controller divides by zero" in event.message for event in run.events)
+    assert run.rig.is_limp
+
+
+@settings(max_examples=5)
+@given(st.lists(st.sampled_from([*SWITCHES, "hears", "tick"]), min_size=1, max_size=4), st.integers(0, 75))
+def test_whatever_goes_wrong_whenever_the_robot_ends_limp_and_no_exception_comes_out(wrong, first):
+    run = run_of(Operator(operation=operation(duration=3.0, calibration=replace(QUICK, patience=5.0))))
+    run.tick(first)
+    for event in wrong:
+        for name, value in SWITCHES.get(event, {"hears": False} if event == "hears" else {}).items():
+            setattr(run.rig, name, value)
+        run.tick(10)
+    while not run.state.is_done:
+        run.tick()
+        assert run.rig.time < 40.0, (run.state.phase, run.log)
+    for _ in range(50):
+        run.rig.advance(0.04, ())
+    assert run.rig.is_limp

@@ -1,0 +1,168 @@
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.operate.supervisor import (
+    ACTIONS,
+    BY_EVENT,
+    REQUESTS,
+    RULES,
+    STATES,
+    Supervisor,
+    SupervisorState,
+    safety_table,
+)
+
+STOPPING = [rule.event for rule in RULES if rule.action != "finish"]
+FAULTS = [rule.event for rule in RULES if rule.is_fault]
+TICK = 0.01
+supervisor = Supervisor(straighten_time=2.0)
+
+events_at_a_tick = st.frozensets(st.sampled_from([*BY_EVENT, *REQUESTS]), max_size=3)
+noise = st.lists(
+    st.tuples(events_at_a_tick, st.booleans(), st.booleans(), st.sampled_from([TICK, 0.1, 0.5])), max_size=40
+)
+
+
+def brought_to(state: str) -> SupervisorState:
+    return {
+        "idle": SupervisorState(),
+        "ready": SupervisorState(state="ready"),
+        "running": SupervisorState(state="running"),
+        "stopping": SupervisorState(state="stopping", action="straighten"),
+        "fault": SupervisorState(state="fault", action="limp", cause="leak", is_fault=True),
+    }[state]
+
+
+def step(state: SupervisorState, now: float, *events: str, straight: bool = False, limp: bool = False):
+    return supervisor.step(state, now, set(events), is_straight=straight, is_limp=limp)
+
+
+@given(st.sampled_from(STATES), st.sampled_from(STOPPING), noise, noise)
+def test_from_any_state_any_events_lead_to_no_references_within_the_stated_time(state, event, before, after):
+    now, at = 0.0, brought_to(state)
+    for events, straight, limp, dt in before:
+        now += dt
+        at, _ = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+    now += TICK
+    at, _ = step(at, now, event)
+    end = now + supervisor.within(BY_EVENT[event].action)
+    # Whatever else happens, as long as nobody starts anew.
+    for events, straight, limp, dt in after:
+        now += dt
+        at, _ = supervisor.step(at, now, events - set(REQUESTS), is_straight=straight, is_limp=limp)
+        assert now < end or not at.sends_references
+    while now < end:
+        now += TICK
+        at, _ = step(at, now)
+    assert not at.sends_references
+    assert at.state in ("idle", "fault")
+
+
+@given(st.sampled_from(FAULTS), noise)
+def test_a_fault_is_left_by_an_acknowledgment_only_and_only_when_nothing_is_wrong(event, after):
+    now, at = 0.0, brought_to("running")
+    at, _ = step(at, now, event)
+    while at.state != "fault":
+        now += TICK
+        at, _ = step(at, now, event)
+        assert now < 10.0
+    for events, straight, limp, dt in after:
+        now += dt
+        at, _ = supervisor.step(at, now, events - {"acknowledged"}, is_straight=straight, is_limp=limp)
+        assert at.state == "fault"
+    at, _ = step(at, now, event, "acknowledged", limp=True)
+    assert at.state == "fault"
+    at, _ = step(at, now, "acknowledged", limp=False)
+    assert at.state == "fault"
+    at, _ = step(at, now, "acknowledged", limp=True)
+    assert at.state == "idle"
+
+
+@given(noise)
+def test_what_is_done_only_becomes_graver_until_the_robot_is_limp(steps):
+    now, at = 0.0, brought_to("stopping")
+    for events, straight, limp, dt in steps:
+        now += dt
+        after, _ = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+        if after.state in ("stopping", "fault") and at.state in ("stopping", "fault"):
+            assert ACTIONS.index(after.action) >= ACTIONS.index(at.action)
+        at = after
+
+
+@given(noise)
+def test_every_event_is_logged_once_when_it_begins_and_every_change_of_state_with_it(steps):
+    now, at, present = 0.0, brought_to("running"), frozenset()
+    for events, straight, limp, dt in steps:
+        now += dt
+        after, entries = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+        wrong = frozenset(events) & BY_EVENT.keys()
+        told = [entry.event for entry in entries]
+        assert all(told.count(event) == 1 for event in wrong - present)
+        assert not any(event in told for event in wrong & present)
+        states = [at.state, *(entry.after for entry in entries)]
+        assert states[-1] == after.state
+        at, present = after, wrong
+
+
+def test_the_normal_course_is_idle_ready_running_stopping_idle():
+    at, seen = supervisor.init(), []
+    for now, event, straight, limp in (
+        (0.0, "checked", False, True),
+        (1.0, "started", True, False),
+        (2.0, "ended", False, False),
+        (3.0, None, True, False),
+        (3.1, None, True, True),
+    ):
+        at, _ = step(at, now, *([event] if event else []), straight=straight, limp=limp)
+        seen.append(at.state)
+    assert seen == ["ready", "running", "stopping", "stopping", "idle"]
+
+
+def test_nothing_starts_while_something_is_wrong():
+    assert step(supervisor.init(), 0.0, "checked", "lost_mocap", limp=True)[0].state == "fault"
+    assert step(brought_to("ready"), 0.0, "started", "edge")[0].state == "stopping"
+
+
+def test_a_leak_while_the_robot_straightens_stops_it_at_once():
+    at, _ = step(brought_to("running"), 0.0, "operator_key")
+    assert (at.state, at.action, at.is_fault) == ("stopping", "straighten", False)
+    at, entries = step(at, 0.5, "operator_key", "leak")
+    assert (at.action, at.is_fault, at.cause) == ("emergency_stop", True, "leak")
+    assert [entry.event for entry in entries] == ["leak"]
+
+
+def test_modules_that_do_not_go_limp_get_an_emergency_stop():
+    at, now = replace(brought_to("stopping"), action="limp"), 0.0
+    while at.action == "limp":
+        now += TICK
+        at, entries = step(at, now)
+    assert now == pytest.approx(0.5, abs=0.02)
+    assert (at.state, at.action) == ("fault", "emergency_stop")
+    assert entries
+
+
+def test_a_silent_power_meter_stops_nothing():
+    at, entries = step(brought_to("running"), 0.0, "lost_meter")
+    assert at.state == "running"
+    assert [(entry.event, entry.action) for entry in entries] == [("lost_meter", "finish")]
+
+
+def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
+    gravity = [ACTIONS.index(rule.action) for rule in RULES]
+    assert gravity == sorted(gravity, reverse=True)
+    assert len(BY_EVENT) == len(RULES)
+    table = safety_table()
+    assert all(len(row) == 5 and row[1] for row in table)
+    assert ("leak", "a module reports water inside", "emergency stop", "1.5 s", "fault") in table
+
+
+def test_an_event_that_is_not_in_the_table_is_refused():
+    with pytest.raises(
+        ValueError, match=r"`events` must hold events of the table only, got 'leek'; did you mean `leak`"
+    ):
+        step(supervisor.init(), 0.0, "leek")
+    with pytest.raises(ValueError, match=r"`straighten_time` must be > 0 s, got 0"):
+        Supervisor(straighten_time=0.0)
