@@ -97,6 +97,36 @@ def test_driven_joints_do_not_look_at_the_share(joints):
     np.testing.assert_array_equal(trials[1].joint_angle_ref, trials[0].joint_angle_ref)
 
 
+@pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
+def test_every_joint_law_has_an_electrical_power_that_is_what_its_motors_draw_and_the_electronics(joints):
+    robot = load_robot("mamba-fin")
+    plain = lc.swim(robot, GAIT, duration=4.0, joints=joints, sample_interval=0.01)
+    motors, both = (
+        lc.swim(replace(robot, active_power=power), GAIT, duration=4.0, joints=joints, sample_interval=0.01)
+        for power in (0.0, 25.0)
+    )
+    assert plain.mean_power_kind == ("electrical" if joints == "servo" else "mechanical")
+    np.testing.assert_array_equal(motors.center_of_mass, plain.center_of_mass)
+    assert motors.mean_power_kind == "electrical"
+    assert both.mean_power - motors.mean_power == pytest.approx(25.0, rel=1e-12)
+    assert motors.electrical_power >= motors.positive_power > 0.0
+    if joints == "servo":
+        np.testing.assert_array_equal(motors.electrical_work, plain.electrical_work)
+    power = np.zeros(motors.time.size)
+    servo = robot.joints[0].actuator
+    for torque, rate in zip(motors.joint_torque.T, motors.joint_rate.T, strict=True):
+        current = torque / servo.stall_torque
+        power += 34.04 * np.maximum((current + rate / servo.no_load_speed) * current, 0.0)
+    assert motors.electrical_work[-1] == pytest.approx(np.trapezoid(power, motors.time), rel=0.01)
+
+
+def test_a_batch_of_robots_with_and_without_a_power_model_has_the_powers_of_single_runs():
+    robot = load_robot("mamba")
+    robots = [robot, replace(robot, active_power=10.0), replace(robot, active_power=0.0), robot]
+    found = lc.swim_many(robots, GAIT, 3.0).mean_power
+    np.testing.assert_allclose(found, [lc.swim(one, GAIT, duration=3.0).mean_power for one in robots], rtol=1e-10)
+
+
 def test_near_the_surface_the_added_mass_is_larger_and_the_speed_changes_a_little():
     near = distance(load_robot("mamba"), environment=replace(WATER, depth=0.1))
     assert near == pytest.approx(distance(load_robot("mamba")), rel=0.1)

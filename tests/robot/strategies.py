@@ -65,6 +65,10 @@ fins = st.builds(
     n_strips=st.integers(1, 20),
     added_mass=coefficients,
     density=numbers(500.0, 3000.0),
+    n_hinges=st.sampled_from([0, 0, 1, 3, 6]),
+    flexural_rigidity=numbers(1e-3, 1e3),
+    bending_damping=st.just(0.0) | numbers(0.0, 1.0),
+    joint=st.none() | st.builds(Joint, limit=numbers(0.01, math.pi), stiffness=numbers(0.0, 5.0)),
 )
 
 

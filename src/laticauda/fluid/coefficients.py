@@ -19,8 +19,9 @@ from 0 at the tail end of the body to 1 at its head end; on links of equal lengt
 the fin, nor on modules that bring their own C_f.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -89,8 +90,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         loads = _ground_loads(mass, environment)
         strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        friction = environment.tangential_friction * _taper(half_length, environment.friction_taper)
-        loads = np.array([_link_loads(m, environment, C_f) for m, C_f in zip(robot.modules, friction, strict=True)]).T
+        loads = _loads_in_water(robot.modules, half_length, environment)
         strips = _fin_in_water(fin, environment) if fin else None
     return _coefficients(half_length, half_length, mass, loads, strips)
 
@@ -128,10 +128,21 @@ def _coefficients(
     return Coefficients(half_length=half_length, position=position, mass=mass, fin=fin, **named)
 
 
-def _taper(half_length: np.ndarray, taper: float) -> np.ndarray:
-    """Share of the water's C_f per link: 1 + taper (1 - 2 s), s from 0 at the tail end to 1 at the head end."""
-    middle = np.cumsum(2.0 * half_length) - half_length
-    return 1.0 + taper * (1.0 - middle / np.sum(half_length))
+def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
+    """The loads of all links, one column per link; modules that are alike are computed once."""
+    friction = [water.tangential_friction] * len(modules)
+    if water.friction_taper != 0.0:
+        middle = np.cumsum(2.0 * half_length) - half_length
+        share = 1.0 + water.friction_taper * (1.0 - middle / np.sum(half_length))  # 1 + taper (1 - 2 s)
+        friction = (water.tangential_friction * share).tolist()
+    known: dict[tuple[int, float], tuple[float, ...]] = {}
+    columns: list[tuple[float, ...]] = []
+    for module, C_f in zip(modules, friction, strict=True):
+        key = id(module), C_f
+        if key not in known:
+            known[key] = _link_loads(module, water, C_f)
+        columns.append(known[key])
+    return np.array(columns).T
 
 
 def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
@@ -182,12 +193,18 @@ def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
 
     A hinge of the fin cuts the strip that it stands in.
     """
-    edges = np.linspace(fin.opening_length, fin.length, fin.n_strips + 1)
-    if closed and fin.opening_length > 0.0:
-        pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
-        edges = np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
-    cuts = [x for x in (h.position for h in fin.hinges) if x > edges[0] and np.min(np.abs(edges - x)) > 1e-9]
-    return np.sort(np.concatenate((edges, cuts)))
+    cuts = tuple(hinge.position for hinge in fin.hinges)
+    return _cut_strips(fin.length, fin.opening_length, fin.n_strips, closed, cuts)
+
+
+@lru_cache(maxsize=64)  # most robots of a batch have one fin; nobody writes to the array
+def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]) -> np.ndarray:
+    edges = np.linspace(opening, length, n_strips + 1)
+    if closed and opening > 0.0:
+        pieces = int(np.ceil(opening / (edges[1] - edges[0])))
+        edges = np.concatenate((np.linspace(0.0, opening, pieces + 1)[:-1], edges))
+    inside = [x for x in cuts if x > edges[0] and np.min(np.abs(edges - x)) > 1e-9]
+    return np.sort(np.concatenate((edges, inside)))
 
 
 def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> Coefficients:

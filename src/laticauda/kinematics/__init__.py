@@ -3,6 +3,7 @@
 from laticauda.kinematics.poses import (
     center_of_mass,
     center_of_mass_velocity,
+    fin_line,
     heading,
     joint_angles,
     joint_positions,
@@ -17,6 +18,7 @@ from laticauda.kinematics.poses import (
 __all__ = [
     "center_of_mass",
     "center_of_mass_velocity",
+    "fin_line",
     "heading",
     "joint_angles",
     "joint_positions",

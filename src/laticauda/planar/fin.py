@@ -1,12 +1,13 @@
 """The caudal fin as rigid pieces behind the tail link, with a hinge at the head end of each."""
 
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from laticauda.fluid import Coefficients
 from laticauda.planar import rows
-from laticauda.robot import CaudalFin, Hinge, Joint
+from laticauda.robot import CaudalFin, Hinge, Joint, Piece
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -21,9 +22,9 @@ class FinBody:
     """What of it feels the water; positions are those from the piece's tail end."""
     law: int
     """Joint law of the hinge at its head end (`rows.LOCKED` ... `rows.PASSIVE`)."""
-    joint: Joint | None = None
+    joint: Joint | None
     """What drives that hinge."""
-    hinge: Hinge | None = None
+    hinge: Hinge | None
     """The bending that it stands for."""
 
 
@@ -40,27 +41,34 @@ def fin_bodies(fin: CaudalFin, strips: Coefficients, *, joints: int, as_links: b
         The pieces from the root to the trailing edge.
     """
     middle = -strips.position
-    begins: dict[float, Hinge | None] = {0.0: None, **{hinge.position: hinge for hinge in fin.hinges}}
+    pieces = fin.pieces
     if as_links:
-        for edge in middle - strips.half_length:
-            if np.min(np.abs(np.array(list(begins)) - edge)) > 1e-9:
-                begins[float(edge)] = None
-    edges = [*sorted(begins), fin.length]
-    pieces: list[FinBody] = []
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
-        hinge = begins[begin]
-        joint = fin.joint if begin == 0.0 else None
-        pieces.append(
+        edges = middle - strips.half_length
+        pieces = [finer for piece in pieces for finer in _cut(piece, edges)]
+    bodies: list[FinBody] = []
+    for piece in pieces:
+        joint = fin.joint if piece.begin == 0.0 else None
+        passive = rows.LOCKED if piece.hinge is None else rows.PASSIVE
+        bodies.append(
             FinBody(
-                length=end - begin,
-                mass=fin.mass * (end - begin) / fin.length,
-                strips=_moved(strips, (middle > begin) & (middle < end), end),
-                law=joints if joint is not None else rows.PASSIVE if hinge is not None else rows.LOCKED,
+                length=piece.length,
+                mass=piece.mass,
+                strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
+                law=passive if joint is None else joints,
                 joint=joint,
-                hinge=hinge,
+                hinge=piece.hinge,
             )
         )
-    return pieces
+    return bodies
+
+
+def _cut(piece: Piece, edges: np.ndarray) -> Iterator[Piece]:
+    """A piece in parts, cut where strips begin inside it."""
+    inside = edges[(edges > piece.begin + 1e-9) & (edges < piece.end - 1e-9)]
+    ends = [piece.begin, *map(float, inside), piece.end]
+    for i, begin in enumerate(ends[:-1]):
+        mass = piece.mass * (ends[i + 1] - begin) / piece.length
+        yield replace(piece, begin=begin, end=ends[i + 1], mass=mass, hinge=None if i else piece.hinge)
 
 
 def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:

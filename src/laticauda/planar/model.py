@@ -3,19 +3,19 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.fluid import laws, link_coefficients
-from laticauda.interfaces import Command, Log, Observation, Start
+from laticauda.fluid import Coefficients, laws, link_coefficients
+from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 
 FORCES = ("drag", "added_mass", "effector")
 
@@ -64,7 +64,8 @@ class PlanarPlant:
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
-            object.__setattr__(self, "dt", min(self._default_dt, _stable_step(self.robot, self.environment)))
+            limit = _stable_step(self.robot, self.coefficients, self.environment)
+            object.__setattr__(self, "dt", min(self._default_dt, limit))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
@@ -97,9 +98,20 @@ class PlanarPlant:
         }
 
     @cached_property
+    def coefficients(self) -> Coefficients:
+        """Loads per link and fin strip."""
+        return link_coefficients(self.robot, self.environment)
+
+    @cached_property
     def layout(self) -> Layout:
         """The robot as the kernels see it."""
-        return layout(self.robot, self.environment, joints=self.joints, fin_as_links=self.fin_as_links)
+        return layout(
+            self.robot,
+            self.environment,
+            joints=self.joints,
+            fin_as_links=self.fin_as_links,
+            coefficients=self.coefficients,
+        )
 
     @cached_property
     def kernels(self) -> Any:
@@ -202,11 +214,7 @@ class PlanarPlant:
                 "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}."
             )
-        fin = self.robot.caudal_fin
-        if gait.fin is not None and (fin is None or fin.joint is None):
-            raise ValueError(
-                f"`gait.fin` must be None unless the robot's fin is driven (`caudal_fin.joint`), got {gait.fin}."
-            )
+        check_fin(self.robot, gait)
         S = a.template.copy()
         if gait.fin is not None:
             wave = gait.fin
@@ -268,24 +276,16 @@ class PlanarPlant:
         log["joint_angle_ref"] = self._asked_for(samples)
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
         return log | self._fin_log(samples)
 
     def _fin_log(self, samples: np.ndarray) -> Log:
-        """What the fin's joints do, as signals: the driven one at the root, and the passive ones from there on."""
+        """What the fin's own joints do."""
         law, joints = self.layout.law, self.layout.n_bodies - 1
-        at = {"angle": 0, "rate": joints, "angle_ref": 2 * joints, "torque": 3 * joints}
-        log: dict[str, np.ndarray] = {}
-        hinges = 0
-        for body in range(self.layout.tail_link, 0, -1):
-            column = rows.LOG_STATE + body - 1
-            if law[body] == rows.PASSIVE:
-                hinges += 1
-                log[f"signal_fin_angle_{hinges}"] = samples[:, column]
-            elif law[body] != rows.LOCKED:
-                log |= {f"signal_fin_root_{name}": samples[:, first + column] for name, first in at.items()}
-        return log
+        own = [i - 1 for i in range(self.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]
+        columns = samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints)[:, :, own]
+        return fin_signals(self.robot.caudal_fin, *np.moveaxis(columns, 1, 0))
 
     def _asked_for(self, samples: np.ndarray) -> np.ndarray:
         """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
@@ -311,10 +311,8 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
     return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
-@lru_cache(maxsize=64)
-def _stable_step(robot: Robot, environment: Environment) -> float:
+def _stable_step(robot: Robot, c: Coefficients, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    c = link_coefficients(robot, environment)
     if isinstance(environment, Ground):
         along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
     else:
@@ -323,7 +321,7 @@ def _stable_step(robot: Robot, environment: Environment) -> float:
         along = across + speed * environment.sway_friction
     free = [c] if c.fin is None or robot.caudal_fin is None or not robot.caudal_fin.hinges else [c, c.fin]
     rate = max(
-        float(np.max(slope))
+        float(slope.max())
         for e in free
         for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
     )

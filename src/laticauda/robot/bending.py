@@ -33,6 +33,25 @@ class Hinge:
     """d = eta I / D [N m s/rad]."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Piece:
+    """A part of the plate that stays rigid."""
+
+    begin: float
+    """Distance of its head end from the root [m]."""
+    end: float
+    """Distance of its tail end from the root [m]."""
+    mass: float
+    """[kg]."""
+    hinge: Hinge | None
+    """The passive hinge at its head end; None at the root."""
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return self.end - self.begin
+
+
 @lru_cache(maxsize=MOST_HINGES)
 def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
     """Where n hinges go, and the length that each stands for, as shares of the plate's length, root first.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from laticauda.errors import finite, instance, not_negative, one_of, positive, whole, within
-from laticauda.robot.bending import MOST_HINGES, Hinge, hinge_rule
+from laticauda.robot.bending import MOST_HINGES, Hinge, Piece, hinge_rule
 from laticauda.robot.checks import pair, put, settle, settle_required
 from laticauda.robot.joints import Joint
 
@@ -94,6 +94,18 @@ class CaudalFin:
                 damping=self.bending_damping / (share * self.length),
             )
             for place, share in hinge_rule(self.n_hinges)
+        )
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The rigid pieces between its hinges, from the root to the trailing edge; one for a rigid fin."""
+        hinges = (None, *self.hinges)
+        edges = [0.0, *(hinge.position for hinge in self.hinges), self.length]
+        return tuple(
+            Piece(
+                begin=edges[i], end=edges[i + 1], mass=self.mass * (edges[i + 1] - edges[i]) / self.length, hinge=hinge
+            )
+            for i, hinge in enumerate(hinges)
         )
 
     @property

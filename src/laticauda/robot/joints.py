@@ -68,6 +68,11 @@ class Actuator:
         within("tracking", self.tracking, 0.0, 1.5)
 
     @property
+    def stall_power(self) -> float:
+        """Power at full duty and standstill, V I_stall [W]."""
+        return self.voltage * self.stall_current
+
+    @property
     def idle_power(self) -> float:
         """Power at rest without load [W]."""
         return self.voltage * self.idle_current

@@ -134,7 +134,7 @@ def _applied(thing: Any, wanted: Changes) -> Any:
             several = list(new.get(name, getattr(thing, name)))
             several[at] = _applied(several[at], value)
             new[name] = tuple(several)
-        elif step in _PLURAL:
+        elif step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
             name = _PLURAL[step]
             new[name] = _all_applied(new.get(name, getattr(thing, name)), value)
         elif isinstance(value, dict):
