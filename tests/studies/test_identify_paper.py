@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sweeps import campaign
+from studies.sweeps import campaign
 
 import laticauda as lc
 from laticauda.trial.measured import efficiency_trials
