@@ -92,7 +92,7 @@ BAD = {
     "--versio": "Unrecognized options: --versio",
     "robots nope": "no robot preset named `nope`",
     "robots nope.toml": "nope.toml: no such file",
-    "robots --toml": "--toml must be given with the NAME of a robot, water or ground.",
+    "robots --toml": "--toml must be given with the NAME of a robot, water, ground or parameters.",
     "robots mamba --toml --json": "--toml and --json must not be given together.",
     "trial": "Expected one of {show, compare, convert}.",
     "trial shwo a.nc": "Available subcommands: show, compare, convert",

@@ -128,6 +128,8 @@ def waters(draw: st.DrawFn) -> Water:
         linear_drag=draw(st.booleans()),
         quadratic_drag=draw(st.booleans()),
         reference_speed=draw(numbers(0.0, 3.0)),
+        sway_friction=draw(numbers(0.0, 3.0)),
+        friction_taper=draw(numbers(-1.0, 1.0)),
         added_mass_form=form,
         rotational=draw(st.sampled_from(["paper", "strip"])),
         trailing_edge=draw(st.sampled_from(["none", "elongated"])) if form == "kirchhoff" else "none",

@@ -196,6 +196,10 @@ def _water(water: Water) -> str:
     ]
     if water.tangential_added_mass:
         parts.append(f"tangential_added_mass {water.tangential_added_mass:g}")
+    if water.sway_friction:
+        parts.append(f"sway_friction {water.sway_friction:g}")
+    if water.friction_taper:
+        parts.append(f"friction_taper {water.friction_taper:g}")
     if water.trailing_edge != "none":
         parts.append(f"trailing edge {water.trailing_edge}")
     if any(water.current):

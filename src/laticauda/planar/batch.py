@@ -148,19 +148,22 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
+    of_law: dict[int, str] = {}
     for i, run in enumerate(runs):
         plant = run.plant
         if id(plant) not in of_plant:
-            of_plant[id(plant)] = _kind(plant, interval)
+            if id(plant.law) not in of_law:
+                of_law[id(plant.law)] = fingerprint(plant.law)
+            of_plant[id(plant)] = _kind(plant, interval, of_law[id(plant.law)])
         kinds.setdefault(of_plant[id(plant)], []).append(i)
     return kinds.values()
 
 
-def _kind(plant: PlanarPlant, interval: float) -> object:
+def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    return shape, plant.joints, plant.steps_in(interval), plant.law, fingerprint(plant.law)
+    return shape, plant.joints, plant.steps_in(interval), plant.law, law_digest
 
 
 def _march(

@@ -11,7 +11,7 @@ from typing import no_type_check
 
 from laticauda.actuation import laws
 from laticauda.compiling import compiled, kernel
-from laticauda.compiling.lanes import magnitude
+from laticauda.compiling.lanes import any_lane, magnitude
 from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
@@ -23,7 +23,7 @@ ramped = compiled(reference.ramped)
 joint_reference = compiled(reference.joint_reference)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
-servo_power = compiled(laws.servo_power)
+motor_power = compiled(laws.motor_power)
 
 
 @kernel
@@ -116,7 +116,7 @@ def joint_torques(S, n, law, gamma_dt):
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
-            torque, slope_p, slope_d, _ = actuator(S, b, law[i])
+            torque, slope_p, slope_d = actuator(S, b, law[i])
             slope_p += S[b + STIFFNESS]
             slope_d += S[b + DAMPING]
             S[b + TORQUE] = torque
@@ -134,7 +134,7 @@ def second_torques(S, n, law, gamma_dt):
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
-            torque, _, _, _ = actuator(S, b, law[i])
+            torque, _, _ = actuator(S, b, law[i])
             slope_p = S[b + SLOPE_P]
             rest = S[b + RATE] - 2.0 * S[b + SLOPE_ANGLE]
             implicit = 2.0 * S[b + IMPLICIT] * S[b + SLOPE_RATE]
@@ -151,9 +151,8 @@ def skin(S, b):
 @kernel
 @no_type_check
 def actuator(S, b, law):
-    """Torque of the joint's actuator, its slopes, and its electrical power."""
+    """Torque of the joint's actuator, and its slopes."""
     angle, rate = S[b + ANGLE], S[b + RATE]
-    power = 0.0 * angle
     if law == PD:
         torque, slope_p, slope_d = pd(
             angle,
@@ -161,26 +160,40 @@ def actuator(S, b, law):
             S[b + REFERENCE],
             S[b + REFERENCE_1],
             S[b + REFERENCE_2],
-            S[b + LAW_0],
-            S[b + LAW_1],
+            S[b + GAIN],
+            S[b + RATE_GAIN],
         )
     elif law == SERVO:
-        torque, slope_p, slope_d, duty = servo(
+        torque, slope_p, slope_d, _ = servo(
             angle,
             rate,
             S[b + REFERENCE],
-            S[b + LAW_0],
-            S[b + LAW_1],
-            S[b + LAW_2],
-            S[b + LAW_3],
-            S[b + LAW_4],
+            S[b + GAIN],
+            S[b + STALL_TORQUE],
+            S[b + NO_LOAD_SPEED],
+            S[b + FRICTION_TORQUE],
+            S[b + VISCOUS_FRICTION],
         )
-        power = servo_power(duty, rate, S[b + LAW_2], S[b + LAW_5])
     else:
         torque = 0.0 * angle
         slope_p = 0.0 * angle
         slope_d = 0.0 * angle
-    return torque, slope_p, slope_d, power
+    return torque, slope_p, slope_d
+
+
+@kernel
+@no_type_check
+def electrical_power(S, b):
+    """What the joint's motor draws from the supply."""
+    return motor_power(
+        S[b + TORQUE],
+        S[b + RATE],
+        S[b + STALL_TORQUE],
+        S[b + NO_LOAD_SPEED],
+        S[b + FRICTION_TORQUE],
+        S[b + VISCOUS_FRICTION],
+        S[b + STALL_POWER],
+    )
 
 
 @kernel
@@ -188,14 +201,15 @@ def actuator(S, b, law):
 def count_work(S, n, law, dt):
     """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
     absolute = 0.0 * S[TIME]
-    net, positive, electrical = absolute, absolute, absolute
+    net, positive = absolute, absolute
+    electrical = absolute + S[ACTIVE_POWER]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] < FIRST_FREE:
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
-        elif law[i] == SERVO:
-            electrical += actuator(S, b, law[i])[3]
         power = S[b + TORQUE] * S[b + RATE]
+        if any_lane(S[b + STALL_POWER].real > 0.0):
+            electrical += electrical_power(S, b)
         absolute += magnitude(power)
         net += power
         positive += 0.5 * (power + magnitude(power))

@@ -42,6 +42,7 @@ def element_drag(S, b, e):
         S[REFERENCE_SPEED],
         S[LINEAR],
         S[QUADRATIC],
+        S[SWAY_FRICTION],
     )
     return f_t, f_n, tau + x * f_n
 

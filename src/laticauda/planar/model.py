@@ -3,19 +3,19 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.fluid import laws, link_coefficients
+from laticauda.fluid import Coefficients, laws, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 
 FORCES = ("drag", "added_mass", "effector")
 
@@ -63,7 +63,8 @@ class PlanarPlant:
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
-            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
+            limit = _stable_step(self.coefficients, self.environment)
+            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
@@ -83,9 +84,20 @@ class PlanarPlant:
         }
 
     @cached_property
+    def coefficients(self) -> Coefficients:
+        """Loads per link and fin strip."""
+        return link_coefficients(self.robot, self.environment)
+
+    @cached_property
     def layout(self) -> Layout:
         """The robot as the kernels see it."""
-        return layout(self.robot, self.environment, joints=self.joints, fin_as_links=self.fin_as_links)
+        return layout(
+            self.robot,
+            self.environment,
+            joints=self.joints,
+            fin_as_links=self.fin_as_links,
+            coefficients=self.coefficients,
+        )
 
     @cached_property
     def kernels(self) -> Any:
@@ -197,7 +209,7 @@ class PlanarPlant:
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         joints = state.values[rows.LOG_STATE :].reshape(2, -1)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
-        body[a.tail_link + 1 :, rows.ENVELOPE] = gait.joint_envelope(self.robot.n_links)
+        body[a.tail_link + 1 :, rows.ENVELOPE] *= gait.joint_envelope(self.robot.n_links)
         return S
 
     def what_went_wrong(self, time: float) -> str:
@@ -240,12 +252,22 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         first = _at(rows.WORK_ABSOLUTE)
         log = self._named(samples)
-        log["joint_angle_ref"] = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        log["joint_angle_ref"] = self._asked_for(samples)
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
         return log
+
+    def _asked_for(self, samples: np.ndarray) -> np.ndarray:
+        """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        done = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if self.joints != "prescribed" or np.all(share == 1.0):
+            return done
+        offset = samples[:, _at(rows.OFFSET_NOW), np.newaxis]
+        return offset + (done - offset) / share
 
 
 def _at(row: int) -> int:
@@ -261,16 +283,15 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
     return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
-@lru_cache(maxsize=64)
-def _stable_step(robot: Robot, environment: Environment) -> float:
+def _stable_step(c: Coefficients, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    c = link_coefficients(robot, environment)
     if isinstance(environment, Ground):
-        steepest = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
+        along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
     else:
         speed = 1.0  # m/s: links of a swimming robot are slower
-        steepest = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
-    rate = steepest * max(float(np.max(c.c_n / (c.mass + c.mu_n))), float(np.max(c.c_t / (c.mass + c.mu_t))))
+        across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
+        along = across + speed * environment.sway_friction
+    rate = max(across * float((c.c_n / (c.mass + c.mu_n)).max()), along * float((c.c_t / (c.mass + c.mu_t)).max()))
     if not rate < 1.0 / LEAST_DT:
         raise ValueError(
             f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "

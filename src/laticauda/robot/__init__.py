@@ -7,8 +7,8 @@ from laticauda.robot.environment import Environment, Ground, Water, check_fits
 from laticauda.robot.files import RobotNotFound, from_toml, to_toml
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.modules import Module, Section
-from laticauda.robot.parameters import Parameters, load_parameters
-from laticauda.robot.robot import Robot
+from laticauda.robot.parameters import Parameters, load_parameters, parameter_names
+from laticauda.robot.robot import Robot, has_power_model
 
 __all__ = [
     "Actuator",
@@ -29,10 +29,12 @@ __all__ = [
     "describe",
     "from_toml",
     "ground_names",
+    "has_power_model",
     "load_ground",
     "load_parameters",
     "load_robot",
     "load_water",
+    "parameter_names",
     "robot_names",
     "summary",
     "summary_rows",

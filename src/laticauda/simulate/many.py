@@ -15,7 +15,7 @@ from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
 from laticauda.simulate.plants import FluidLaw, plant
 from laticauda.simulate.runner import MOST_SAMPLES, Progress
 from laticauda.simulate.swimming import default_water, preset_water
@@ -48,7 +48,7 @@ class Swims:
     positive_power: Figure
     """Mean of sum max(u phi', 0) [W]."""
     mean_power: Figure
-    """Electrical power with servo joints, else the mechanical one [W]."""
+    """Electrical power with servo joints or a `Robot.active_power`, else the mechanical one [W]."""
     cost_of_transport: Figure
     """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
     center_of_mass: Float[np.ndarray, "n_trials 2"]
@@ -264,7 +264,8 @@ def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str,
         end = block.center_of_mass[-1]
         speed = _size(end - block.center_of_mass[0]) / duration
         power = block.work / duration
-        mean = power[3] if runs[0].plant.joints == "servo" else power[0]
+        electrical = [has_power_model(run.plant.robot, run.plant.joints) for run in runs]
+        mean = cast(np.ndarray, np.where(electrical, power[3], power[0]))
         moving = speed.real > metrics.STILL
         return {
             "forward_velocity": speed,

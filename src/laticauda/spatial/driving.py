@@ -51,10 +51,19 @@ from laticauda.spatial.vectors import field
 SECOND, STATE_ROWS = PITCH - PHASE, 24
 
 # --- The command and the generator's settings
-(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, AHEAD, PITCH_COMMAND, BANDWIDTH, RAMP, IS_LED, COMMAND_ROWS) = (
-    *range(6),
-    *range(10, 14),
-)
+(
+    AMPLITUDE,
+    FREQUENCY,
+    PHASE_SHIFT,
+    OFFSET,
+    AHEAD,
+    PITCH_COMMAND,
+    BANDWIDTH,
+    RAMP,
+    IS_LED,
+    ACTIVE_POWER,  # of the electronics [W]
+    COMMAND_ROWS,
+) = (*range(6), *range(10, 15))
 
 # --- Whole numbers that the kernels need
 (
@@ -81,8 +90,21 @@ SECOND, STATE_ROWS = PITCH - PHASE, 24
 ) = range(20)
 PRESCRIBED, PD, SERVO = range(3)
 
-# --- One row of joint parameters: the gait's envelope, which wave moves it, the skin, the law
-(ENVELOPE, WAVE, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
+# --- One row of joint parameters: the gait's envelope, which wave moves it, the skin, the law, the motor
+(
+    ENVELOPE,  # g, times the share that a prescribed joint does of it
+    WAVE,
+    STIFFNESS,
+    DAMPING,
+    GAIN,  # the rest as in `planar.rows`
+    RATE_GAIN,
+    STALL_TORQUE,
+    NO_LOAD_SPEED,
+    FRICTION_TORQUE,
+    VISCOUS_FRICTION,
+    STALL_POWER,
+    JOINT_SIZE,
+) = range(12)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the joints
 (COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12, 13)
@@ -98,7 +120,7 @@ joint_reference = compiled(reference.joint_reference)
 magnitude = compiled(fluid_laws.magnitude)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
-servo_power = compiled(laws.servo_power)
+motor_power = compiled(laws.motor_power)
 
 
 @kernel
@@ -162,14 +184,12 @@ def set_wave(X, C, w, ramp, wave, J, R):
 @kernel
 @no_type_check
 def actuator(J, i, law, angle, rate, R):
-    """Torque of a joint's actuator, its slopes, and its electrical power."""
+    """Torque of a joint's actuator, and its slopes."""
     if law == PD:
-        torque, slope_p, slope_d = pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, LAW_0], J[i, LAW_1])
-        return torque, slope_p, slope_d, 0.0
-    torque, slope_p, slope_d, duty = servo(
-        angle, rate, R[0, i], J[i, LAW_0], J[i, LAW_1], J[i, LAW_2], J[i, LAW_3], J[i, LAW_4]
-    )
-    return torque, slope_p, slope_d, servo_power(duty, rate, J[i, LAW_2], J[i, LAW_5])
+        return pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, GAIN], J[i, RATE_GAIN])
+    motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+    torque, slope_p, slope_d, _ = servo(angle, rate, R[0, i], J[i, GAIN], motor[0], motor[1], motor[2], motor[3])
+    return torque, slope_p, slope_d
 
 
 @kernel
@@ -209,7 +229,7 @@ def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     for i in range(J.shape[0]):
         rate = qvel[nv + i]
-        torque, slope_p, slope_d, _ = actuator(J, i, N[LAW], qpos[nq + i], rate, R)
+        torque, slope_p, slope_d = actuator(J, i, N[LAW], qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
         U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
@@ -223,7 +243,7 @@ def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
     """The same for the second stage, for a = k2 + 2 k1."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     for i in range(J.shape[0]):
-        torque, _, _, _ = actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)
+        torque, _, _ = actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)
         rest = qvel[nv + i] - 2.0 * slope[nv + i]
         hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
 
@@ -298,17 +318,19 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
 
 @kernel
 @no_type_check
-def count_work(N, X, J, R, U, P, qpos, qvel, dt):
+def count_work(N, X, C, J, U, P, qvel, dt):
     """The work since the last step by the trapezoidal rule; P keeps the powers."""
-    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
-    absolute, net, positive, electrical = 0.0, 0.0, 0.0, 0.0
+    nv = N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
     for i in range(J.shape[0]):
-        power = U[i] * qvel[nv + i]
+        rate = qvel[nv + i]
+        power = U[i] * rate
         absolute += magnitude(power)
         net += power
         positive += 0.5 * (power + magnitude(power))
-        if N[LAW] == SERVO:
-            electrical += actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)[3]
+        if J[i, STALL_POWER] > 0.0:
+            motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+            electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])
     for k, power in enumerate((absolute, net, positive, electrical)):
         X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
         P[k] = power
@@ -422,7 +444,7 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
             first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
             evaluate(N)
         follow_links(N, order, qpos, links)
-        count_work(N, X, J, R, U, P, qpos, qvel, dt if step > 0 else 0.0)
+        count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
         if step % every == 0:
             if not all_finite(N, qpos, qvel, U):
                 return written

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
 from laticauda.gaits import Wave
 from laticauda.interfaces import Command, Log, Observation, Start
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.robot.files import to_toml
 from laticauda.spatial import driving, ground, mjcf, water
 from laticauda.spatial.door import engine
@@ -241,14 +241,14 @@ class SpatialPlant:
             gait = command.gait
             self._check(command)
             rows[driving.IS_LED] = 1.0
+            rows[driving.ACTIVE_POWER] = self.robot.active_power or 0.0
             rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
             pitch = STRAIGHT if gait.pitch is None else gait.pitch
             offset = pitch.offset + command.pitch_offset
             second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
             rows[driving.PITCH_COMMAND : driving.BANDWIDTH] = second
             yaw = joints[:, driving.WAVE] == 0.0
-            joints[yaw, driving.ENVELOPE] = gait.joint_envelope(int(yaw.sum()) + 1)
-            joints[~yaw, driving.ENVELOPE] = 1.0
+            joints[yaw, driving.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
         return rows, joints
 
     def _check(self, command: Command) -> None:
@@ -306,13 +306,22 @@ class SpatialPlant:
         n = self.robot.n_links
         first = driving.STATE_ROWS + driving.SAMPLE_HEADER + 3 * n - 2
         log = self._named(samples)
-        log["joint_angle_ref"] = samples[:, first : first + n - 1]
+        log["joint_angle_ref"] = self._asked_for(samples, samples[:, first : first + n - 1])
         log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
         log["work"] = samples[:, driving.WORK_ABSOLUTE : driving.WORK_ELECTRICAL]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
         at = driving.STATE_ROWS + driving.ORIENTATION
         return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
+
+    def _asked_for(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
+        """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if self.joints != "prescribed" or np.all(share == 1.0):
+            return done
+        first, second = driving.OFFSET_NOW, driving.SECOND + driving.OFFSET_NOW
+        offset = samples[:, [second if joint.axis == "pitch" else first for joint in self.robot.joints]]
+        return offset + (done - offset) / share
 
 
 def _what_went_wrong(time: float, joints: str, dt: float) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.fluid import laws
-from laticauda.robot import Actuator, Ground, Robot
+from laticauda.robot import Ground, Joint, Robot, has_power_model
 from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
 from laticauda.spatial.door import engine
 from laticauda.spatial.water_robot import on_ground, robot_elements
@@ -54,9 +54,8 @@ class Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = _center_of_mass(robot)
-        self.joints = np.array(
-            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
-        )
+        has_power = has_power_model(robot, plant.joints)
+        self.joints = np.array([_joint_row(joint, plant.joints, has_power=has_power) for joint in robot.joints])
         self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
@@ -158,18 +157,15 @@ def _center_of_mass(robot: Robot) -> float:
     return moment / robot.mass
 
 
-def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
-    row = np.zeros(driving.JOINT_SIZE)
-    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
-    if drive == "pd":
-        row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
-    else:
-        row[driving.LAW_0 : driving.LAW_5 + 1] = (
-            actuator.servo_gain,
-            actuator.stall_torque,
-            actuator.no_load_speed,
-            actuator.friction_torque,
-            actuator.viscous_friction,
-            actuator.voltage * actuator.stall_current,
-        )
+def _joint_row(joint: Joint, drive: str, *, has_power: bool) -> np.ndarray:
+    row, actuator = np.zeros(driving.JOINT_SIZE), joint.actuator
+    row[driving.ENVELOPE] = actuator.tracking if drive == "prescribed" else 1.0
+    row[driving.WAVE] = joint.axis == "pitch"
+    row[driving.STIFFNESS], row[driving.DAMPING] = joint.stiffness, joint.damping
+    row[driving.GAIN] = actuator.proportional_gain if drive == "pd" else actuator.servo_gain
+    row[driving.RATE_GAIN] = actuator.derivative_gain
+    row[driving.STALL_TORQUE], row[driving.NO_LOAD_SPEED] = actuator.stall_torque, actuator.no_load_speed
+    row[driving.FRICTION_TORQUE] = actuator.friction_torque
+    row[driving.VISCOUS_FRICTION] = actuator.viscous_friction
+    row[driving.STALL_POWER] = actuator.stall_power if has_power else 0.0
     return row

@@ -149,7 +149,11 @@ def _law(environment: Environment) -> dict[str, Any]:
         dry = environment.friction == "coulomb"
         return {"reference_speed": environment.regularization_speed if dry else 1.0, "quadratic": dry}
     speed = environment.reference_speed if environment.linear_drag else 0.0
-    return {"reference_speed": speed, "quadratic": environment.quadratic_drag}
+    return {
+        "reference_speed": speed,
+        "quadratic": environment.quadratic_drag,
+        "sway_friction": environment.sway_friction,
+    }
 
 
 def _own(override: float | None, water: float) -> float:
