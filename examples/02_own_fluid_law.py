@@ -16,7 +16,7 @@ def power(v, exponent):
 
 
 def make_power_law(exponent):
-    def power_law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic):
+    def power_law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic, sway_friction):
         f_t = -c_t * reference_speed ** (2.0 - exponent) * power(v_t, exponent)
         f_n = -c_n * reference_speed ** (2.0 - exponent) * power(v_n, exponent)
         return f_t, f_n, -lambda_2 * reference_speed * rate

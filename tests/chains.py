@@ -53,6 +53,8 @@ def random_water(rng, form, *, drag=True, **changes):
             linear_drag=drag,
             quadratic_drag=drag,
             reference_speed=rng.uniform(0.2, 2.0),
+            sway_friction=rng.uniform(0.0, 2.0) if drag else 0.0,
+            friction_taper=rng.uniform(-1.0, 1.0),
             added_mass_form=form,
             rotational=str(rng.choice(["paper", "strip"])),
             current=tuple(rng.uniform(-0.3, 0.3, 2)),
@@ -106,6 +108,7 @@ def oracle(robot, water):
         linear_drag=water.linear_drag,
         quadratic_drag=water.quadratic_drag,
         reference_speed=water.reference_speed,
+        sway_friction=water.sway_friction,
         current=np.array(water.current),
         wake_mass=water.density * np.pi * height**2 if water.trailing_edge == "elongated" else 0.0,
     )

@@ -4,7 +4,9 @@ from dataclasses import replace
 from itertools import pairwise
 from math import radians
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
@@ -15,6 +17,14 @@ from laticauda.figures import save_figure, style, swim_sheet
 from laticauda.reports.front import front_figure
 from laticauda.spatial.render import still
 from laticauda.studies import Problem, optimize
+from laticauda.studies.following_settings import path_following_settings
+from laticauda.trial.measured import (
+    MeasuredPathFollowing,
+    MeasuredTrial,
+    efficiency_trials,
+    path_following_trials,
+)
+from laticauda.trial.null_models import mape
 
 FOLDER = Path(__file__).parent
 
@@ -30,6 +40,13 @@ BLOCKS = {
 HALF_WIDTH = {"generator": 0.62, "robot": 0.6, "estimate": 0.68}
 STILL_TIME = 15.4  # [s]
 HALF_HEIGHT, LEAST_HALF_WIDTH = 0.26, 0.45
+# Measured against predicted speeds: gait and fin by color and shape.
+GROUPS = {
+    ("lateral_undulation", False): (style.BLUE, "o", "lateral undulation"),
+    ("lateral_undulation", True): (style.BLUE, "^", "lateral undulation, fin"),
+    ("eel_like", False): (style.ORANGE, "o", "eel-like"),
+    ("eel_like", True): (style.ORANGE, "^", "eel-like, fin"),
+}
 PAPER = ("path", "guidance", "heading", "generator", "robot")
 
 
@@ -104,6 +121,58 @@ def fronts() -> Figure:
     return front_figure(found)
 
 
+def identified() -> Figure:
+    """Measured speeds of both tables against those of the preset `mamba-identified`."""
+    parameters = lc.load_parameters("mamba-identified")
+    settings = path_following_settings()
+
+    def body(row: MeasuredTrial | MeasuredPathFollowing) -> lc.Plant[Any]:
+        robot = parameters.robot(lc.load_robot("mamba-fin" if row.has_fin else "mamba"), row.gait.kind)
+        return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints)
+
+    def followed(row: MeasuredPathFollowing) -> float:
+        controller = lc.PathFollowing(
+            gait=row.gait,
+            path=lc.StraightLine(),
+            guidance=lc.LineOfSight(look_ahead_distance=settings.look_ahead_distance),
+            heading=lc.HeadingController(gain=settings.gain, max_offset=settings.max_offset),
+            interval=settings.control_interval,
+        )
+        start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+        there = settings.distance
+        trial = lc.run(
+            body(row), controller, settings.duration, start=start, until=lambda seen: seen.center_of_mass[0] >= there
+        )
+        return trial.forward_velocity
+
+    first = [row for row in efficiency_trials() if row.forward_velocity is not None]
+    second = path_following_trials()
+    swum = [lc.run(body(row), lc.OpenLoop(command=lc.Command(gait=row.gait)), 30.0).forward_velocity for row in first]
+    figure = style.new_figure(style.DOUBLE_COLUMN, 3.6)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, rows, says, title in (
+        (panels[0], first, swum, "Table 1, fitted"),
+        (panels[1], second, [followed(row) for row in second], "Table 2, not fitted"),
+    ):
+        ends = (0.06, 0.29)
+        ax.fill_between(ends, [0.9 * v for v in ends], [1.1 * v for v in ends], color="#ECECEC", linewidth=0.0)
+        ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
+        for key, (color, marker, label) in GROUPS.items():
+            points = [
+                (row.forward_velocity, v)
+                for row, v in zip(rows, says, strict=True)
+                if (row.gait.kind, row.has_fin) == key
+            ]
+            face = color if key[1] else "white"
+            ax.plot(*zip(*points, strict=True), marker, color=color, markerfacecolor=face, markersize=5.5, label=label)
+        style.dress(ax, xlabel="measured speed [m/s]", ylabel="predicted speed [m/s]" if ax is panels[0] else "")
+        ax.set(xlim=ends, ylim=ends, aspect="equal")
+        error = mape(np.array([row.forward_velocity for row in rows]), np.array(says))
+        ax.set_title(f"{title}: {error:.1f} %", fontsize=style.LABEL, color=style.INK)
+    panels[0].legend(fontsize=style.TICK, frameon=False, loc="upper left")
+    return figure
+
+
 def smaller_still(trial: lc.Trial, path: Path, time: float) -> None:
     """A still of twice the size, made smaller, which is smoother."""
     still(trial, path, time=time, width=1680, height=800)
@@ -133,3 +202,4 @@ if __name__ == "__main__":
     swim_3d(FOLDER / "swim-3d.png")
     save_figure(fronts(), FOLDER / "front.png")
     three_dimensions(FOLDER)
+    save_figure(identified(), FOLDER / "identified.png")

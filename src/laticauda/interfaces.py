@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from laticauda.errors import finite, within
 from laticauda.gaits import Gait
-from laticauda.robot import Environment, Robot
+from laticauda.robot import CaudalFin, Environment, Robot
 
 State = TypeVar("State")
 Seen = TypeVar("Seen", contravariant=True)  # a state that is looked at only
@@ -221,3 +221,47 @@ class Plant(Protocol[State]):
     def unpack(self, stored: Mapping[str, np.ndarray]) -> State:
         """The state back from what `pack` gave as `stored`."""
         ...
+
+
+def check_fin(robot: Robot, gait: Gait) -> None:
+    """Refuse a gait that moves a fin which the robot cannot move.
+
+    Args:
+        robot: What swims.
+        gait: What is asked of it.
+
+    Raises:
+        ValueError: If so.
+    """
+    fin = robot.caudal_fin
+    if gait.fin is not None and (fin is None or fin.joint is None):
+        raise ValueError(f"`gait.fin` must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}.")
+
+
+def fin_signals(
+    fin: CaudalFin | None,
+    angle: Float[np.ndarray, "n_samples n_joints"],
+    rate: Float[np.ndarray, "n_samples n_joints"],
+    reference: Float[np.ndarray, "n_samples n_joints"],
+    torque: Float[np.ndarray, "n_samples n_joints"],
+) -> Log:
+    """What the fin's joints do, for a log: all of a driven root, the angles and rates of passive hinges.
+
+    Args:
+        fin: The fin, or None.
+        angle: Of its joints, from the root on [rad].
+        rate: The same [rad/s].
+        reference: What a driven one is asked for [rad].
+        torque: Of its actuator [N m].
+    """
+    log: Log = {}
+    if fin is None:
+        return log
+    if fin.joint is not None:
+        both = {"fin_angle_0": angle, "fin_rate_0": rate, "fin_angle_ref": reference, "fin_torque": torque}
+        log |= {f"signal_{name}": values[:, 0] for name, values in both.items()}
+    first = 0 if fin.joint is None else 1
+    for k in range(1, fin.n_hinges + 1):
+        log[f"signal_fin_angle_{k}"] = angle[:, first + k - 1]
+        log[f"signal_fin_rate_{k}"] = rate[:, first + k - 1]
+    return log

@@ -4,14 +4,13 @@ from derivatives import by_differences, check_compiled, check_complex_steps
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from laticauda.actuation import pd, servo, servo_power
+from laticauda.actuation import motor_power, pd, servo
 from laticauda.robot import Actuator
 
 angles = st.floats(-1.5, 1.5)
 rates = st.floats(-10.0, 10.0)
 positive = st.floats(0.1, 10.0)
 frictions = st.floats(0.0, 1.0)
-duties = st.floats(-1.0, 1.0)
 
 ANGLE, RATE = 0, 1
 STALL, SPEED = 2.9, 7.5
@@ -99,26 +98,38 @@ def test_the_slopes_of_the_servo_are_its_derivatives(arguments: tuple[float, ...
 # --- power ------------------------------------------------------------------------------------------------------------
 
 
-@given(duties, rates, positive, positive, st.floats(1.0, 5.0))
-def test_a_servo_draws_at_least_what_its_motor_delivers_and_never_gives_energy_back(
-    duty: float, rate: float, stall_torque: float, no_load_speed: float, loss: float
+@given(angles, rates, angles, positive, positive, positive, frictions, frictions)
+def test_the_power_is_the_supply_times_the_current_for_the_share_of_time_that_the_servo_is_on(
+    angle: float, rate: float, reference: float, gain: float, stall: float, speed: float, dry: float, viscous: float
 ):
-    power = servo_power(duty, rate, no_load_speed, loss * stall_torque * no_load_speed)
-    delivered = stall_torque * (duty - rate / no_load_speed) * rate
+    assume(stall > 0.01 and speed > 0.01)
+    torque, _, _, duty = servo(angle, rate, reference, gain, stall, speed, dry, viscous)
+    expected = 34.0 * max(duty * (duty - rate / speed), 0.0)
+    scale = 34.0 * (1.0 + (abs(rate) / speed) ** 2 + ((dry + viscous * abs(rate)) / stall) ** 2)
+    assert motor_power(torque, rate, stall, speed, dry, viscous, 34.0) == pytest.approx(expected, abs=1e-11 * scale)
+
+
+@given(st.floats(-5.0, 5.0), rates, positive, positive, frictions, frictions, st.floats(1.0, 5.0))
+def test_a_motor_draws_at_least_what_it_delivers_and_never_gives_energy_back(
+    torque: float, rate: float, stall: float, speed: float, dry: float, viscous: float, loss: float
+):
+    assume(stall > 0.01 and speed > 0.01)
+    power = motor_power(torque, rate, stall, speed, dry, viscous, loss * stall * speed)
     assert power >= 0.0
-    assert power >= delivered - 1e-12 * abs(delivered)
+    assert power >= torque * rate * (1.0 - 1e-9) - 1e-12
 
 
-def test_a_servo_draws_its_stall_power_when_blocked_and_nothing_at_its_no_load_speed_or_without_duty():
-    assert servo_power(1.0, 0.0, SPEED, 34.0) == 34.0
-    assert servo_power(-1.0, 0.0, SPEED, 34.0) == 34.0
-    assert servo_power(0.5, 0.0, SPEED, 34.0) == pytest.approx(8.5)
-    assert servo_power(1.0, SPEED, SPEED, 34.0) == 0.0
-    assert servo_power(0.0, 3.0, SPEED, 34.0) == 0.0
-
-
-def test_a_servo_that_is_turned_faster_than_it_wants_draws_nothing():
-    assert servo_power(0.5, 0.6 * SPEED, SPEED, 34.0) == 0.0
+def test_a_motor_draws_its_stall_power_when_blocked_and_nothing_without_torque_or_when_it_is_driven():
+    stall = 2.9
+    for torque, rate, expected in (
+        (stall, 0.0, 34.0),
+        (-stall, 0.0, 34.0),
+        (0.5 * stall, 0.0, 8.5),
+        (0.0, SPEED, 0.0),
+        (0.0, 3.0, 0.0),
+        (-0.1 * stall, 0.6 * SPEED, 0.0),
+    ):
+        assert motor_power(torque, rate, stall, SPEED, 0.0, 0.0, 34.0) == pytest.approx(expected, abs=1e-12)
 
 
 def test_mambas_servo_does_not_create_energy():
@@ -140,12 +151,12 @@ def test_every_derivative_of_the_servo_by_complex_step_is_that_by_differences(ar
     check_complex_steps(servo, arguments)
 
 
-@given(st.tuples(duties, rates, positive, positive))
-def test_every_derivative_of_the_servos_power_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
-    duty, rate, no_load_speed, _ = arguments
-    assume(abs(duty * (duty - rate / no_load_speed)) > 0.02 and no_load_speed > 0.3)
-    assume(abs(duty) > 0.01)
-    check_complex_steps(servo_power, arguments)
+@given(st.tuples(st.floats(-5.0, 5.0), st.floats(-0.2, 0.2), *[st.floats(0.3, 5.0)] * 2, *[frictions] * 2, positive))
+def test_every_derivative_of_the_motors_power_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+    torque, rate, stall, speed, dry, viscous, _ = arguments
+    current = (torque + viscous * rate + dry * np.tanh(rate / 0.05)) / stall
+    assume(abs(current * (current + rate / speed)) > 0.02 and abs(current) > 0.01)
+    check_complex_steps(motor_power, arguments)
 
 
 @pytest.mark.parametrize(
@@ -155,8 +166,8 @@ def test_every_derivative_of_the_servos_power_by_complex_step_is_that_by_differe
         (servo, (0.1, 0.2, 0.15, 5.7, 2.9, 7.5, 0.1, 0.05)),
         (servo, (0.1, 0.2, 0.9, 5.7, 2.9, 7.5, 0.1, 0.05)),
         (servo, (0.1, 0.2, -0.9, 5.7, 2.9, 7.5, 0.1, 0.05)),
-        (servo_power, (0.3, 0.2, 7.5, 34.0)),
-        (servo_power, (0.3, 7.2, 7.5, 34.0)),
+        (motor_power, (0.3, 0.2, 2.9, 7.5, 0.1, 0.05, 34.0)),
+        (motor_power, (-0.3, 7.2, 2.9, 7.5, 0.0, 0.0, 34.0)),
     ],
 )
 def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):

@@ -92,7 +92,7 @@ BAD = {
     "--versio": "Unrecognized options: --versio",
     "robots nope": "no robot preset named `nope`",
     "robots nope.toml": "nope.toml: no such file",
-    "robots --toml": "--toml must be given with the NAME of a robot, water or ground.",
+    "robots --toml": "--toml must be given with the NAME of a robot, water, ground or parameters.",
     "robots mamba --toml --json": "--toml and --json must not be given together.",
     "trial": "Expected one of {show, compare, convert}.",
     "trial shwo a.nc": "Available subcommands: show, compare, convert",
@@ -101,7 +101,7 @@ BAD = {
     "trial show text.toml": "Cannot load text.toml: it is no netCDF file",
     "trial compare": "FILES must hold at least 2 trials to compare, got 0.",
     "trial compare nofile.nc a.nc": "Cannot read nofile.nc",
-    "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .csv, got out.xlsx.",
+    "trial convert a.nc out.xlsx": "OUTPUT must be a file that ends in .nc or .mcap or .parquet or .mat or .csv, got",
     "trial convert a.nc nofolder/out.csv": "OUTPUT must be a file in a folder that exists, got nofolder/out.csv.",
     "trial convert text.toml out.csv": "Cannot load text.toml",
 }

@@ -37,14 +37,15 @@ def test_the_command_writes_a_folder_and_prints_the_errors_and_the_verdicts(run,
 def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Path):
     (folder / "mine.toml").write_text(
         'kind = "parameters"\nname = "mine"\ntitle = "my fit"\n[water]\ntangential_friction = 0.2\nnormal_drag = 1.7\n'
-        "added_mass = 1.5\n"
+        "added_mass = 1.5\n[actuator]\ntracking = 0.5\n"
     )
     (folder / "repeats.csv").write_text(
         "gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s\nLU,nofin,30,130,40,0.15\nLU,nofin,30,130,40,0.16\n"
     )
     done = run("reproduce --only efficiency --parameters mine.toml --repeats repeats.csv --workers 1 --json")
     assert done.status == 0
-    assert "mine" in json.loads(done.out)["efficiency"]["errors"]
+    errors = json.loads(done.out)["efficiency"]["errors"]
+    assert "mine" in errors
     report = (folder / "reproduction" / "report.html").read_text(encoding="utf-8")
     assert "Coefficients: my fit." in report
     assert "repeats.csv" in json.loads(done.out)["files"]

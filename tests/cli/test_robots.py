@@ -8,8 +8,10 @@ from laticauda.robot import (
     from_toml,
     ground_names,
     load_ground,
+    load_parameters,
     load_robot,
     load_water,
+    parameter_names,
     robot_names,
     to_toml,
     water_names,
@@ -34,6 +36,7 @@ def test_the_list_can_be_read_by_a_program(run):
     assert [robot["name"] for robot in found["robots"]] == list(robot_names())
     assert found["waters"] == list(water_names())
     assert found["grounds"] == list(ground_names())
+    assert found["parameters"] == list(parameter_names())
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -52,6 +55,14 @@ def test_a_preset_can_be_read_by_a_program(run, name):
     assert found["name"] == name
     if isinstance(ALL[name], Robot):
         assert found["mass"] == ALL[name].mass
+
+
+@pytest.mark.parametrize("name", parameter_names())
+def test_presets_of_parameters_are_listed_and_shown_and_can_be_saved(run, folder: Path, name):
+    assert name in run("robots").out
+    (folder / "mine.toml").write_text(run(f"robots {name} --toml").out)
+    assert load_parameters("mine.toml") == load_parameters(name)
+    assert json.loads(run("robots mine.toml --json").out)["name"] == name
 
 
 def test_a_file_can_be_shown(run, folder: Path):

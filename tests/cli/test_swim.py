@@ -242,6 +242,36 @@ def test_a_parameter_file_gives_the_water_of_the_gait_and_the_trial_keeps_it(run
     assert stored.tangential_friction == friction
 
 
+DRIVEN = """joints = "pd"
+[actuator]
+proportional_gain = 12.0
+[eel_like.robot]
+active_power = 30.0
+"""
+
+
+@pytest.mark.parametrize("command", ["swim --duration 1", "follow --duration 1"])
+def test_a_parameter_file_changes_the_robot_and_its_joint_law_unless_a_flag_says_otherwise(run, folder, command):
+    head, tables = MINE.split("[water]")
+    joints, *rest = DRIVEN.splitlines(keepends=True)
+    (folder / "mine.toml").write_text(f"{head}{joints}[water]{tables}{''.join(rest)}")
+    assert run(f"{command} --gait eel-like --parameters mine.toml --save run.nc").status == 0
+    stored = lc.load_trial("run.nc")
+    assert (stored.settings["joints"], stored.settings["parameters"]) == ("pd", "mine")
+    assert {joint.actuator.proportional_gain for joint in stored.robot.joints} == {12.0}
+    assert (stored.robot.active_power, stored.mean_power_kind) == (30.0, "electrical")
+    assert run(f"{command} --parameters mine.toml --joints prescribed --save run.nc").status == 0
+    stored = lc.load_trial("run.nc")
+    assert stored.settings["joints"] == "prescribed"
+    assert (stored.robot.active_power, stored.mean_power_kind) == (None, "mechanical")
+
+
+def test_a_preset_of_parameters_goes_by_its_name(run):
+    assert "water paper, eel_like (as paper says): tangential_friction 0.17" in " ".join(
+        run("swim --duration 1 --gait eel-like --parameters paper").out.split()
+    )
+
+
 def test_single_coefficients_replace_those_of_a_parameter_file(run, folder):
     (folder / "mine.toml").write_text(MINE)
     found = json.loads(run("swim --duration 1 --parameters mine.toml --normal-drag 2 --json").out)

@@ -56,3 +56,50 @@ def test_a_trial_is_converted_to_a_table_of_numbers(run, stored, folder: Path):
     assert header[0] == "time [s]"
     assert len(rows) == 401
     assert json.loads(run("trial convert bare.nc bare.csv --json").out) == {"output": "bare.csv", "n_samples": 401}
+
+
+@pytest.mark.parametrize("ending", ["nc", "mcap", "parquet", "mat"])
+def test_a_trial_is_the_same_in_every_format(run, stored, ending):
+    for package in {"mcap": ["mcap"], "parquet": ["pyarrow"], "mat": ["scipy"]}.get(ending, []):
+        pytest.importorskip(package)
+    assert run(f"trial convert servo.nc other.{ending}").status == 0
+    assert load_trial(f"other.{ending}").equals(load_trial("servo.nc"))
+    assert run(f"trial show other.{ending} --json").out == run("trial show servo.nc --json").out
+
+
+MAP = """
+kind = "columns"
+robot = "mamba"
+
+[time]
+column = "time [s]"
+
+[center_of_mass]
+position = ["center_of_mass_x [m]", "center_of_mass_y [m]"]
+"""
+
+
+def test_a_log_is_shown_and_compared_with_a_simulation(run, stored, folder: Path):
+    assert run("trial convert bare.nc log.csv").status == 0
+    (folder / "map.toml").write_text(MAP)
+    shown = run("trial show log.csv --columns map.toml")
+    assert shown.status == 0
+    assert "measured" in shown.out
+    assert "simulated" not in shown.out
+    assert "must have a measured `work`" in " ".join(shown.out.split())
+    found = json.loads(run("trial show log.csv --columns map.toml --json").out)
+    assert found["forward_velocity"] == pytest.approx(load_trial("bare.nc").forward_velocity, rel=1e-12)
+    assert "joint_torque" in found["not_measured"]
+    compared = json.loads(run("trial compare bare.nc log.csv --columns map.toml --json").out)
+    assert compared["figures"]["forward_velocity"]["differences_percent"][1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_log_without_a_map_and_a_map_with_a_mistake_are_refused_by_name(run, stored, folder: Path):
+    run("trial convert bare.nc log.csv")
+    refused = run("trial show log.csv")
+    assert refused.status == 2
+    assert "does not say what swam; give a column map (`columns`, on the command line --columns)" in refused.err
+    (folder / "map.toml").write_text(MAP.replace("position", "positions"))
+    refused = run("trial show log.csv --columns map.toml")
+    assert refused.status == 2
+    assert "map.toml: key `center_of_mass.positions`: is not known; did you mean `position`?" in refused.err

@@ -84,8 +84,8 @@ def test_the_strip_form_is_the_sum_of_the_normal_loads_along_a_turning_link(
     found = of(module(length, a, b), water)
     x, weight = np.polynomial.legendre.leggauss(6)  # exact on each half, where x |x| is a polynomial
     x, weight = np.concatenate((x - 1.0, x + 1.0)) * length / 4.0, np.tile(weight, 2) / 4.0
-    normal = [polynomial_drag(0.0, xi * rate, 0.0, 0.0, found["c_n"], 0.0, 0.0, u, 1.0, 1.0)[1] for xi in x]
-    tau = polynomial_drag(0.0, 0.0, rate, 0.0, 0.0, found["lambda_2"], found["lambda_3"], u, 1.0, 1.0)[2]
+    normal = [polynomial_drag(0.0, xi * rate, 0.0, 0.0, found["c_n"], 0.0, 0.0, u, 1.0, 1.0, 0.0)[1] for xi in x]
+    tau = polynomial_drag(0.0, 0.0, rate, 0.0, 0.0, found["lambda_2"], found["lambda_3"], u, 1.0, 1.0, 0.0)[2]
     assert tau == pytest.approx(np.sum(weight * x * normal), rel=1e-12, abs=1e-15)
     assert found["lambda_1"] == pytest.approx(np.sum(weight * x**2) * found["mu_n"], rel=1e-12)
 
@@ -130,6 +130,42 @@ def test_links_of_different_length_come_tail_first():
     np.testing.assert_allclose(found.position, found.half_length)
     np.testing.assert_allclose(found.c_n, 1000.0 * 0.03 * np.array([0.1, 0.2, 0.4]))
     assert found.fin is None
+
+
+# --- friction along the body ------------------------------------------------------------------------------------------
+
+
+@given(st.lists(lengths, min_size=1, max_size=8), st.floats(-1.0, 1.0), st.sampled_from(["paper", "strip"]))
+def test_a_taper_spreads_the_friction_along_the_body_and_leaves_all_else_and_its_mean_alone(
+    each: list[float], taper: float, form: Any
+):
+    one = robot(*(module(length) for length in each), fin=CaudalFin())
+    water = replace(UNIT, rotational=form)
+    even, tapered = (link_coefficients(one, replace(water, friction_taper=t)) for t in (0.0, taper))
+    place = (np.cumsum(each) - np.array(each) / 2.0) / np.sum(each)
+    np.testing.assert_allclose(tapered.c_t, even.c_t * (1.0 + taper * (1.0 - 2.0 * place)), rtol=1e-12)
+    assert tapered.c_t.sum() == pytest.approx(even.c_t.sum())
+    for name in ("c_n", "mu_t", "mu_n", "lambda_1"):
+        np.testing.assert_array_equal(getattr(tapered, name), getattr(even, name))
+    assert tapered.fin is not None and even.fin is not None
+    np.testing.assert_array_equal(tapered.fin.c_t, even.fin.c_t)
+
+
+def test_a_positive_taper_is_more_friction_at_the_tail_and_modules_with_their_own_keep_it():
+    found = link_coefficients(
+        robot(module(), module(tangential_friction=0.03), module()), replace(UNIT, friction_taper=0.6)
+    )
+    even = link_coefficients(robot(*[module()] * 3), UNIT)
+    np.testing.assert_allclose(found.c_t / even.c_t, [1.4, 1.0, 0.6])
+    found = link_coefficients(robot(module(tangential_friction=0.03), module()), replace(UNIT, friction_taper=0.6))
+    np.testing.assert_allclose(found.c_t / even.c_t[:2], [1.0, 0.7])
+
+
+def test_the_taper_of_modules_that_merge_to_a_link_is_that_of_the_link():
+    halves, whole = robot(*[module(0.07)] * 6), robot(*[module(0.14)] * 3)
+    water = replace(UNIT, friction_taper=-0.5)
+    each = link_coefficients(halves, water).c_t
+    np.testing.assert_allclose(each[::2] + each[1::2], link_coefficients(whole, water).c_t, rtol=1e-13)
 
 
 # --- the surface ------------------------------------------------------------------------------------------------------

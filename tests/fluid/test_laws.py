@@ -10,6 +10,7 @@ from laticauda.fluid import coulomb_friction, magnitude, plate, polynomial_drag
 velocities = st.floats(-3.0, 3.0, allow_subnormal=False)
 coefficients = st.floats(0.0, 50.0, allow_subnormal=False)
 switches = st.sampled_from([0.0, 1.0])
+sways = st.floats(0.0, 5.0)
 shares = st.floats(0.1, 1.0)
 angles = st.floats(-np.pi, np.pi)
 signed = st.one_of(st.floats(-3.0, -0.01), st.floats(0.01, 3.0))
@@ -44,11 +45,21 @@ def test_the_magnitude_is_the_absolute_value_and_its_complex_step_the_sign(x: fl
 # --- drag in water ----------------------------------------------------------------------------------------------------
 
 
-@given(velocities, velocities, velocities, *[coefficients] * 4, st.floats(0.0, 3.0), switches, switches)
+@given(velocities, velocities, velocities, *[coefficients] * 4, st.floats(0.0, 3.0), switches, switches, sways)
 def test_drag_never_feeds_energy_in_neither_along_nor_across_nor_turning(
-    v_t: float, v_n: float, rate: float, c_t: float, c_n: float, l2: float, l3: float, u: float, lin: float, quad: float
+    v_t: float,
+    v_n: float,
+    rate: float,
+    c_t: float,
+    c_n: float,
+    l2: float,
+    l3: float,
+    u: float,
+    lin: float,
+    quad: float,
+    sway: float,
 ):
-    f_t, f_n, tau = polynomial_drag(v_t, v_n, rate, c_t, c_n, l2, l3, u, lin, quad)
+    f_t, f_n, tau = polynomial_drag(v_t, v_n, rate, c_t, c_n, l2, l3, u, lin, quad, sway)
     assert f_t * v_t <= 0.0
     assert f_n * v_n <= 0.0
     assert tau * rate <= 0.0
@@ -56,7 +67,7 @@ def test_drag_never_feeds_energy_in_neither_along_nor_across_nor_turning(
 
 @given(velocities, velocities, velocities)
 def test_drag_is_odd_in_the_velocities(v_t: float, v_n: float, rate: float):
-    rest = (0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0)
+    rest = (0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0, 0.6)
     forward, backward = polynomial_drag(v_t, v_n, rate, *rest), polynomial_drag(-v_t, -v_n, -rate, *rest)
     np.testing.assert_array_equal(np.array(backward), -np.array(forward))
 
@@ -67,10 +78,10 @@ def test_linear_and_quadratic_drag_add_up_and_are_equal_at_the_reference_speed(
 ):
     c = (0.3, 4.0, 0.1, 0.2)
     linear, quadratic, both = (
-        np.array(polynomial_drag(v_t, v_n, rate, *c, u, *parts)) for parts in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+        np.array(polynomial_drag(v_t, v_n, rate, *c, u, *parts, 0.0)) for parts in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     )
     np.testing.assert_allclose(linear + quadratic, both, atol=1e-14)
-    at_reference = [polynomial_drag(u, -u, 0.0, *c, u, *parts)[:2] for parts in ((1.0, 0.0), (0.0, 1.0))]
+    at_reference = [polynomial_drag(u, -u, 0.0, *c, u, *parts, 0.0)[:2] for parts in ((1.0, 0.0), (0.0, 1.0))]
     np.testing.assert_allclose(*at_reference, rtol=1e-14)
 
 
@@ -80,23 +91,33 @@ def test_the_parts_of_the_drag_grow_with_the_first_and_the_second_power(
 ):
     rest = (0.3, 4.0, 0.1, 0.2, 0.7)
     for power, parts in ((1, (1.0, 0.0)), (2, (0.0, 1.0))):
-        slow = np.array(polynomial_drag(v_t, v_n, rate, *rest, *parts))
-        fast = np.array(polynomial_drag(factor * v_t, factor * v_n, factor * rate, *rest, *parts))
+        slow = np.array(polynomial_drag(v_t, v_n, rate, *rest, *parts, 0.6 * parts[1]))
+        fast = np.array(polynomial_drag(factor * v_t, factor * v_n, factor * rate, *rest, *parts, 0.6 * parts[1]))
         np.testing.assert_allclose(fast, factor**power * slow, rtol=1e-12, atol=1e-14)
 
 
 def test_drag_has_its_textbook_values():
-    f_t, f_n, tau = polynomial_drag(0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 1.0, 1.0, 1.0)
-    assert f_t == pytest.approx(-0.3 * 0.5 * 1.5)
+    f_t, f_n, tau = polynomial_drag(0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 1.0, 1.0, 1.0, 0.6)
+    assert f_t == pytest.approx(-0.3 * 0.5 * (1.0 + 0.5 + 0.6 * 2.0))
     assert f_n == pytest.approx(4.0 * 2.0 * 3.0)
     assert tau == pytest.approx(-(0.1 + 0.2 * 3.0) * 3.0)
 
 
+@given(velocities, velocities, st.floats(0.1, 3.0), switches, switches, sways)
+def test_sway_friction_adds_its_share_of_the_sideways_speed_to_the_drag_along_and_to_nothing_else(
+    v_t: float, v_n: float, u: float, lin: float, quad: float, sway: float
+):
+    rest = (2.0, 0.3, 4.0, 0.1, 0.2, u, lin, quad)
+    with_sway, without = polynomial_drag(v_t, v_n, *rest, sway), polynomial_drag(v_t, v_n, *rest, 0.0)
+    assert with_sway[0] - without[0] == pytest.approx(-0.3 * v_t * sway * abs(v_n), abs=1e-13)
+    assert with_sway[1:] == without[1:]
+
+
 def test_the_reference_speed_acts_on_the_torque_too():
-    assert polynomial_drag(0.0, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 0.25, 1.0, 1.0)[2] == pytest.approx(-0.025)
+    assert polynomial_drag(0.0, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 0.25, 1.0, 1.0, 0.0)[2] == pytest.approx(-0.025)
 
 
-@given(st.tuples(*[signed] * 3, *[st.floats(0.1, 3.0)] * 7))
+@given(st.tuples(*[signed] * 3, *[st.floats(0.1, 3.0)] * 8))
 def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
     check_complex_steps(polynomial_drag, arguments)
 
@@ -108,7 +129,7 @@ def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arg
 def test_dry_friction_never_feeds_energy_in_and_never_exceeds_its_limit(
     v_t: float, v_n: float, rate: float, c_t: float, c_n: float, eps: float
 ):
-    f_t, f_n, tau = coulomb_friction(v_t, v_n, rate, c_t, c_n, 0.1, 0.2, eps, 1.0, 1.0)
+    f_t, f_n, tau = coulomb_friction(v_t, v_n, rate, c_t, c_n, 0.1, 0.2, eps, 1.0, 1.0, 0.5)
     assert f_t * v_t <= 0.0
     assert f_n * v_n <= 0.0
     assert abs(f_t) <= c_t * (1.0 + 1e-15)
@@ -117,13 +138,13 @@ def test_dry_friction_never_feeds_energy_in_and_never_exceeds_its_limit(
 
 
 def test_dry_friction_is_independent_of_the_speed_but_for_the_regularization():
-    f_t, f_n, _ = coulomb_friction(0.5, -2.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)
+    f_t, f_n, _ = coulomb_friction(0.5, -2.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)
     assert (f_t, f_n) == (pytest.approx(-3.0, rel=1e-5), pytest.approx(4.0, rel=1e-5))
-    at_eps = coulomb_friction(1e-3, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)[0]
+    at_eps = coulomb_friction(1e-3, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)[0]
     assert at_eps == pytest.approx(-3.0 / np.sqrt(2.0))
 
 
-@given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 7))
+@given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 8))
 def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
     check_complex_steps(coulomb_friction, arguments)
 
@@ -234,8 +255,8 @@ def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(argu
     ("law", "arguments"),
     [
         (magnitude, (-0.3,)),
-        (polynomial_drag, (0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0)),
-        (coulomb_friction, (0.5, -2.0, 3.0, 0.3, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0)),
+        (polynomial_drag, (0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0, 0.6)),
+        (coulomb_friction, (0.5, -2.0, 3.0, 0.3, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)),
         (plate, (0.5, -0.3, 5.0, 3.0, 0.4, 50.0, 0.1)),
     ],
 )

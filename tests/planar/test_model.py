@@ -66,6 +66,67 @@ def test_an_angled_pectoral_fin_steers_to_its_own_side_and_its_mirror_image_to_t
     assert left > none > right
 
 
+def test_friction_that_grows_with_the_sideways_speed_slows_the_robot_down():
+    robot = load_robot("mamba")
+    with_sway = replace(WATER, sway_friction=1.0)
+    assert distance(robot, environment=with_sway) < 0.95 * distance(robot)
+    # Towed straight, nothing moves sideways.
+    towed, gait = replace(robot, tether=Tether(force=(1.0, 0.0))), replace(GAIT, amplitude=0.0)
+    plain, sway = (lc.swim(towed, gait, duration=5.0, environment=water) for water in (WATER, with_sway))
+    np.testing.assert_array_equal(sway.center_of_mass, plain.center_of_mass)
+
+
+def tracking(robot, share):
+    return replace(robot, joints=tuple(replace(j, actuator=replace(j.actuator, tracking=share)) for j in robot.joints))
+
+
+def test_prescribed_joints_do_their_share_of_the_oscillation_and_all_of_the_offset():
+    gait = replace(GAIT, offset=0.1)
+    trial = lc.swim(tracking(load_robot("mamba"), 0.8), gait)
+    whole, less = (lc.swim(load_robot("mamba"), g) for g in (gait, replace(gait, amplitude=0.8 * gait.amplitude)))
+    np.testing.assert_allclose(trial.joint_angle, less.joint_angle, atol=1e-12)
+    np.testing.assert_allclose(trial.center_of_mass, less.center_of_mass, atol=1e-9)
+    np.testing.assert_allclose(trial.joint_angle_ref, whole.joint_angle_ref, atol=1e-12)
+
+
+@pytest.mark.parametrize("joints", ["pd", "servo"])
+def test_driven_joints_do_not_look_at_the_share(joints):
+    robot = load_robot("mamba")
+    trials = [lc.swim(tracking(robot, share), GAIT, duration=2.0, joints=joints) for share in (1.0, 0.5)]
+    np.testing.assert_array_equal(trials[1].center_of_mass, trials[0].center_of_mass)
+    np.testing.assert_array_equal(trials[1].joint_angle_ref, trials[0].joint_angle_ref)
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
+def test_every_joint_law_has_an_electrical_power_that_is_what_its_motors_draw_and_the_electronics(joints):
+    robot = load_robot("mamba-fin")
+    plain = lc.swim(robot, GAIT, duration=4.0, joints=joints, sample_interval=0.01)
+    motors, both = (
+        lc.swim(replace(robot, active_power=power), GAIT, duration=4.0, joints=joints, sample_interval=0.01)
+        for power in (0.0, 25.0)
+    )
+    assert plain.mean_power_kind == ("electrical" if joints == "servo" else "mechanical")
+    np.testing.assert_array_equal(motors.center_of_mass, plain.center_of_mass)
+    assert motors.mean_power_kind == "electrical"
+    assert both.mean_power - motors.mean_power == pytest.approx(25.0, rel=1e-12)
+    assert motors.electrical_power >= motors.positive_power > 0.0
+    if joints == "servo":
+        np.testing.assert_array_equal(motors.electrical_work, plain.electrical_work)
+    power = np.zeros(motors.time.size)
+    servo = robot.joints[0].actuator
+    for torque, rate in zip(motors.joint_torque.T, motors.joint_rate.T, strict=True):
+        current = torque / servo.stall_torque
+        power += 34.04 * np.maximum((current + rate / servo.no_load_speed) * current, 0.0)
+    assert motors.electrical_work[-1] == pytest.approx(np.trapezoid(power, motors.time), rel=0.01)
+
+
+def test_a_batch_of_robots_with_and_without_a_power_model_has_the_powers_of_single_runs():
+    robot = load_robot("mamba")
+    robots = [robot, replace(robot, active_power=10.0), replace(robot, active_power=0.0), robot]
+    found = lc.swim_many(robots, GAIT, 3.0).mean_power
+    np.testing.assert_allclose(found, [lc.swim(one, GAIT, duration=3.0).mean_power for one in robots], rtol=1e-10)
+
+
 def test_near_the_surface_the_added_mass_is_larger_and_the_speed_changes_a_little():
     near = distance(load_robot("mamba"), environment=replace(WATER, depth=0.1))
     assert near == pytest.approx(distance(load_robot("mamba")), rel=0.1)
@@ -166,10 +227,10 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         ({"joints": "servos"}, "`joints` must be one of"),
         ({"model": "special"}, "`model` must be"),
         ({"environment": "paper-eel"}, "`environment` must be of class Water or Ground, got str."),
-        ({"fluid_law": 3}, "`fluid_law` must be a function of the ten numbers"),
-        ({"fluid_law": lambda v: v}, "`fluid_law` must be a function of the ten numbers"),
-        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j: a.nothing}, "cannot be: "),
-        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j: a}, "`fluid_law` must return three finite numbers"),
+        ({"fluid_law": 3}, "`fluid_law` must be a function of the eleven numbers"),
+        ({"fluid_law": lambda v: v}, "`fluid_law` must be a function of the eleven numbers"),
+        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j, k: a.nothing}, "cannot be: "),
+        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j, k: a}, "`fluid_law` must return three finite numbers"),
         ({"environment": replace(WATER, depth=0.05)}, "`depth` must be > 0.055 m"),
     ],
 )

@@ -31,7 +31,7 @@ LAW = textwrap.dedent(
         return {factor} * (x * x) ** (0.5 * exponent)
 
     def make_law(exponent):
-        def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic):
+        def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic, sway_friction):
             return -c_t * v_t * power(v_t, exponent), -c_n * v_n * power(v_n, exponent), -lambda_2 * rate
         return law
     """

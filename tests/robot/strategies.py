@@ -65,6 +65,10 @@ fins = st.builds(
     n_strips=st.integers(1, 20),
     added_mass=coefficients,
     density=numbers(500.0, 3000.0),
+    n_hinges=st.sampled_from([0, 0, 1, 3, 6]),
+    flexural_rigidity=numbers(1e-3, 1e3),
+    bending_damping=st.just(0.0) | numbers(0.0, 1.0),
+    joint=st.none() | st.builds(Joint, limit=numbers(0.01, math.pi), stiffness=numbers(0.0, 5.0)),
 )
 
 
@@ -128,6 +132,8 @@ def waters(draw: st.DrawFn) -> Water:
         linear_drag=draw(st.booleans()),
         quadratic_drag=draw(st.booleans()),
         reference_speed=draw(numbers(0.0, 3.0)),
+        sway_friction=draw(numbers(0.0, 3.0)),
+        friction_taper=draw(numbers(-1.0, 1.0)),
         added_mass_form=form,
         rotational=draw(st.sampled_from(["paper", "strip"])),
         trailing_edge=draw(st.sampled_from(["none", "elongated"])) if form == "kirchhoff" else "none",

@@ -21,6 +21,8 @@ def water(**changes):
         ({"linear_drag": 1}, r"`linear_drag` must be true or false, got 1"),
         ({"quadratic_drag": "no"}, r"`quadratic_drag` must be true or false, got 'no'"),
         ({"reference_speed": -1.0}, r"`reference_speed` must be >= 0 m/s"),
+        ({"sway_friction": -0.1}, r"`sway_friction` must be >= 0, got -0\.1"),
+        ({"friction_taper": 1.1}, r"`friction_taper` must be between -1 and 1, got 1\.1"),
         ({"added_mass_form": "kirchoff"}, r"`added_mass_form` must be one of .*did you mean `kirchhoff`\?"),
         ({"rotational": "none"}, r"`rotational` must be one of `paper`, `strip`, got 'none'"),
         ({"trailing_edge": "sharp"}, r"`trailing_edge` must be one of `none`, `elongated`"),

@@ -109,7 +109,7 @@ def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
 
 
 def test_a_law_that_branches_works_in_a_batch():
-    def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic):
+    def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic, sway_friction):
         if v_n > 0.0:
             return -c_t * v_t, -c_n * v_n, -lambda_2 * rate
         return -c_t * v_t, -2.0 * c_n * v_n, -lambda_2 * rate

@@ -7,7 +7,8 @@ from laticauda.robot import Water
 from laticauda.simulate import parameters
 from laticauda.simulate.parameters import changed, look_up
 
-ROBOT = lc.load_robot("mamba-fin")
+FIN = replace(lc.load_robot("mamba-fin").caudal_fin, flexural_rigidity=2.0)
+ROBOT = replace(lc.load_robot("mamba-fin"), caudal_fin=FIN)
 WATER = lc.load_water("paper-lateral")
 GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 KNOWN = parameters(ROBOT, GAIT, WATER)

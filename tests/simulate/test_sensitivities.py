@@ -10,7 +10,7 @@ from laticauda.simulate.sensitivities import UNITS, sensitivities
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
-WATER = replace(load_water("paper-lateral"), tangential_added_mass=0.1, current=(0.03, -0.02))
+WATER = replace(load_water("paper-lateral"), tangential_added_mass=0.1, current=(0.03, -0.02), friction_taper=0.3)
 NAMES = (
     "gait.amplitude",
     "gait.frequency",
@@ -19,11 +19,13 @@ NAMES = (
     "water.tangential_friction",
     "water.normal_drag",
     "water.added_mass",
+    "water.friction_taper",
     "water.density",
     "water.current_y",
     "robot.module.length",
     "robot.module.mass",
     "robot.module.section.half_height",
+    "robot.joint.actuator.tracking",
     "robot.caudal_fin.length",
     "robot.tether.drag",
 )
@@ -61,6 +63,13 @@ def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
     trial = lc.swim(FINNED, GAIT, environment=WATER, dt=0.05)
     assert found.values[0, 0] == pytest.approx(trial.forward_velocity, rel=1e-10)
     assert found.parameters[1].unit == "rad/s"
+
+
+def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives():
+    # Not to the frequency: it moves the kinks of |v_n| past the time steps, where a difference is of no use.
+    water, names = replace(WATER, sway_friction=0.5), ["water.sway_friction", "gait.amplitude", "water.added_mass"]
+    found = sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
+    check(found, by_differences(FINNED, GAIT, water, names, dt=0.05), 1e-7)
 
 
 def test_the_dimensionless_form_says_by_how_many_percent():

@@ -88,9 +88,17 @@ def test_kinetic_energy_is_that_of_the_planar_chain(robot, draw):
     for i, module in enumerate(robot.modules):
         velocity = ends[i] + (module.half_length + module.center) * normal[i] * theta_rate[i]
         energy += 0.5 * module.mass * velocity @ velocity + 0.5 * module.moment_of_inertia * theta_rate[i] ** 2
-    if (fin := robot.caudal_fin) is not None:
-        velocity = tail - 0.5 * fin.length * normal[0] * theta_rate[0]
-        energy += 0.5 * fin.mass * (velocity @ velocity + fin.length**2 / 12.0 * theta_rate[0] ** 2)
+    if robot.caudal_fin is not None:
+        angle, rate, root = theta[0], theta_rate[0], tail
+        for k, piece in enumerate(robot.caudal_fin.pieces):
+            name = f"fin_hinge_{k}" if piece.hinge else "fin_joint" if robot.caudal_fin.joint else None
+            if name is not None:
+                angle -= float(data.joint(name).qpos[0])
+                rate -= float(data.joint(name).qvel[0])
+            across = np.array([-math.sin(angle), math.cos(angle)]) * piece.length * rate
+            velocity = root - 0.5 * across
+            energy += 0.5 * piece.mass * (velocity @ velocity + piece.length**2 / 12.0 * rate**2)
+            root = root - across
 
     inertia = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
@@ -122,10 +130,22 @@ def test_modules_are_where_kinematics_says(robot, draw):
     phi = np.array([draw.draw(st.floats(-joint.limit, joint.limit)) for joint in robot.joints])
     theta = kinematics.link_angles(phi, angle=random_pose(model, data, phi), link=0)
     center = data.subtree_com[1][:2]
+    bend = np.zeros(0)
+    if robot.caudal_fin is not None:
+        first = 0 if robot.caudal_fin.joint else 1
+        names = [f"fin_hinge_{k}" if k else "fin_joint" for k in range(first, robot.caudal_fin.n_hinges + 1)]
+        for k, name in enumerate(names):
+            data.joint(name).qpos[:] = 0.3 * math.cos(k)
+        mujoco.mj_forward(model, data)
+        center = data.subtree_com[1][:2]
+        bend = np.array([0.3 * math.cos(k) for k in range(len(names))])
+        hinges = [f"caudal_fin_{k}" if k else "caudal_fin" for k in range(robot.caudal_fin.n_hinges, -1, -1)]
+        line = kinematics.fin_line(robot, center, theta, fin_angle=bend)
+        np.testing.assert_allclose(line[1:], [data.body(name).xpos[:2] for name in hinges], atol=1e-9)
     found = np.array([data.body(f"module_{i}").xpos[:2] for i in range(robot.n_links)])
-    np.testing.assert_allclose(found, kinematics.link_ends(robot, center, theta)[:-1], atol=1e-9)
+    np.testing.assert_allclose(found, kinematics.link_ends(robot, center, theta, fin_angle=bend)[:-1], atol=1e-9)
     middles = np.array([data.site(f"module_{i}_center").xpos[:2] for i in range(robot.n_links)])
-    np.testing.assert_allclose(middles, kinematics.link_centers(robot, center, theta), atol=1e-9)
+    np.testing.assert_allclose(middles, kinematics.link_centers(robot, center, theta, fin_angle=bend), atol=1e-9)
 
 
 def test_a_positive_yaw_angle_turns_the_head_left_and_a_positive_pitch_angle_turns_it_down():

@@ -51,6 +51,52 @@ def test_the_ground_agrees(name: str):
     assert row.path < 1e-5
 
 
+def driven(robot: lc.Robot, **actuator: float) -> lc.Robot:
+    joints = tuple(replace(j, actuator=replace(j.actuator, **actuator)) for j in robot.joints)
+    return replace(robot, joints=joints, active_power=12.0)
+
+
+@pytest.mark.parametrize("joints", STEPS)
+def test_friction_of_its_own_kind_tracking_and_electrical_power_agree(joints: str):
+    fin = CASES["fin"]
+    water = replace(fin.environment, sway_friction=1.5, friction_taper=-0.6)
+    robot = driven(fin.robot, tracking=0.8, friction_torque=0.1, viscous_friction=0.05)
+    gait = replace(fin.gait, offset=0.1)
+    dt = 0.005 if joints == "prescribed" else 0.001
+    planar, spatial = (
+        lc.swim(robot, gait, 3.0, environment=water, joints=joints, dt=dt, model=model)
+        for model in ("planar", "spatial")
+    )
+    length = np.linalg.norm(planar.center_of_mass[-1])
+    np.testing.assert_allclose(spatial.center_of_mass[:, :2], planar.center_of_mass, atol=2e-4 * length)
+    np.testing.assert_allclose(spatial.joint_angle_ref, planar.joint_angle_ref, atol=1e-9)
+    assert spatial.electrical_power == pytest.approx(planar.electrical_power, rel=1e-3)
+    assert planar.mean_power_kind == spatial.mean_power_kind == "electrical"
+    plain = lc.swim(fin.robot, gait, 3.0, environment=fin.environment, joints=joints, dt=dt)
+    assert np.linalg.norm(plain.center_of_mass[-1] - planar.center_of_mass[-1]) > 0.005
+
+
+def test_what_moves_up_and_down_has_the_friction_of_what_moves_sideways():
+    from laticauda.spatial import water
+    from laticauda.spatial.elements import Element
+
+    mujoco = pytest.importorskip("mujoco")
+    forces: list[float] = []
+    for v in ((0.3, 0.4, 0.0), (0.3, 0.0, 0.4), (0.3, 0.24, -0.32), (0.3, 0.0, 0.0)):
+        spec = mujoco.MjSpec.from_string(
+            "<mujoco><option gravity='0 0 0'/><worldbody><body name='b'><freejoint/>"
+            "<geom size='.1'/></body></worldbody></mujoco>"
+        )
+        model = water.compiled(spec)
+        element = Element(body="b", drag=(2.0, 0.0, 0.0), quadratic=False, reference_speed=0.5, sway_friction=0.7)
+        handle = water.attach(model, (element,))
+        data = mujoco.MjData(model)
+        data.qvel[:3] = v
+        mujoco.mj_forward(model, data)
+        forces.append(float(handle.forces(data)["drag"][0, 0]))
+    np.testing.assert_allclose(forces, [*[-2.0 * 0.3 * (0.5 + 0.7 * 0.4)] * 3, -2.0 * 0.3 * 0.5], rtol=1e-12)
+
+
 def test_tether_pectoral_fins_and_trailing_edge_agree():
     robot = replace(
         CASES["fin"].robot,

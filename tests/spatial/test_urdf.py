@@ -90,8 +90,13 @@ def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
         data = mujoco.MjData(model)
         for i, joint in enumerate(robot.joints):
             data.joint(f"joint_{i}").qpos[:] = math.sin(i + 1.0) * joint.limit
+        pieces = robot.caudal_fin.pieces if robot.caudal_fin else ()
+        fin = ["caudal_fin", *(f"caudal_fin_{k}" for k in range(1, len(pieces)))] if pieces else []
+        joints = [f"fin_hinge_{k}" for k in range(1, len(pieces))]
+        for k, name in enumerate([*joints, "fin_joint"] if pieces and robot.caudal_fin.joint else joints):
+            data.joint(name).qpos[:] = 0.3 * math.cos(k)
         mujoco.mj_kinematics(model, data)
-        names = [f"module_{i}" for i in range(robot.n_links)] + ["caudal_fin"] * (robot.caudal_fin is not None)
+        names = [f"module_{i}" for i in range(robot.n_links)] + fin
         base = data.body("module_0").xpos
         places = [(data.body(name).xpos - base, data.body(name).xipos - base) for name in names]
         found.append((np.array(places), np.array([model.body(name).inertia for name in names])))

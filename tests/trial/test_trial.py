@@ -181,3 +181,20 @@ def test_signals_have_one_number_per_sample(make_trial):
         make_trial(duration=1.0, signals={"an offset": np.zeros(51)})
     with pytest.raises(ValueError, match="must hold finite numbers only, got nan at sample 3"):
         make_trial(duration=1.0, signals={"offset": np.where(np.arange(51) == 3, np.nan, 0.0)})
+
+
+def test_a_trial_says_what_nobody_measured_and_refuses_figures_of_it(make_trial):
+    trial = make_trial(not_measured=["work", "heading"])
+    assert trial.not_measured == ("heading", "work")  # in the order of the fields
+    for figure, name in {"mechanical_power": "work", "turning_rate": "heading", "sideslip": "heading"}.items():
+        with pytest.raises(ValueError, match=f"The trial must have a measured `{name}` for .*, and it has none"):
+            getattr(trial, figure)
+    assert trial.forward_velocity == make_trial().forward_velocity
+    assert not trial.equals(make_trial())
+
+
+def test_where_the_robot_was_is_what_every_trial_has(make_trial):
+    with pytest.raises(ValueError, match=r"`not_measured` must hold only heading, .*, got 'center_of_mass'"):
+        make_trial(not_measured=("center_of_mass",))
+    with pytest.raises(ValueError, match=r"`not_measured` must hold only heading, .*, got 3"):
+        make_trial(not_measured=3)

@@ -95,21 +95,37 @@ def servo(
     return torque, stiffness, damping, duty
 
 
-def servo_power(duty: float, rate: float, no_load_speed: float, stall_power: float) -> float:
-    """Electrical power that a servo draws above idle: V I_stall max(d (d - phi'/phi'_0), 0).
+def motor_power(
+    torque: float,
+    rate: float,
+    stall_torque: float,
+    no_load_speed: float,
+    friction_torque: float,
+    viscous_friction: float,
+    stall_power: float,
+) -> float:
+    """Electrical power that the geared motor of `servo` draws above idle while it delivers a torque at a rate.
 
-    The motor's current I_stall (d - phi'/phi'_0) is proportional to its torque; the bridge takes it from the supply V
-    for the share d of the time, and cannot give energy back.
+        s = (u + b phi' + u_c tanh(phi'/eps)) / u_stall,   d = s + phi'/phi'_0,   P = V I_stall max(d s, 0)
+
+    It is the servo's law read backwards: s is the share of the stall current that the torque takes, d the duty at which
+    the motor gives it at that speed. The bridge takes the current from the supply V for the share d of the time, and
+    cannot give energy back. So it holds for joints under any law; one that a `servo` could not follow has |d| > 1.
 
     Args:
-        duty: d [-].
+        torque: u at the joint [N m].
         rate: phi' [rad/s].
+        stall_torque: u_stall [N m].
         no_load_speed: phi'_0 [rad/s].
+        friction_torque: u_c, dry friction of the gear [N m].
+        viscous_friction: b [N m s/rad].
         stall_power: V I_stall [W].
 
     Returns:
-        Power [W], not negative. Not below what the motor delivers, u_stall (d - phi'/phi'_0) phi', as long as
-        V I_stall >= u_stall phi'_0: a motor and gear of constants that do not create energy.
+        Power [W], not negative. Not below what the motor delivers, u phi', as long as V I_stall >= u_stall phi'_0: a
+        motor and gear of constants that do not create energy.
     """
-    share = duty * (duty - rate / no_load_speed)
+    sliding = np.tanh(rate / SLIDING_RATE)
+    current = (torque + viscous_friction * rate + friction_torque * sliding) / stall_torque
+    share = (current + rate / no_load_speed) * current
     return stall_power * where(share.real > 0.0, share, 0.0 * share)

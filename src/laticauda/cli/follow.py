@@ -14,7 +14,7 @@ from laticauda.cli.groups import (
     WaterChanges,
     radians,
 )
-from laticauda.cli.messages import given, in_flags
+from laticauda.cli.messages import in_flags
 from laticauda.cli.outputs import check_output
 from laticauda.cli.swim import PICTURES, OutputFlags, announced
 from laticauda.cli.view import check_film, write_film
@@ -146,11 +146,13 @@ class Follow:
         if len(position) != 2:
             raise ValueError(f"`position` must be two numbers, x y [m], got {len(position)}.")
         duration = DURATION if self.start.duration is None else self.start.duration
-        body = plant(self.robot.chosen(), environment, **given(self.model))
+        robot = self.environment.equipped(self.robot.chosen(), controller.gait)
+        body = plant(robot, environment, **self.environment.model_settings(self.model))
         start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
         trial = run(
             body, controller, duration, start=start, progress=announced(environment, duration, model=self.model.model)
         )
+        trial = self.environment.noted(trial)
         if self.output.save is not None:
             trial.save(self.output.save)
         if self.output.plot is not None:

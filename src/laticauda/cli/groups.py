@@ -1,17 +1,18 @@
 """Groups of options that commands share: what swims, how, where, and by which model."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import File, Number, Numbers, Preset, Whole, changed, changes, choice, default
+from laticauda.cli.flags import Number, Numbers, Preset, Whole, changed, changes, choice, default
 from laticauda.cli.messages import given
 from laticauda.robot import Environment, Robot, Water, load_ground, load_parameters, load_robot, load_water
 
 if TYPE_CHECKING:
     from laticauda.gaits import Gait, Wave
+    from laticauda.trial import Trial
 
 # What options that are left out stand for: Mamba's first trial of the paper.
 ROBOT = "mamba"
@@ -63,6 +64,14 @@ class GaitFlags:
     """How far it is ahead of the first one; 90 makes a helix [deg]."""
     pitch_offset_deg: Annotated[Number, default("0")] = None
     """phi_0 of the pitch joints; positive turns down [deg]."""
+    fin_amplitude_deg: Annotated[Number, default("0")] = None
+    """alpha of a driven fin's own wave [deg]."""
+    fin_frequency_deg_s: Annotated[Number, default("that of the body")] = None
+    """Its omega [deg/s]."""
+    fin_phase_deg: Annotated[Number, default("0")] = None
+    """How far it is ahead of the tail-most joint, for equal frequencies [deg]."""
+    fin_offset_deg: Annotated[Number, default("0")] = None
+    """phi_0 of the fin [deg]."""
 
     def chosen(self) -> "Gait":
         """The gait that is asked for."""
@@ -78,6 +87,7 @@ class GaitFlags:
             offset=radians(self.offset_deg, 0.0),
             envelope=self.envelope,
             pitch=self._pitch(frequency, phase_shift),
+            fin=self._fin(frequency),
         )
 
     def _pitch(self, frequency: float, phase_shift: float) -> "Wave | None":
@@ -94,6 +104,20 @@ class GaitFlags:
             offset=radians(self.pitch_offset_deg, 0.0),
         )
 
+    def _fin(self, frequency: float) -> "Wave | None":
+        """The wave of a driven fin; None if no option asks for one."""
+        from laticauda.gaits import Wave
+
+        own = (self.fin_amplitude_deg, self.fin_frequency_deg_s, self.fin_phase_deg, self.fin_offset_deg)
+        if own == (None, None, None, None):
+            return None
+        return Wave(
+            amplitude=radians(self.fin_amplitude_deg, 0.0),
+            frequency=frequency if self.fin_frequency_deg_s is None else math.radians(self.fin_frequency_deg_s),
+            phase=radians(self.fin_phase_deg, 0.0),
+            offset=radians(self.fin_offset_deg, 0.0),
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class EnvironmentFlags:
@@ -103,8 +127,9 @@ class EnvironmentFlags:
     """A preset or a TOML file."""
     ground: Annotated[Preset, default("none")] = None
     """A preset or a TOML file: crawl on land instead."""
-    parameters: File = None
-    """A parameter file: its coefficients for the gait instead of the paper's (not with a water)."""
+    parameters: Annotated[Preset, default("none")] = None
+    """A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the
+    robot's (not with a water)."""
 
     def chosen(self, gait: "Gait", coefficients: object) -> tuple[Environment, str]:
         """What is asked for, and where it is from, in words.
@@ -120,6 +145,38 @@ class EnvironmentFlags:
             return load_ground(self.ground), "as asked for"
         water, origin = self._water(gait)
         return changed(water, coefficients), origin
+
+    def equipped(self, robot: Robot, gait: "Gait") -> Robot:
+        """The robot with the numbers of the parameters, if any were asked for.
+
+        Args:
+            robot: What swims.
+            gait: It decides on the parameters' numbers.
+        """
+        return robot if self.parameters is None else load_parameters(self.parameters).robot(robot, gait.kind)
+
+    def model_settings(self, model: "ModelFlags") -> dict[str, Any]:
+        """How it is computed, by what was typed; else with the joint law of the parameters.
+
+        Args:
+            model: The flags.
+        """
+        settings = given(model)
+        if self.parameters is not None and "joints" not in settings:
+            joints = load_parameters(self.parameters).joints
+            settings |= {} if joints is None else {"joints": joints}
+        return settings
+
+    def noted(self, trial: "Trial") -> "Trial":
+        """The trial, whose settings say which parameters it was made with.
+
+        Args:
+            trial: As it was run.
+        """
+        if self.parameters is None:
+            return trial
+        name = load_parameters(self.parameters).name
+        return replace(trial, settings={**trial.settings, "parameters": name})
 
     def _water(self, gait: "Gait") -> tuple[Water, str]:
         """The water before single coefficients are replaced, and where it is from."""
@@ -142,7 +199,7 @@ class ModelFlags:
     """The model of the body: the closed form in the plane, or MuJoCo in space."""
     root: Annotated[str | None, choice("free", "planar"), default("free where there are pitch joints")] = None
     """Of the spatial model: nothing held, or height and tilt of the tail module fixed."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
+    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the parameters', or prescribed")] = None
     """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
     ramp: Annotated[Number, default("1 for prescribed joints, else 0")] = None
     """Duration of the smooth start [s]."""

@@ -20,7 +20,6 @@ from laticauda.cli.groups import (
     WaterChanges,
     radians,
 )
-from laticauda.cli.messages import given
 from laticauda.cli.progress import trials_bar
 from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import aligned, number, read_in
@@ -138,9 +137,11 @@ class Optimize:
 
         gait = flags.chosen()
         environment, _ = self.environment.chosen(gait, self.coefficients)
-        how: dict[str, Any] = {name: value for name, value in given(self.model).items() if name != "model"}
+        settings = self.environment.model_settings(self.model)
+        how: dict[str, Any] = {name: value for name, value in settings.items() if name != "model"}
         duration = DURATION if self.work.duration is None else self.work.duration
-        return Setup(robot=self.robot.chosen(), gait=gait, environment=environment, duration=duration, **how)
+        robot = self.environment.equipped(self.robot.chosen(), gait)
+        return Setup(robot=robot, gait=gait, environment=environment, duration=duration, **how)
 
     def _problems(self, setup: Any) -> "list[Problem]":
         """What is asked for; one more for the paper's other gait if that is."""

@@ -24,6 +24,7 @@ def as_json(trial: Trial) -> str:
     environment = dataclasses.asdict(trial.environment)
     found: dict[str, Any] = {
         **trial.summary(),
+        "not_measured": list(trial.not_measured),
         "measured": None
         if measured is None
         else {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
@@ -86,7 +87,9 @@ def figure_table(trial: Trial) -> str:
     """Every figure that has a meaning for this run, with the measured value and the difference where there is one."""
     summary = trial.summary()
     measured = _measured(trial)
-    rows: list[tuple[str, ...]] = [("", "simulated", "", "measured", "difference")]
+    is_measured = trial.settings.get("model") == "measured"
+    names = ("measured", "the paper's") if is_measured else ("simulated", "measured")
+    rows: list[tuple[str, ...]] = [("", names[0], "", names[1], "difference")]
     for figure in FIGURES:
         value: Any = summary[figure.name]
         beside = measured.get(figure.name)
@@ -143,7 +146,7 @@ def _about(measured: MeasuredTrial, trial: Trial) -> str:
     duration = float(trial.time[-1] - trial.time[0])
     if abs(duration - MEASURED_DURATION) > 0.5:
         text += f" This run: {duration:.4g} s."
-    if trial.mean_power_kind == "mechanical":
+    if trial.mean_power_kind == "mechanical" and "work" not in trial.not_measured:
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."
     return text
 
@@ -170,6 +173,11 @@ def _gait(gait: Gait | None) -> str:
         amplitude, ahead = math.degrees(pitch.amplitude), math.degrees(pitch.phase)
         text += f", pitch wave: amplitude {amplitude:.4g} deg, {ahead:.4g} deg ahead"
         text += f", offset {math.degrees(pitch.offset):.4g} deg" if pitch.offset else ""
+    if gait.fin is not None:
+        fin = gait.fin
+        amplitude, frequency, ahead = (math.degrees(x) for x in (fin.amplitude, fin.frequency, fin.phase))
+        text += f", fin: amplitude {amplitude:.4g} deg, frequency {frequency:.4g} deg/s, {ahead:.4g} deg ahead"
+        text += f", offset {math.degrees(fin.offset):.4g} deg" if fin.offset else ""
     return text
 
 
@@ -196,6 +204,10 @@ def _water(water: Water) -> str:
     ]
     if water.tangential_added_mass:
         parts.append(f"tangential_added_mass {water.tangential_added_mass:g}")
+    if water.sway_friction:
+        parts.append(f"sway_friction {water.sway_friction:g}")
+    if water.friction_taper:
+        parts.append(f"friction_taper {water.friction_taper:g}")
     if water.trailing_edge != "none":
         parts.append(f"trailing edge {water.trailing_edge}")
     if any(water.current):
@@ -215,6 +227,8 @@ def _ground(ground: Ground) -> str:
 def _run(trial: Trial) -> str:
     settings = trial.settings
     duration = trial.time[-1] - trial.time[0]
+    if settings.get("model") == "measured":
+        return f"{duration:.4g} s from {settings['source']}, rates over {settings['smoothing']:g} s; {trial.status}"
     parts = [f"{duration:.4g} s, {settings.get('model', 'unknown')} model, {settings.get('joints', 'unknown')} joints"]
     for name, words, unit in (("dt", "time step", "s"), ("ramp", "smooth start", "s")):
         if settings.get(name):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import File, Switch, Text, Whole, choice, default
+from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
 from laticauda.cli.reproduced import as_json, as_text
 from laticauda.cli.swim import COMPILING
 
@@ -32,10 +32,11 @@ class Reproduce:
     """Run this half of the paper only."""
     model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
     """The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
+    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the parameters', or prescribed")] = None
     """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
-    parameters: File = None
-    """A parameter file (TOML): its coefficients instead of the paper's, which stay beside them for efficiency."""
+    parameters: Annotated[Preset, default("the paper's")] = None
+    """A preset or a parameter file (TOML): its numbers for water and robots instead of the paper's, which stay beside
+    them for efficiency, and its joint law unless `joints` is given."""
     repeats: File = None
     """Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the
     figures of the efficiency study with their scatter."""
@@ -53,7 +54,9 @@ class Reproduce:
         from laticauda.studies import load_repeats
 
         folder = FOLDER if self.output is None else self.output
-        settings = paper_experiments(self._parameters())
+        parameters = self._parameters()
+        settings = paper_experiments(parameters)
+        joints = self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
         repeats = () if self.repeats is None else load_repeats(self.repeats)
         _warn_of_compiling()
         try:
@@ -62,7 +65,7 @@ class Reproduce:
                 settings,
                 only=self.only,
                 model=self.model or "planar",
-                joints=self.joints or "prescribed",
+                joints=joints,
                 repeats=repeats,
                 workers=os.cpu_count() or 1 if self.workers is None else self.workers,
                 progress=_progress(),

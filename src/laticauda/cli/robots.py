@@ -1,4 +1,4 @@
-"""`laticauda robots`: what there is to swim, and where."""
+"""`laticauda robots`: what there is to swim, where, and with which parameters."""
 
 import json
 from collections.abc import Sequence
@@ -11,20 +11,25 @@ from laticauda.cli.flags import Preset, Switch, default
 from laticauda.cli.tables import aligned
 from laticauda.robot import (
     Ground,
+    Parameters,
     Robot,
     Water,
     describe,
     from_toml,
     ground_names,
     load_ground,
+    load_parameters,
     load_robot,
     load_water,
+    parameter_names,
     summary,
     summary_rows,
     summary_table,
     to_toml,
     water_names,
 )
+from laticauda.robot.files import parsed, read_text
+from laticauda.robot.parameters import KIND
 
 WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
@@ -32,7 +37,7 @@ GROUND_FACTS = ("friction", "tangential", "normal")
 
 @dataclass(frozen=True, kw_only=True)
 class Robots:
-    """List the robots, waters and grounds that come with laticauda, or show one of them.
+    """List the robots, waters, grounds and parameters that come with laticauda, or show one of them.
 
     For example: laticauda robots mamba --toml
     """
@@ -50,46 +55,57 @@ class Robots:
             raise ValueError("`toml` and `json` must not be given together.")
         if self.name is None:
             if self.toml:
-                raise ValueError("`toml` must be given with the NAME of a robot, water or ground.")
+                raise ValueError("`toml` must be given with the NAME of a robot, water, ground or parameters.")
             print(json.dumps(_all(), indent=2) if self.json else _lists())
             return 0
         thing = _named(self.name)
         if self.json:
             print(json.dumps(_one(thing), indent=2, allow_nan=False))
         else:
-            print(to_toml(thing).rstrip() if self.toml else describe(thing))
+            print(_toml(thing).rstrip() if self.toml or isinstance(thing, Parameters) else describe(thing))
         return 0
 
 
-def _named(name: str) -> Robot | Water | Ground:
+def _named(name: str) -> Robot | Water | Ground | Parameters:
     """The preset of that name, of whatever kind, or what a file holds."""
     if name in water_names():
         return load_water(name)
     if name in ground_names():
         return load_ground(name)
+    if name in parameter_names():
+        return load_parameters(name)
     if name.endswith(".toml"):
         from pathlib import Path
 
+        if parsed(read_text(Path(name)), name).get("kind") == KIND:
+            return load_parameters(name)
         return from_toml(Path(name))
     return load_robot(name)
 
 
 def _all() -> dict[str, Any]:
-    return {"robots": summary_rows(), "waters": list(water_names()), "grounds": list(ground_names())}
+    names = {"waters": water_names(), "grounds": ground_names(), "parameters": parameter_names()}
+    return {"robots": summary_rows(), **{kind: list(found) for kind, found in names.items()}}
 
 
-def _one(thing: Robot | Water | Ground) -> dict[str, Any]:
+def _toml(thing: Robot | Water | Ground | Parameters) -> str:
+    return thing.to_toml() if isinstance(thing, Parameters) else to_toml(thing)
+
+
+def _one(thing: Robot | Water | Ground | Parameters) -> dict[str, Any]:
     """All fields, as its TOML file has them, under the main facts."""
     import tomllib
 
     facts = summary(thing) if isinstance(thing, Robot) else {}
-    return {**tomllib.loads(to_toml(thing)), **facts}
+    return {**tomllib.loads(_toml(thing)), **facts}
 
 
 def _lists() -> str:
     waters = _rows("water", {name: describe(load_water(name)) for name in water_names()}, WATER_FACTS)
     grounds = _rows("ground", {name: describe(load_ground(name)) for name in ground_names()}, GROUND_FACTS)
-    return "\n\n".join([summary_table(), aligned(waters), aligned(grounds)])
+    titles = [[name, load_parameters(name).title] for name in parameter_names()]
+    own = [["parameters", "title"], *titles]
+    return "\n\n".join([summary_table(), aligned(waters), aligned(grounds), aligned(own)])
 
 
 def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[list[str]]:

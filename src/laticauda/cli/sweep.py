@@ -14,7 +14,6 @@ import tyro
 from laticauda.cli import vary
 from laticauda.cli.flags import File, Number, Switch, Text, Whole, Words, choice, default
 from laticauda.cli.groups import Coefficients, EnvironmentFlags, GaitFlags, ModelFlags, RobotFlags, WaterChanges
-from laticauda.cli.messages import given
 from laticauda.cli.progress import trials_bar
 from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import MISSING, aligned, number, read_in
@@ -127,9 +126,11 @@ class SweepCommand:
 
         gait = self.gait.chosen()
         environment, _ = self.environment.chosen(gait, self.coefficients)
-        how: dict[str, Any] = {name: value for name, value in given(self.model).items() if name != "model"}
+        settings = self.environment.model_settings(self.model)
+        how: dict[str, Any] = {name: value for name, value in settings.items() if name != "model"}
         duration = DURATION if self.work.duration is None else self.work.duration
-        return Setup(robot=self.robot.chosen(), gait=gait, environment=environment, duration=duration, **how)
+        robot = self.environment.equipped(self.robot.chosen(), gait)
+        return Setup(robot=robot, gait=gait, environment=environment, duration=duration, **how)
 
     def _points(self, known: "dict[str, Parameter]") -> Any:
         """Which points are asked for."""

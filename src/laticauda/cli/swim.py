@@ -101,8 +101,8 @@ class Swim:
         from laticauda.simulate import swim
 
         gait = self.gait.chosen()
-        robot = self.robot.chosen()
         environment, origin = self.environment.chosen(gait, self.coefficients)
+        robot = self.environment.equipped(self.robot.chosen(), gait)
         trial = swim(
             robot,
             gait,
@@ -110,10 +110,10 @@ class Swim:
             start=Start(heading=radians(self.run.heading_deg, 0.0)),
             link_forces=self.run.link_forces,
             progress=announced(environment, model=self.model.model, **self._clock()),
-            **given(self.model),
+            **self.environment.model_settings(self.model),
             **self._clock(),
         )
-        return trial, origin
+        return self.environment.noted(trial), origin
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""

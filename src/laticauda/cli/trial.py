@@ -2,12 +2,15 @@
 
 import json
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from laticauda.cli.flags import Switch
+from laticauda.cli.flags import File, Switch
 from laticauda.cli.outputs import check_output
+
+if TYPE_CHECKING:
+    from laticauda.trial import Trial
 
 
 def _positional(metavar: str, hint: str = "(required)") -> object:
@@ -22,7 +25,9 @@ class Show:
     """
 
     file: Annotated[str, tyro.conf.Positional, _positional("FILE")]
-    """The trial, as `laticauda swim --save` wrote it."""
+    """The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)."""
+    columns: File = None
+    """What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs."""
     json: Switch = False
     """Print one JSON object in SI units."""
 
@@ -31,7 +36,7 @@ class Show:
         from laticauda.cli.report import as_json, as_text
         from laticauda.trial import load_trial
 
-        trial = load_trial(self.file)
+        trial = load_trial(self.file, self.columns)
         if self.json:
             print(as_json(trial))
         else:
@@ -48,16 +53,18 @@ class Compare:
     """
 
     files: Annotated[tuple[str, ...], tyro.conf.Positional, _positional("FILES ...", "(two or more)")]
-    """The trials; the one to compare with first."""
+    """The trials; the one to compare with first. Logs of other programs need --columns."""
+    columns: File = None
+    """What the columns of those files are that laticauda did not write: a TOML file."""
     json: Switch = False
     """Print one JSON object in SI units."""
 
     def __call__(self) -> int:
         """Print, and return the exit status."""
         from laticauda.cli.report import comparison_as_json, comparison_as_text
-        from laticauda.trial import compare, load_trial
+        from laticauda.trial import compare
 
-        rows = compare([load_trial(file) for file in self.files])
+        rows = compare([_either(file, self.columns) for file in self.files])
         write = comparison_as_json if self.json else comparison_as_text
         print(write(self.files, rows))
         return 0
@@ -65,25 +72,40 @@ class Compare:
 
 @dataclass(frozen=True, kw_only=True)
 class Convert:
-    """Write the time series of a stored trial to a CSV file for a spreadsheet, one row per sample.
+    """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
-    For example: laticauda trial convert run.nc run.csv
+    For example: laticauda trial convert run.nc run.mcap
     """
 
     file: Annotated[str, tyro.conf.Positional, _positional("FILE")]
-    """The trial, as `laticauda swim --save` wrote it."""
+    """The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)."""
     output: Annotated[str, tyro.conf.Positional, _positional("OUTPUT")]
-    """The file to write (.csv); an older one is replaced."""
+    """The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced."""
+    columns: File = None
+    """What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs."""
     json: Switch = False
     """Print one JSON object."""
 
     def __call__(self) -> int:
         """Write, and return the exit status."""
-        from laticauda.trial import load_trial
+        from laticauda.trial import FORMATS, load_trial
 
-        check_output("output", self.output, (".csv",))
-        trial = load_trial(self.file)
-        trial.to_csv(self.output)
+        check_output("output", self.output, [form.ending for form in FORMATS])
+        trial = load_trial(self.file, self.columns)
+        trial.save(self.output)
         done = {"output": self.output, "n_samples": int(trial.time.size)}
         print(json.dumps(done) if self.json else f"{done['output']}: {done['n_samples']} samples")
         return 0
+
+
+def _either(file: str, columns: str | None) -> "Trial":
+    """The trial in a file of ours, or in a log that the column map is for."""
+    from laticauda.errors import TrialFileError
+    from laticauda.trial import load_trial
+
+    if columns is None:
+        return load_trial(file)
+    try:
+        return load_trial(file)
+    except TrialFileError:
+        return load_trial(file, columns)

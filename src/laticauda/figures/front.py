@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
-from laticauda.figures.postures import draw_posture
+from laticauda.figures.postures import draw_posture, posture
 from laticauda.gaits import Gait
-from laticauda.kinematics import link_ends, trailing_edge
 from laticauda.robot import Robot
 
 Values = Float[np.ndarray, " n_points"]
@@ -190,5 +189,5 @@ def _shape(robot: Robot, gait: Gait) -> Points:
         angles = np.concatenate(([0.0], np.cumsum(joints)))
         center = np.zeros(2)
         angles -= angles.mean()
-        shapes.append(np.vstack((trailing_edge(body, center, angles), link_ends(body, center, angles))))
+        shapes.append(posture(body, center, angles))
     return min(shapes, key=lambda shape: float(np.ptp(shape[:, 1])))

@@ -7,8 +7,8 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
 from laticauda.figures import style
-from laticauda.kinematics import link_ends, trailing_edge
-from laticauda.robot import Robot
+from laticauda.kinematics import fin_line, link_ends
+from laticauda.robot import CaudalFin, Robot
 from laticauda.trial import Trial
 
 Point = Float[np.ndarray, " 2"]
@@ -27,9 +27,14 @@ def planar_body(trial: Trial) -> Robot:
 
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
-    """Trailing edge, tail end, joints and head end of the body at a sample, in this order [m]."""
-    center, angle = trial.center_of_mass[sample, :2], trial.link_angle[sample]
-    return np.vstack((trailing_edge(robot, center, angle), link_ends(robot, center, angle)))
+    """Trailing edge, hinges of the fin, tail end, joints and head end of the body at a sample, in this order [m]."""
+    return posture(robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample])
+
+
+def posture(robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None) -> Points:
+    """The same of a center of mass [m] and link angles [rad]; without angles of the fin it is straight."""
+    fin = fin_line(robot, center, angle, fin_angle=fin_angle)
+    return np.vstack((fin[:-1], link_ends(robot, center, angle, fin_angle=fin_angle)))
 
 
 def instants(trial: Trial) -> list[int]:
@@ -82,9 +87,9 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
         age: From 0, the newest and darkest, to 1 [-].
     """
     order = 3.0 - age
-    ends = points[1:]
+    ends = points[-robot.n_links - 1 :]
     if robot.caudal_fin is not None:
-        _draw_fin(ax, robot, points, age)
+        _draw_fin(ax, robot.caudal_fin, points[: -robot.n_links][::-1], age)
     widths = [module.section.half_width for module in robot.modules]
     links = [_link(ends[i], ends[i + 1], width) for i, width in enumerate(widths[:-1])]
     bends = [_circle(ends[i + 1], min(widths[i], widths[i + 1])) for i in range(len(widths) - 1)]
@@ -98,14 +103,13 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
     ax.add_collection(PolyCollection(hinges, facecolor="white", edgecolor="none", zorder=order + 0.01))
 
 
-def _draw_fin(ax: Axes, robot: Robot, points: Points, age: float) -> None:
+def _draw_fin(ax: Axes, fin: CaudalFin, line: Points, age: float) -> None:
     """The fin is a plate of some millimeters, seen from its edge: a line, thinner where its opening is."""
-    assert robot.caudal_fin is not None
-    edge, root = points[0], points[1]
-    inner = root + (edge - root) * (robot.caudal_fin.opening_length / robot.caudal_fin.length)
-    if robot.caudal_fin.opening == "closed":
-        inner = root
-    lines = LineCollection([np.stack((root, inner)), np.stack((inner, edge))], zorder=3.0 - age)
+    opening = 0.0 if fin.opening == "closed" else fin.opening_length
+    behind = [0.0, *(piece.end for piece in fin.pieces)]  # of the line's points, along the fin
+    inner = np.array([np.interp(opening, behind, line[:, axis]) for axis in range(2)])
+    k = int(np.searchsorted(behind, opening, side="right"))
+    lines = LineCollection([np.vstack((line[:k], inner)), np.vstack((inner, line[k:]))], zorder=3.0 - age)
     lines.set(linewidth=[0.8, 2.2], color=_faded(style.INK, age), capstyle="butt")
     ax.add_collection(lines)
 

@@ -13,10 +13,15 @@ negligible). ``rotational="strip"`` replaces all three by those of the normal lo
 turns about its middle:
 
     lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
+
+A water with a `friction_taper` has C_f (1 + taper (1 - 2 s)) for C_f on the links, s the place of the link's middle
+from 0 at the tail end of the body to 1 at its head end; on links of equal length, the mean is C_f. It does not act on
+the fin, nor on modules that bring their own C_f.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -85,7 +90,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         loads = _ground_loads(mass, environment)
         strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        loads = np.array([_link_loads(module, environment) for module in robot.modules]).T
+        loads = _loads_in_water(robot.modules, half_length, environment)
         strips = _fin_in_water(fin, environment) if fin else None
     return _coefficients(half_length, half_length, mass, loads, strips)
 
@@ -123,10 +128,27 @@ def _coefficients(
     return Coefficients(half_length=half_length, position=position, mass=mass, fin=fin, **named)
 
 
-def _link_loads(module: Module, water: Water) -> tuple[float, ...]:
+def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
+    """The loads of all links, one column per link; modules that are alike are computed once."""
+    friction = [water.tangential_friction] * len(modules)
+    if water.friction_taper != 0.0:
+        middle = np.cumsum(2.0 * half_length) - half_length
+        share = 1.0 + water.friction_taper * (1.0 - middle / np.sum(half_length))  # 1 + taper (1 - 2 s)
+        friction = (water.tangential_friction * share).tolist()
+    known: dict[tuple[int, float], tuple[float, ...]] = {}
+    columns: list[tuple[float, ...]] = []
+    for module, C_f in zip(modules, friction, strict=True):
+        key = id(module), C_f
+        if key not in known:
+            known[key] = _link_loads(module, water, C_f)
+        columns.append(known[key])
+    return np.array(columns).T
+
+
+def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
     rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
-    C_f = _own(module.tangential_friction, water.tangential_friction)
+    C_f = _own(module.tangential_friction, friction)
     C_D = _own(module.normal_drag, water.normal_drag)
     C_A = _own(module.added_mass, water.added_mass)
     C_M = _own(module.added_inertia, water.added_inertia)
@@ -167,12 +189,22 @@ def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
 
 
 def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
-    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others."""
-    edges = np.linspace(fin.opening_length, fin.length, fin.n_strips + 1)
-    if not closed or fin.opening_length == 0.0:
-        return edges
-    pieces = int(np.ceil(fin.opening_length / (edges[1] - edges[0])))
-    return np.concatenate((np.linspace(0.0, fin.opening_length, pieces + 1)[:-1], edges))
+    """Where the strips begin and end behind the root [m]; those of a closed opening are about as long as the others.
+
+    A hinge of the fin cuts the strip that it stands in.
+    """
+    cuts = tuple(hinge.position for hinge in fin.hinges)
+    return _cut_strips(fin.length, fin.opening_length, fin.n_strips, closed, cuts)
+
+
+@lru_cache(maxsize=64)  # most robots of a batch have one fin; nobody writes to the array
+def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]) -> np.ndarray:
+    edges = np.linspace(opening, length, n_strips + 1)
+    if closed and opening > 0.0:
+        pieces = int(np.ceil(opening / (edges[1] - edges[0])))
+        edges = np.concatenate((np.linspace(0.0, opening, pieces + 1)[:-1], edges))
+    inside = [x for x in cuts if x > edges[0] and np.min(np.abs(edges - x)) > 1e-9]
+    return np.sort(np.concatenate((edges, inside)))
 
 
 def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> Coefficients:

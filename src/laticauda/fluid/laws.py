@@ -30,10 +30,19 @@ def polynomial_drag(
     reference_speed: float,
     linear: float,
     quadratic: float,
+    sway_friction: float,
 ) -> tuple[float, float, float]:
     """Linear plus quadratic drag: f = -c v (U_ref + |v|), tau = -(U_ref lambda_2 + lambda_3 |theta'|) theta'.
 
     The literature uses the same number for the linear and the quadratic part; U_ref is the speed that this implies.
+
+    Along the element a third part may grow with how fast the element moves sideways,
+
+        f_t = -c_t v_t (U_ref + |v_t| + gamma |v_n|)
+
+    because sideways motion keeps the boundary layer thin. That friction grows so is established (Bone in [2]; review
+    [3]); that it grows in proportion to |v_n| is this model, with one number to be identified: for a plate that moves
+    along its normal into the flow, theory has the square root of the normal velocity [4].
 
     Args:
         v_t: Velocity along the element [m/s].
@@ -46,16 +55,22 @@ def polynomial_drag(
         reference_speed: U_ref, the speed at which linear and quadratic drag are equal [m/s]; it acts on the torque too.
         linear: 1 keeps the linear part of force and torque, 0 drops it.
         quadratic: 1 keeps the quadratic part, 0 drops it.
+        sway_friction: gamma, not negative [-]; it acts whatever `linear` and `quadratic` say, 0 drops it.
 
     Returns:
         f_t [N], f_n [N], tau about the element's middle [N m]. None of the three ever feeds energy in: f_t v_t <= 0,
         f_n v_n <= 0, tau theta' <= 0.
 
     References:
-        E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (7), which implies U_ref = 1 m/s.
+        [1] E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (7), which implies U_ref = 1 m/s.
+        [2] M. J. Lighthill, Large-amplitude elongated-body theory of fish locomotion, Proc. R. Soc. B 179, 1971.
+        [3] F. E. Fish, G. V. Lauder, Passive and active flow control by swimming fishes and mammals, Annu. Rev. Fluid
+            Mech. 38, 2006.
+        [4] U. Ehrenstein, C. Eloy, Skin friction on a moving wall and its implications for swimming animals, J. Fluid
+            Mech. 718, 2013.
     """
     base = reference_speed * linear
-    f_t = -c_t * v_t * (base + quadratic * magnitude(v_t))
+    f_t = -c_t * v_t * (base + quadratic * magnitude(v_t) + sway_friction * magnitude(v_n))
     f_n = -c_n * v_n * (base + quadratic * magnitude(v_n))
     tau = -(base * lambda_2 + quadratic * lambda_3 * magnitude(rate)) * rate
     return f_t, f_n, tau
@@ -72,6 +87,7 @@ def coulomb_friction(
     reference_speed: float,
     linear: float,
     quadratic: float,
+    sway_friction: float,
 ) -> tuple[float, float, float]:
     """Dry anisotropic friction on the ground: f = -c v / sqrt(v^2 + eps^2), along and across on their own.
 
@@ -80,7 +96,8 @@ def coulomb_friction(
     Args:
         v_t: Velocity along the element [m/s].
         v_n: Velocity across it [m/s].
-        rate: Not used, like `lambda_2`, `lambda_3`, `linear` and `quadratic`: all laws have one signature.
+        rate: Not used, like `lambda_2`, `lambda_3`, `linear`, `quadratic` and `sway_friction`: all laws have one
+            signature.
         c_t: Friction along at speeds far above eps, mu_t m g [N], not negative.
         c_n: Friction across, mu_n m g [N], not negative.
         lambda_2: Not used.
@@ -88,6 +105,7 @@ def coulomb_friction(
         reference_speed: eps, positive [m/s].
         linear: Not used.
         quadratic: Not used.
+        sway_friction: Not used.
 
     Returns:
         f_t [N], f_n [N], tau = 0 [N m]. Never feeds energy in: f_t v_t <= 0 and f_n v_n <= 0. |f_t| < c_t, |f_n| < c_n.

@@ -19,9 +19,10 @@ GAIT_KINDS = (*_ENVELOPES, "custom")
 
 @dataclass(frozen=True, kw_only=True)
 class Wave:
-    """A second traveling wave, of the pitch joints: alpha sin(omega t + (k-1) delta + phase) + phi_0.
+    """A second wave, of the pitch joints or of a driven fin: alpha sin(omega t + (k-1) delta + phase) + phi_0.
 
-    k = 1 is the tail-most pitch joint. Everything but the phase is filtered and started smoothly, as the yaw wave is.
+    k = 1 is the tail-most pitch joint; a driven fin has one joint, and so no phase shift. Everything but the phase is
+    filtered and started smoothly, as the yaw wave is.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -31,12 +32,12 @@ class Wave:
     """alpha, not negative [rad]."""
     frequency: float
     """omega, not negative [rad/s]."""
-    phase_shift: float
+    phase_shift: float = 0.0
     """delta between neighboring pitch joints; negative swims tail first [rad]."""
     phase: float = 0.0
-    """How far it is ahead of the yaw wave, for equal frequencies: tail-most pitch against tail-most yaw joint [rad]."""
+    """How far it is ahead of the yaw wave, for equal frequencies, at the tail-most joint of each [rad]."""
     offset: float = 0.0
-    """phi_0 of every pitch joint; positive turns down [rad]."""
+    """phi_0 of every pitch joint, positive turns down; or of the fin, positive bends the body to the left [rad]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -72,6 +73,8 @@ class Gait:
     """g of every joint, tail first, for kind custom; None otherwise [-]."""
     pitch: Wave | None = None
     """What the pitch joints do; None: they stay straight. The planar model has none."""
+    fin: Wave | None = None
+    """What a driven fin does; None: it stays straight. Steering does not move it."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -82,6 +85,9 @@ class Gait:
         object.__setattr__(self, "phase_shift", finite("phase_shift", self.phase_shift, "rad"))
         object.__setattr__(self, "offset", finite("offset", self.offset, "rad"))
         instance("pitch", self.pitch, Wave, type(None))
+        instance("fin", self.fin, Wave, type(None))
+        if self.fin is not None and self.fin.phase_shift != 0.0:
+            raise ValueError(f"`fin.phase_shift` must be 0: a fin has one joint, got {self.fin.phase_shift} rad.")
         if (self.envelope is None) == (self.kind == "custom"):
             raise ValueError(
                 f"`envelope` must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, "
@@ -114,7 +120,13 @@ def _named_envelope(kind: str, n_links: int) -> tuple[float, ...]:
 
 
 def lateral_undulation(
-    *, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0, pitch: Wave | None = None
+    *,
+    amplitude: float,
+    frequency: float,
+    phase_shift: float,
+    offset: float = 0.0,
+    pitch: Wave | None = None,
+    fin: Wave | None = None,
 ) -> Gait:
     """Body waves of constant amplitude, g(i, n) = 1.
 
@@ -124,6 +136,7 @@ def lateral_undulation(
         phase_shift: delta [rad].
         offset: phi_0 [rad].
         pitch: What the pitch joints do; None: they stay straight.
+        fin: What a driven fin does; None: it stays straight.
 
     Raises:
         ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
@@ -139,11 +152,18 @@ def lateral_undulation(
         phase_shift=phase_shift,
         offset=offset,
         pitch=pitch,
+        fin=fin,
     )
 
 
 def eel_like(
-    *, amplitude: float, frequency: float, phase_shift: float, offset: float = 0.0, pitch: Wave | None = None
+    *,
+    amplitude: float,
+    frequency: float,
+    phase_shift: float,
+    offset: float = 0.0,
+    pitch: Wave | None = None,
+    fin: Wave | None = None,
 ) -> Gait:
     """Body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
@@ -153,6 +173,7 @@ def eel_like(
         phase_shift: delta [rad].
         offset: phi_0 [rad].
         pitch: What the pitch joints do; None: they stay straight.
+        fin: What a driven fin does; None: it stays straight.
 
     Raises:
         ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
@@ -168,6 +189,7 @@ def eel_like(
         phase_shift=phase_shift,
         offset=offset,
         pitch=pitch,
+        fin=fin,
     )
 
 

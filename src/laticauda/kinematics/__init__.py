@@ -3,6 +3,7 @@
 from laticauda.kinematics.poses import (
     center_of_mass,
     center_of_mass_velocity,
+    fin_line,
     heading,
     joint_angles,
     joint_positions,
@@ -19,6 +20,7 @@ __all__ = [
     "ModulePoses",
     "center_of_mass",
     "center_of_mass_velocity",
+    "fin_line",
     "from_quaternion",
     "heading",
     "joint_angles",

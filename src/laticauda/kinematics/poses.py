@@ -5,7 +5,8 @@ Every point of the robot is the center of mass plus a fixed combination of the l
     r = p + sum_i b_i t_i,                t_i = (cos theta_i, sin theta_i)
     r' = p' + sum_i b_i theta_i' n_i,     n_i = (-sin theta_i, cos theta_i)
 
-so a robot is a few rows of levers b [m], and positions and velocities use the same rows. Links are numbered tail
+so a robot is a few rows of levers b [m], and positions and velocities use the same rows. The pieces of a fin count as
+links here, behind the tail link; where `fin_angle` is left out the fin is straight. Links are numbered tail
 first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
 number of leading axes (time first). The robot is taken as it is: reduce one with pitch joints by `robot.planar()`.
 nan passes through: a marker that was lost gives a pose that is unknown, at that sample only.
@@ -19,6 +20,8 @@ from jaxtyping import Float
 
 from laticauda.errors import whole
 from laticauda.robot import Robot
+
+FinAngles = Float[np.ndarray, "*batch n_fin_joints"]
 
 
 def heading(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch"]:
@@ -73,7 +76,11 @@ def link_angles(
 
 
 def link_centers(
-    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+    robot: Robot,
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch n_links 2"]:
     """Middle of each body link's length [m], world axes; the link's own center of mass may be off it.
 
@@ -81,11 +88,12 @@ def link_centers(
         robot: Whose body it is.
         center_of_mass: p of the whole robot, with its fin [m], world axes.
         link_angle: theta [rad].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
 
     Raises:
         ValueError: If an array does not fit the robot.
     """
-    return _points(_levers(robot).center, center_of_mass, link_angle)
+    return _points(robot, _levers(robot).center, center_of_mass, link_angle, fin_angle)
 
 
 def link_velocities(
@@ -93,6 +101,9 @@ def link_velocities(
     center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
     link_angle: Float[np.ndarray, "*batch n_links"],
     link_rate: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
+    fin_rate: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch n_links 2"]:
     """Velocity of the middle of each body link [m/s], world axes.
 
@@ -101,15 +112,22 @@ def link_velocities(
         center_of_mass_velocity: p' of the whole robot, with its fin [m/s], world axes.
         link_angle: theta [rad].
         link_rate: theta' [rad/s].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
+        fin_rate: Their rates [rad/s].
 
     Raises:
         ValueError: If an array does not fit the robot.
     """
-    return _point_velocities(_levers(robot).center, center_of_mass_velocity, link_angle, link_rate)
+    rows = _levers(robot).center
+    return _point_velocities(robot, rows, center_of_mass_velocity, link_angle, link_rate, fin_angle, fin_rate)
 
 
 def link_ends(
-    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+    robot: Robot,
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch n_ends 2"]:
     """Tail end, every joint and head end of the body [m], world axes: the posture as one line of n_links + 1 points.
 
@@ -117,36 +135,60 @@ def link_ends(
         robot: Whose body it is.
         center_of_mass: p of the whole robot, with its fin [m], world axes.
         link_angle: theta [rad].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
 
     Raises:
         ValueError: If an array does not fit the robot.
     """
-    return _points(_levers(robot).end, center_of_mass, link_angle)
+    return _points(robot, _levers(robot).end, center_of_mass, link_angle, fin_angle)
 
 
 def joint_positions(
-    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+    robot: Robot,
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch n_joints 2"]:
     """Positions of the joints [m], world axes; arguments and errors as for `link_ends`."""
-    return link_ends(robot, center_of_mass, link_angle)[..., 1:-1, :]
+    return link_ends(robot, center_of_mass, link_angle, fin_angle=fin_angle)[..., 1:-1, :]
+
+
+def fin_line(
+    robot: Robot,
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
+) -> Float[np.ndarray, "*batch n_points 2"]:
+    """The fin as a line [m], world axes: trailing edge, hinges, root; arguments as for `link_ends`.
+
+    Without a fin both ends are the tail end.
+    """
+    return _points(robot, _levers(robot).fin, center_of_mass, link_angle, fin_angle)
 
 
 def trailing_edge(
-    robot: Robot, center_of_mass: Float[np.ndarray, "*batch 2"], link_angle: Float[np.ndarray, "*batch n_links"]
+    robot: Robot,
+    center_of_mass: Float[np.ndarray, "*batch 2"],
+    link_angle: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch 2"]:
     """Trailing edge of the fin [m], world axes; of a robot without a fin the tail end.
 
-    The fin is rigid: it extends the tail link backward from its tail end.
+    A rigid fin extends the tail link backward from its tail end.
 
     Args:
         robot: Whose tail it is.
         center_of_mass: p of the whole robot, with its fin [m], world axes.
         link_angle: theta of the body links [rad].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
 
     Raises:
         ValueError: If an array does not fit the robot.
     """
-    return _points(_levers(robot).edge, center_of_mass, link_angle)[..., 0, :]
+    return fin_line(robot, center_of_mass, link_angle, fin_angle=fin_angle)[..., 0, :]
 
 
 def trailing_edge_velocity(
@@ -154,9 +196,14 @@ def trailing_edge_velocity(
     center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
     link_angle: Float[np.ndarray, "*batch n_links"],
     link_rate: Float[np.ndarray, "*batch n_links"],
+    *,
+    fin_angle: FinAngles | None = None,
+    fin_rate: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch 2"]:
     """Velocity of the `trailing_edge` [m/s], world axes; arguments and errors as for `link_velocities`."""
-    return _point_velocities(_levers(robot).edge, center_of_mass_velocity, link_angle, link_rate)[..., 0, :]
+    edge = _levers(robot).fin[:1]
+    at = _point_velocities(robot, edge, center_of_mass_velocity, link_angle, link_rate, fin_angle, fin_rate)
+    return at[..., 0, :]
 
 
 def center_of_mass(
@@ -166,6 +213,7 @@ def center_of_mass(
     *,
     link: int = 0,
     offset: tuple[float, float] = (0.0, 0.0),
+    fin_angle: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch 2"]:
     """Center of mass of the whole robot, with its fin, from one marker and the link angles.
 
@@ -177,6 +225,7 @@ def center_of_mass(
         link_angle: theta [rad].
         link: The link that carries the marker, 0 = tail.
         offset: The marker's place from the middle of the link: toward the head, to the left [m].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
 
     Returns:
         p [m], world axes. `link_centers` of it gives `position` back where `offset` is zero.
@@ -186,7 +235,8 @@ def center_of_mass(
     """
     row = _levers(robot).center[[_link_index(link, robot.n_links)]]
     position, link_angle = _vector("position", position), _columns("link_angle", link_angle, robot.n_links)
-    return position - _rotated(offset, link_angle[..., link]) - _offsets(row, link_angle)[..., 0, :]
+    angles = _with_fin(robot, link_angle, fin_angle)
+    return position - _rotated(offset, link_angle[..., link]) - _offsets(row, angles)[..., 0, :]
 
 
 def center_of_mass_velocity(
@@ -197,6 +247,8 @@ def center_of_mass_velocity(
     *,
     link: int = 0,
     offset: tuple[float, float] = (0.0, 0.0),
+    fin_angle: FinAngles | None = None,
+    fin_rate: FinAngles | None = None,
 ) -> Float[np.ndarray, "*batch 2"]:
     """Velocity of the center of mass [m/s], from that of one marker and the links' angles and rates.
 
@@ -207,6 +259,8 @@ def center_of_mass_velocity(
         link_rate: theta' [rad/s].
         link: The link that carries the marker, 0 = tail.
         offset: The marker's place from the middle of the link: toward the head, to the left [m].
+        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
+        fin_rate: Their rates [rad/s].
 
     Raises:
         ValueError: If an array does not fit the robot, or it has no such link.
@@ -216,63 +270,79 @@ def center_of_mass_velocity(
     link_rate = _columns("link_rate", link_rate, robot.n_links)
     across = _rotated((-offset[1], offset[0]), link_angle[..., link])
     mount = across * link_rate[..., link, np.newaxis]
-    return velocity - mount - _offset_rates(row, link_angle, link_rate)[..., 0, :]
+    angles, rates = _with_fin(robot, link_angle, fin_angle), _with_fin(robot, link_rate, fin_rate)
+    return velocity - mount - _offset_rates(row, angles, rates)[..., 0, :]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Levers:
-    """Rows b of the points of one robot, relative to its center of mass."""
+    """Rows b of the points of one robot, relative to its center of mass; the fin's pieces come first."""
 
-    center: Float[np.ndarray, "n_links n_links"]
+    center: Float[np.ndarray, "n_links n_pieces_and_links"]
     """Middles of the links [m]."""
-    end: Float[np.ndarray, "n_ends n_links"]
+    end: Float[np.ndarray, "n_ends n_pieces_and_links"]
     """Tail end, joints, head end [m]."""
-    edge: Float[np.ndarray, "1 n_links"]
-    """Trailing edge [m]."""
+    fin: Float[np.ndarray, "n_points n_pieces_and_links"]
+    """Trailing edge, hinges, root [m]."""
 
 
 @lru_cache(maxsize=64)
 def _levers(robot: Robot) -> _Levers:
     """The rows of levers: first from the tail end, then shifted by the center of mass, which is such a row itself."""
-    length = np.array([module.length for module in robot.modules])
-    mass = np.array([module.mass for module in robot.modules])
-    off_middle = np.array([module.center for module in robot.modules])
-    n = len(length)
+    pieces = robot.caudal_fin.pieces[::-1] if robot.caudal_fin is not None else ()
+    length = np.array([*(piece.length for piece in pieces), *(module.length for module in robot.modules)])
+    mass = np.array([*(piece.mass for piece in pieces), *(module.mass for module in robot.modules)])
+    off_middle = np.array([*(0.0 for _ in pieces), *(module.center for module in robot.modules)])
+    n, f = len(length), len(pieces)
 
     end = np.tril(np.ones((n + 1, n)), k=-1) * length
+    end -= end[f]
     center = 0.5 * (end[:-1] + end[1:])
-    moment = mass @ (center + np.diag(off_middle))
-    total = np.sum(mass)
-    fin = robot.caudal_fin
-    edge = np.zeros((1, n))
-    if fin is not None:
-        moment[0] -= fin.mass * 0.5 * fin.length
-        total += fin.mass
-        edge[0, 0] = -fin.length
+    to_center = mass @ (center + np.diag(off_middle)) / np.sum(mass)
+    fin = end[: f + 1] if pieces else end[[0, 0]]
+    return _Levers(center=center[f:] - to_center, end=end[f:] - to_center, fin=fin - to_center)
 
-    to_center = moment / total
-    return _Levers(center=center - to_center, end=end - to_center, edge=edge - to_center)
+
+def _with_fin(robot: Robot, link_angle: Float[np.ndarray, "*batch n_links"], fin_angle: FinAngles | None) -> np.ndarray:
+    """The angles (or rates) of the fin's pieces, trailing edge first, and of the links."""
+    fin, tail = robot.caudal_fin, link_angle[..., :1]
+    if fin is None:
+        return link_angle
+    driven = fin.joint is not None
+    if fin_angle is None or not (driven or fin.n_hinges):
+        return np.concatenate((np.repeat(tail, len(fin.pieces), axis=-1), link_angle), axis=-1)
+    bends = _columns("fin_angle", fin_angle, driven + fin.n_hinges, "joint of the robot's fin")
+    pieces = tail - np.cumsum(bends, axis=-1)
+    pieces = pieces if driven else np.concatenate((tail, pieces), axis=-1)
+    return np.concatenate((pieces[..., ::-1], link_angle), axis=-1)
 
 
 def _points(
-    lever: Float[np.ndarray, "n_points n_links"],
+    robot: Robot,
+    lever: Float[np.ndarray, "n_points n_pieces_and_links"],
     center_of_mass: Float[np.ndarray, "*batch 2"],
     link_angle: Float[np.ndarray, "*batch n_links"],
+    fin_angle: FinAngles | None,
 ) -> Float[np.ndarray, "*batch n_points 2"]:
     center = _vector("center_of_mass", center_of_mass)
-    return center[..., np.newaxis, :] + _offsets(lever, _columns("link_angle", link_angle, lever.shape[1]))
+    angles = _with_fin(robot, _columns("link_angle", link_angle, robot.n_links), fin_angle)
+    return center[..., np.newaxis, :] + _offsets(lever, angles)
 
 
 def _point_velocities(
-    lever: Float[np.ndarray, "n_points n_links"],
+    robot: Robot,
+    lever: Float[np.ndarray, "n_points n_pieces_and_links"],
     center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
     link_angle: Float[np.ndarray, "*batch n_links"],
     link_rate: Float[np.ndarray, "*batch n_links"],
+    fin_angle: FinAngles | None,
+    fin_rate: FinAngles | None,
 ) -> Float[np.ndarray, "*batch n_points 2"]:
     velocity = _vector("center_of_mass_velocity", center_of_mass_velocity)
-    n_links = lever.shape[1]
-    link_angle, link_rate = _columns("link_angle", link_angle, n_links), _columns("link_rate", link_rate, n_links)
-    return velocity[..., np.newaxis, :] + _offset_rates(lever, link_angle, link_rate)
+    n = robot.n_links
+    angles = _with_fin(robot, _columns("link_angle", link_angle, n), fin_angle)
+    rates = _with_fin(robot, _columns("link_rate", link_rate, n), fin_rate)
+    return velocity[..., np.newaxis, :] + _offset_rates(lever, angles, rates)
 
 
 def _offsets(
@@ -296,11 +366,11 @@ def _offset_rates(
 
 
 def _columns(
-    name: str, values: Float[np.ndarray, "*batch columns"], n_links: int
+    name: str, values: Float[np.ndarray, "*batch columns"], n: int, of: str = "link of the robot"
 ) -> Float[np.ndarray, "*batch columns"]:
     array = np.asarray(values, dtype=np.float64)
-    if array.ndim == 0 or array.shape[-1] != n_links:
-        raise ValueError(f"`{name}` must have {n_links} columns, one per link of the robot, got shape {array.shape}.")
+    if array.ndim == 0 or array.shape[-1] != n:
+        raise ValueError(f"`{name}` must have {n} columns, one per {of}, got shape {array.shape}.")
     return array
 
 

@@ -71,6 +71,8 @@ class Block:
     """p [m]."""
     center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
+    log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
+    """The header's state rows from TIME to VY; whole logs go on to what the joints do (see `rows.LOG_STATE`)."""
     heading: Inexact[np.ndarray, " n_runs"]
     """At the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]
@@ -86,6 +88,7 @@ def march_many(
     use: Callable[[Block], Result],
     *,
     threads: int | None = None,
+    with_joints: bool = False,
 ) -> Iterator[Result]:
     """Run every run for `duration` and hand what is left behind, block by block, to `use`.
 
@@ -97,6 +100,7 @@ def march_many(
         sample_interval: Between two samples [s]; adjusted so that it divides `duration`.
         use: Called once per block, in the threads that compute.
         threads: None takes as many as this process may use cores.
+        with_joints: Log all that the kernels can, joints included.
 
     Yields:
         What `use` returned, in no particular order of runs.
@@ -106,8 +110,10 @@ def march_many(
 
     def work(task: Sequence[np.ndarray]) -> list[Result]:
         kind = float if runs[0].slope is None else complex
-        log = _aligned((1 + min(n_intervals, _SAMPLES), PATH_ROWS, WIDTH), kind)
-        kernel = runs[int(task[0][0])].plant.kernels_of(WIDTH).run  # the same for all runs of a kind
+        first = runs[int(task[0][0])].plant  # as to kernel and rows, like all runs of a kind
+        n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
+        log = _aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
+        kernel = first.kernels_of(WIDTH).run
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
     n_threads = threads or usable_cores()
@@ -142,19 +148,22 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
+    of_law: dict[int, str] = {}
     for i, run in enumerate(runs):
         plant = run.plant
         if id(plant) not in of_plant:
-            of_plant[id(plant)] = _kind(plant, interval)
+            if id(plant.law) not in of_law:
+                of_law[id(plant.law)] = fingerprint(plant.law)
+            of_plant[id(plant)] = _kind(plant, interval, of_law[id(plant.law)])
         kinds.setdefault(of_plant[id(plant)], []).append(i)
     return kinds.values()
 
 
-def _kind(plant: PlanarPlant, interval: float) -> object:
+def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    return shape, plant.joints, plant.steps_in(interval), plant.law, fingerprint(plant.law)
+    return shape, plant.joints, plant.steps_in(interval), plant.law, law_digest
 
 
 def _march(
@@ -165,7 +174,7 @@ def _march(
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     S = _side_by_side([run.rows for run in runs], [run.slope for run in runs])
-    implicit = plant.joints != "prescribed"
+    implicit = plant.is_implicit
     paths: list[np.ndarray] = []
     well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, _SAMPLES):
@@ -191,6 +200,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
         time=np.real(path[:, 0, 0]),
         center_of_mass=path[:, _X : _X + 2],
         center_of_mass_velocity=path[:, _VX : _VX + 2],
+        log=path,
         heading=end[rows.HEADING].copy(),
         work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
         n_samples=n_samples,

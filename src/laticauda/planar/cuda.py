@@ -61,7 +61,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     plant = runs[0].plant
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    n, first_strip, first_plate, law, tether_body, has_extras = cast(Any, plant.layout.chain)
+    n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
     S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
     march = kernel_of(plant.law)
@@ -71,9 +71,9 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
         cuda.to_device(first_strip),
         cuda.to_device(first_plate),
         cuda.to_device(_with_freedom(law)),
-        tether_body,
+        tail_link,
         has_extras,
-        plant.joints != "prescribed",
+        plant.is_implicit,
         n_intervals * every,
         dt,
         every,
@@ -97,11 +97,11 @@ def kernel_of(fluid_law: FluidLaw) -> Any:
 
     @cuda.jit
     @no_type_check
-    def march(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
+    def march(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
         i = cuda.grid(1)
         if i < flat.shape[1]:
             S, own = flat[:, i], log[:, :, i]
-            run(S, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, own)
+            run(S, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, own)
 
     return march
 

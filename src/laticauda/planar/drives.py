@@ -11,7 +11,7 @@ from typing import no_type_check
 
 from laticauda.actuation import laws
 from laticauda.compiling import compiled, kernel
-from laticauda.compiling.lanes import magnitude
+from laticauda.compiling.lanes import any_lane, magnitude
 from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
@@ -23,7 +23,7 @@ ramped = compiled(reference.ramped)
 joint_reference = compiled(reference.joint_reference)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
-servo_power = compiled(laws.servo_power)
+motor_power = compiled(laws.motor_power)
 
 
 @kernel
@@ -35,9 +35,11 @@ def set_decay(S, dt):
 
 @kernel
 @no_type_check
-def advance_reference(S, n, law, dt):
+def advance_reference(S, n, law, tail_link, dt):
     """Move the generator on by dt, the step that `set_decay` was told, and set the reference there."""
     w, decay = S[BANDWIDTH], S[DECAY]
+    if has_driven_fin(law, tail_link):
+        advance_fin(S, dt)
     for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
         y, rate, _ = filter_step(S[value], S[value + 1], S[target], w, decay, dt)
         S[value] = y
@@ -49,12 +51,34 @@ def advance_reference(S, n, law, dt):
     before, due = S[TIME], dt - S[TIME_REST]
     S[TIME] = before + due
     S[TIME_REST] = (S[TIME] - before) - due
-    set_reference(S, n, law)
+    set_reference(S, n, law, tail_link)
 
 
 @kernel
 @no_type_check
-def set_reference(S, n, law):
+def has_driven_fin(law, tail_link):
+    """Whether the joint between fin and tail link has an actuator."""
+    return tail_link > 0 and law[tail_link] != LOCKED and law[tail_link] != PASSIVE
+
+
+@kernel
+@no_type_check
+def advance_fin(S, dt):
+    """Move a driven fin's own generator on by dt."""
+    w, decay = S[BANDWIDTH], S[DECAY]
+    for value, target in ((FIN_AMPLITUDE_NOW, FIN_AMPLITUDE), (FIN_OFFSET_NOW, FIN_OFFSET)):
+        y, rate, _ = filter_step(S[value], S[value + 1], S[target], w, decay, dt)
+        S[value] = y
+        S[value + 1] = rate
+    y, rate, turned = filter_step(S[FIN_FREQUENCY_NOW], S[FIN_FREQUENCY_RATE], S[FIN_FREQUENCY], w, decay, dt)
+    S[FIN_FREQUENCY_NOW] = y
+    S[FIN_FREQUENCY_RATE] = rate
+    S[FIN_PHASE] += turned
+
+
+@kernel
+@no_type_check
+def set_reference(S, n, law, tail_link):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
     w = S[BANDWIDTH]
     ramp, ramp_1, ramp_2 = smooth_start(S[TIME], S[RAMP])
@@ -74,11 +98,40 @@ def set_reference(S, n, law):
     s, c = sincos(S[PHASE_SHIFT_NOW])
     S[SIN_SHIFT] = s
     S[COS_SHIFT] = c
+    if has_driven_fin(law, tail_link):
+        fin_reference(S, HEADER_ROWS + tail_link * BODY_ROWS, law[tail_link], ramp, ramp_1, ramp_2)
     joint = 0.0
-    for i in range(1, n):
+    for i in range(tail_link + 1, n):
         if law[i] != LOCKED and law[i] != PASSIVE:
             one_reference(S, HEADER_ROWS + i * BODY_ROWS, joint, law[i])
             joint += 1.0
+
+
+@kernel
+@no_type_check
+def fin_reference(S, b, law, ramp, ramp_1, ramp_2):
+    """The reference of a driven fin, whose joint is that of record b."""
+    w = S[BANDWIDTH]
+    amplitude, rate = S[FIN_AMPLITUDE_NOW], S[FIN_AMPLITUDE_RATE]
+    second = filter_acceleration(amplitude, rate, S[FIN_AMPLITUDE], w)
+    a0, a1, a2 = ramped(amplitude, rate, second, ramp, ramp_1, ramp_2)
+    s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
+    offset, offset_rate = S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE]
+    offset_2 = filter_acceleration(offset, offset_rate, S[FIN_OFFSET], w)
+    angle, rate, acceleration = joint_reference(
+        s,
+        c,
+        S[b + ENVELOPE],
+        a0,
+        a1,
+        a2,
+        S[FIN_FREQUENCY_NOW],
+        S[FIN_FREQUENCY_RATE],
+        offset,
+        offset_rate,
+        offset_2,
+    )
+    take_reference(S, b, law, angle, rate, acceleration)
 
 
 @kernel
@@ -99,14 +152,21 @@ def one_reference(S, b, joint, law):
         S[OFFSET_RATE],
         S[OFFSET_2],
     )
+    take_reference(S, b, law, angle, rate, acceleration)
+    S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
+    S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
+
+
+@kernel
+@no_type_check
+def take_reference(S, b, law, angle, rate, acceleration):
+    """Store a joint's reference, which a prescribed joint follows at once."""
     S[b + REFERENCE] = angle
     S[b + REFERENCE_1] = rate
     S[b + REFERENCE_2] = acceleration
     if law == PRESCRIBED:
         S[b + ANGLE] = angle
         S[b + RATE] = rate
-    S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
-    S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
 
 
 @kernel
@@ -116,7 +176,7 @@ def joint_torques(S, n, law, gamma_dt):
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
-            torque, slope_p, slope_d, _ = actuator(S, b, law[i])
+            torque, slope_p, slope_d = actuator(S, b, law[i])
             slope_p += S[b + STIFFNESS]
             slope_d += S[b + DAMPING]
             S[b + TORQUE] = torque
@@ -134,7 +194,7 @@ def second_torques(S, n, law, gamma_dt):
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
-            torque, _, _, _ = actuator(S, b, law[i])
+            torque, _, _ = actuator(S, b, law[i])
             slope_p = S[b + SLOPE_P]
             rest = S[b + RATE] - 2.0 * S[b + SLOPE_ANGLE]
             implicit = 2.0 * S[b + IMPLICIT] * S[b + SLOPE_RATE]
@@ -151,9 +211,8 @@ def skin(S, b):
 @kernel
 @no_type_check
 def actuator(S, b, law):
-    """Torque of the joint's actuator, its slopes, and its electrical power."""
+    """Torque of the joint's actuator, and its slopes."""
     angle, rate = S[b + ANGLE], S[b + RATE]
-    power = 0.0 * angle
     if law == PD:
         torque, slope_p, slope_d = pd(
             angle,
@@ -161,26 +220,40 @@ def actuator(S, b, law):
             S[b + REFERENCE],
             S[b + REFERENCE_1],
             S[b + REFERENCE_2],
-            S[b + LAW_0],
-            S[b + LAW_1],
+            S[b + GAIN],
+            S[b + RATE_GAIN],
         )
     elif law == SERVO:
-        torque, slope_p, slope_d, duty = servo(
+        torque, slope_p, slope_d, _ = servo(
             angle,
             rate,
             S[b + REFERENCE],
-            S[b + LAW_0],
-            S[b + LAW_1],
-            S[b + LAW_2],
-            S[b + LAW_3],
-            S[b + LAW_4],
+            S[b + GAIN],
+            S[b + STALL_TORQUE],
+            S[b + NO_LOAD_SPEED],
+            S[b + FRICTION_TORQUE],
+            S[b + VISCOUS_FRICTION],
         )
-        power = servo_power(duty, rate, S[b + LAW_2], S[b + LAW_5])
     else:
         torque = 0.0 * angle
         slope_p = 0.0 * angle
         slope_d = 0.0 * angle
-    return torque, slope_p, slope_d, power
+    return torque, slope_p, slope_d
+
+
+@kernel
+@no_type_check
+def electrical_power(S, b):
+    """What the joint's motor draws from the supply."""
+    return motor_power(
+        S[b + TORQUE],
+        S[b + RATE],
+        S[b + STALL_TORQUE],
+        S[b + NO_LOAD_SPEED],
+        S[b + FRICTION_TORQUE],
+        S[b + VISCOUS_FRICTION],
+        S[b + STALL_POWER],
+    )
 
 
 @kernel
@@ -188,14 +261,15 @@ def actuator(S, b, law):
 def count_work(S, n, law, dt):
     """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
     absolute = 0.0 * S[TIME]
-    net, positive, electrical = absolute, absolute, absolute
+    net, positive = absolute, absolute
+    electrical = absolute + S[ACTIVE_POWER]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] < FIRST_FREE:
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
-        elif law[i] == SERVO:
-            electrical += actuator(S, b, law[i])[3]
         power = S[b + TORQUE] * S[b + RATE]
+        if any_lane(S[b + STALL_POWER].real > 0.0):
+            electrical += electrical_power(S, b)
         absolute += magnitude(power)
         net += power
         positive += 0.5 * (power + magnitude(power))

@@ -91,6 +91,8 @@ class Options:
     """Whether the part of the drag that is quadratic in the velocity acts [-]."""
     reference_speed: float = 1.0
     """Speed U_ref that gives linear and quadratic drag one common coefficient [m/s]."""
+    sway_friction: float = 0.0
+    """gamma, drag along a link that grows with how fast it moves sideways [-]."""
     current: Plane = field(default_factory=lambda: np.zeros(2))
     """Velocity (V_x, V_y) that the water moves to, world axes [m/s]."""
     wake_mass: float = 0.0
@@ -100,6 +102,7 @@ class Options:
         """Refuse an unknown form, negative numbers, and a wake without the form it belongs to."""
         one_of("form", self.form, get_args(AddedMassForm))
         not_negative("reference_speed", self.reference_speed, "m/s")
+        not_negative("sway_friction", self.sway_friction, "")
         not_negative("wake_mass", self.wake_mass, "kg/m")
         if np.shape(self.current) != (2,) or not np.all(np.isfinite(self.current)):
             raise ValueError(f"`current` must be 2 finite numbers in m/s, got {self.current}.")
@@ -234,6 +237,11 @@ def _drag(speed: Links, coefficient: Links, options: Options) -> Links:
     return -coefficient * speed * (options.linear_drag * options.reference_speed + options.quadratic_drag * abs(speed))
 
 
+def _drag_along(v_t: Links, v_n: Links, chain: Chain, options: Options) -> Links:
+    """Return -c_t v_t (U_ref + |v_t| + gamma |v_n|), the first two parts as in `_drag`."""
+    return _drag(v_t, chain.c_t, options) - chain.c_t * v_t * options.sway_friction * abs(v_n)
+
+
 def _trailing_edge(theta_rate: Links, v_t: Links, v_n: Links, chain: Chain) -> tuple[float, float]:
     """Return u and w, the velocity of the trailing edge relative to the water along and across the first link [m/s]."""
     return float(v_t[0]), float(v_n[0] - chain.half_length[0] * theta_rate[0])
@@ -244,7 +252,7 @@ def fluid_forces(
 ) -> tuple[Links, Links, Links]:
     """Return the fluid loads that enter (1) and (2) where f_D and tau_t do: f_x, f_y [N] in world axes and tau [N m].
 
-    - Drag: f_t = -c_t v_t (U_ref + |v_t|), f_n = -c_n v_n (U_ref + |v_n|).
+    - Drag: f_t = -c_t v_t (U_ref + |v_t| + gamma |v_n|), f_n = -c_n v_n (U_ref + |v_n|).
     - `kirchhoff`: the change of direction of the added momentum, f_t = +mu_n v_n theta', f_n = -mu_t v_t theta', and
       the Munk moment -(mu_n - mu_t) v_t v_n.
     - `classic`: only the current enters the velocity term of the added mass force. So the part of the link's own
@@ -254,7 +262,7 @@ def fluid_forces(
     The rotational drag and added inertia (lambda) are in `matrices`, not here.
     """
     v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
-    f_t, f_n, tau = _drag(v_t, chain.c_t, options), _drag(v_n, chain.c_n, options), np.zeros(len(theta))
+    f_t, f_n, tau = _drag_along(v_t, v_n, chain, options), _drag(v_n, chain.c_n, options), np.zeros(len(theta))
     if options.form == "kirchhoff":
         f_t = f_t + chain.mu_n * v_n * theta_rate
         f_n = f_n - chain.mu_t * v_t * theta_rate
@@ -277,7 +285,7 @@ def dissipated_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Ch
     v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
     rotation = chain.lambda_2 * options.reference_speed * options.linear_drag
     rotation = rotation + chain.lambda_3 * np.abs(theta_rate) * options.quadratic_drag
-    drag = _drag(v_t, chain.c_t, options) * v_t + _drag(v_n, chain.c_n, options) * v_n
+    drag = _drag_along(v_t, v_n, chain, options) * v_t + _drag(v_n, chain.c_n, options) * v_n
     return float(np.sum(rotation * theta_rate**2 - drag))
 
 

@@ -1,14 +1,19 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
-from laticauda.robot import Actuator, Environment, Ground, Joint, Module, Robot, Thruster, Water
+from laticauda.planar.fin import FinBody, fin_bodies
+from laticauda.robot import Environment, Ground, Joint, Module, Robot, Thruster, Water, has_power_model
+
+Thing = TypeVar("Thing")
 
 JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
 
@@ -38,8 +43,7 @@ class Layout:
         return self.n_bodies, self.first_strip, self.first_plate, self.law, self.tail_link, self.has_extras
 
 
-@dataclass(frozen=True)
-class _Part:
+class _Part(NamedTuple):
     """Mass without water: m [kg], middle x from the body's tail end [m], own inertia [kg m^2]."""
 
     mass: float
@@ -54,58 +58,70 @@ class _Body:
     length: float
     parts: list[_Part]
     water: Coefficients
-    index: int
-    """Which element of `water` is the body's own."""
+    index: int | None
+    """Which element of `water` is the body's own; None for a piece of the fin, which has strips only."""
     strips: Coefficients | None = None
-    bare: bool = False
-    """Mass only, no water: the fin's opening."""
 
 
-@lru_cache(maxsize=64)  # repeated runs of one robot need not lay it out again; nobody writes to the arrays
-def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed", fin_as_links: bool = False) -> Layout:
+def layout(
+    robot: Robot,
+    environment: Environment,
+    *,
+    joints: str = "prescribed",
+    fin_as_links: bool = False,
+    coefficients: Coefficients | None = None,
+) -> Layout:
     """Lay out a planar robot for the kernels.
 
     Args:
         robot: All joints turn about the vertical axis (see `Robot.planar`).
         environment: The water it swims in or the ground it crawls on.
         joints: prescribed, pd or servo: how the driven joints follow the gait.
-        fin_as_links: Keep the fin's strips as links with locked joints instead of folding them into the tail link; the
-            accelerations are the same.
+        fin_as_links: Keep the strips of a rigid fin as links with locked joints instead of folding them into the tail
+            link; the accelerations are the same.
+        coefficients: `link_coefficients` of the two, if they are known already.
 
     Returns:
         The layout, straight and at rest at the origin.
     """
-    coefficients = link_coefficients(robot, environment)
+    # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
+    coefficients = coefficients or link_coefficients(robot, environment)
+    part = {id(module): _own_part(module) for module in _distinct(robot.modules)}
     links = [
-        _Body(length=m.length, parts=[_own_part(m)], water=coefficients, index=i) for i, m in enumerate(robot.modules)
+        _Body(length=m.length, parts=[part[id(m)]], water=coefficients, index=i) for i, m in enumerate(robot.modules)
     ]
-    fin: list[_Body] = []
+    pieces: list[FinBody] = []
     if robot.caudal_fin is not None and coefficients.fin is not None:
-        fin = _fin_bodies(robot, coefficients.fin)
-        if not fin_as_links:
-            _fold(links[0], fin, coefficients.fin)
-            fin = []
+        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=JOINT_LAWS[joints], as_links=fin_as_links)
+        if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
+            _fold(links[0], pieces.pop())
+    fin = [_fin_body(piece, coefficients) for piece in pieces]
     bodies = [*reversed(fin), *links]
     n = len(bodies)
-    first_strip = np.cumsum([0, *(len(b.strips.mass) if b.strips else 0 for b in bodies)])
+    first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
     plates = [[p for p in robot.pectoral_fins if p.link == i - len(fin)] for i in range(n)]
-    first_plate = np.cumsum([0, *(len(p) for p in plates)])
+    first_plate = np.array([0, *accumulate(len(p) for p in plates)])
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
     _write_environment(S, environment, robot, folded=not fin)
-    total = sum(part.mass for body in bodies for part in body.parts)
     records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
     strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
+    _write_bodies(records, bodies, environment)
+    records[:, rows.HEADING_SHARE] = [(len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)]
     for i, body in enumerate(bodies):
-        _write_body(records[i], body, environment, total)
-        link = max(i - len(fin), 0)
-        records[i, rows.HEADING_SHARE] = (len(links) - link) / len(links)
         if body.strips is not None:
             _write_strips(strips[first_strip[i] : first_strip[i + 1]], body.strips)
     for thruster in robot.thrusters:
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
-    for i, joint in enumerate(robot.joints):
-        _write_joint(records[len(fin) + i + 1], joint, joints)
+    has_power = has_power_model(robot, joints)
+    for joint in _distinct(robot.joints):
+        alike = [len(fin) + 1 + i for i, other in enumerate(robot.joints) if other is joint]
+        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = _joint_numbers(joint, joints, has_power=has_power)
+    law = np.full(n, JOINT_LAWS[joints])
+    law[0] = rows.LOCKED
+    for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
+        law[len(fin) - i] = piece.law
+        _write_hinge(records[len(fin) - i], piece, joints, has_power=has_power)
     half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
     for e, plate in enumerate(p for group in plates for p in group):
         at = S[size + e * rows.PLATE_ROWS :]
@@ -119,10 +135,8 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
             plate.stall_sharpness,
             plate.parasitic_drag,
         )
-    law = np.full(n, JOINT_LAWS[joints])
-    law[: len(fin) + 1] = rows.LOCKED
     wake = S[rows.WAKE_MASS] > 0.0
-    pulled = S[rows.TETHER_DRAG] > 0.0 or bool(np.any(S[[rows.TETHER_FORCE_X, rows.TETHER_FORCE_Y]] != 0.0))
+    pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
         template=S,
         n_bodies=n,
@@ -134,34 +148,24 @@ def layout(robot: Robot, environment: Environment, *, joints: str = "prescribed"
     )
 
 
+def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
+    """Every object once."""
+    return {id(thing): thing for thing in things}.values()
+
+
 def _own_part(module: Module) -> _Part:
     return _Part(module.mass, module.length / 2.0 + module.center, module.moment_of_inertia)
 
 
-def _fin_bodies(robot: Robot, strips: Coefficients) -> list[_Body]:
-    """Opening (mass without area) and strips as bodies, from the root to the trailing edge."""
-    fin = robot.caudal_fin
-    assert fin is not None
-    bodies: list[_Body] = []
-    opening = fin.length - float(np.sum(2.0 * strips.half_length))
-    if opening > 1e-12:
-        mass = fin.mass * opening / fin.length
-        part = _Part(mass, opening / 2.0, mass * opening**2 / 12.0)
-        bodies.append(_Body(length=opening, parts=[part], water=strips, index=0, bare=True))
-    for i, (half, mass) in enumerate(zip(strips.half_length, strips.mass, strict=True)):
-        part = _Part(float(mass), float(half), float(mass * half**2 / 3.0))
-        bodies.append(_Body(length=float(2.0 * half), parts=[part], water=strips, index=i))
-    return bodies
+def _fin_body(piece: FinBody, coefficients: Coefficients) -> _Body:
+    part = _Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)
+    return _Body(length=piece.length, parts=[part], water=coefficients, index=None, strips=piece.strips)
 
 
-def _fold(tail: _Body, fin: list[_Body], strips: Coefficients) -> None:
-    """Make the fin's bodies rigid parts and strips of the tail link."""
-    behind = 0.0
-    for body in fin:
-        for part in body.parts:
-            tail.parts.append(_Part(part.mass, part.position - behind - body.length, part.inertia))
-        behind += body.length
-    tail.strips = strips
+def _fold(tail: _Body, piece: FinBody) -> None:
+    """Make a fin of one rigid piece a part of the tail link."""
+    tail.parts.append(_Part(piece.mass, -piece.length / 2.0, piece.mass * piece.length**2 / 12.0))
+    tail.strips = replace(piece.strips, position=piece.strips.position - piece.length)
 
 
 def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *, folded: bool) -> None:
@@ -169,16 +173,18 @@ def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *,
     S[rows.LINEAR] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.REFERENCE_SPEED] = 1.0
+    S[rows.ACTIVE_POWER] = robot.active_power or 0.0
     if isinstance(environment, Ground):
         if environment.friction == "coulomb":
             S[rows.REFERENCE_SPEED] = environment.regularization_speed
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
-    S[[rows.TETHER_FORCE_X, rows.TETHER_FORCE_Y]] = robot.tether.force
-    S[[rows.CURRENT_X, rows.CURRENT_Y]] = environment.current
+    S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
+    S[rows.CURRENT_X], S[rows.CURRENT_Y] = environment.current
     S[rows.REFERENCE_SPEED] = environment.reference_speed
     S[rows.LINEAR] = environment.linear_drag
     S[rows.QUADRATIC] = environment.quadratic_drag
+    S[rows.SWAY_FRICTION] = environment.sway_friction
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
@@ -188,39 +194,64 @@ def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *,
         S[rows.WAKE_POSITION] = -fin.length if fin and folded else 0.0
 
 
-def _write_body(record: np.ndarray, body: _Body, environment: Environment, total_mass: float) -> None:
-    """Masses and added masses of a body about its tail end; its own drag at its middle."""
-    mass = sum(p.mass for p in body.parts)
-    moment = sum(p.mass * p.position for p in body.parts)
-    own = np.array([body.index]) if not body.bare else np.array([], dtype=int)
-    elements = [_elements(body.water, own, np.full(own.size, body.length / 2.0))]
-    if body.strips is not None:
-        elements.append(_elements(body.strips, np.arange(body.strips.mass.size), body.strips.position))
-    x, mu_t, mu_n, lambda_1 = np.concatenate(elements, axis=1)
-    moment_t = float(np.sum(mu_t * x))
+def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: Environment) -> None:
+    """Masses and added masses of the bodies about their tail ends; their own drag at their middles."""
+    length, mass, moment, rigid = np.array([_solid(body) for body in bodies]).T
+    mu_t, mu_n, moment_t, moment_n, added = np.array([_added_mass(body) for body in bodies]).T
     classic = isinstance(environment, Water) and environment.added_mass_form == "classic"
-    record[rows.LENGTH] = body.length
-    record[rows.CENTER] = body.length / 2.0
-    rigid = sum(p.inertia + p.mass * p.position**2 for p in body.parts)
-    record[rows.INERTIA] = rigid + np.sum(lambda_1 + mu_n * x**2)
-    record[rows.COUPLING] = moment + np.sum(mu_n * x)
-    # In the other forms the centripetal term of mu_t cancels against its velocity term.
-    record[rows.CENTRIPETAL] = moment + (moment_t if classic else 0.0)
-    record[rows.MASS_T] = mass + np.sum(mu_t)
-    record[rows.MASS_N] = mass + np.sum(mu_n)
-    record[rows.MU_T] = np.sum(mu_t)
-    record[rows.MU_N] = np.sum(mu_n)
-    record[rows.MOMENT_T] = moment_t
-    record[rows.MOMENT_N] = np.sum(mu_n * x)
-    record[rows.MASS_SHARE] = mass / total_mass
-    record[rows.FIRST_MOMENT_SHARE] = moment / total_mass
-    if not body.bare:
-        w, i = body.water, body.index
-        record[[rows.C_T, rows.C_N, rows.LAMBDA_2, rows.LAMBDA_3]] = w.c_t[i], w.c_n[i], w.lambda_2[i], w.lambda_3[i]
+    total = sum(part.mass for body in bodies for part in body.parts)
+    for row, values in (
+        (rows.LENGTH, length),
+        (rows.CENTER, length / 2.0),
+        (rows.INERTIA, rigid + added),
+        (rows.COUPLING, moment + moment_n),
+        # In the other forms the centripetal term of mu_t cancels against its velocity term.
+        (rows.CENTRIPETAL, moment + moment_t if classic else moment),
+        (rows.MASS_T, mass + mu_t),
+        (rows.MASS_N, mass + mu_n),
+        (rows.MU_T, mu_t),
+        (rows.MU_N, mu_n),
+        (rows.MOMENT_T, moment_t),
+        (rows.MOMENT_N, moment_n),
+        (rows.MASS_SHARE, mass / total),
+        (rows.FIRST_MOMENT_SHARE, moment / total),
+    ):
+        records[:, row] = values
+    drag = slice(rows.C_T, rows.LAMBDA_3 + 1)
+    records[:, drag] = [_own_drag(body) for body in bodies]
 
 
-def _elements(water: Coefficients, index: np.ndarray, position: np.ndarray) -> np.ndarray:
-    return np.array([position, water.mu_t[index], water.mu_n[index], water.lambda_1[index]])
+def _solid(body: _Body) -> tuple[float, float, float, float]:
+    """Length, and without water: m, m x, and the moment of inertia about the tail end."""
+    mass = moment = inertia = 0.0
+    for part in body.parts:
+        mass += part.mass
+        moment += part.mass * part.position
+        inertia += part.inertia + part.mass * part.position**2
+    return body.length, mass, moment, inertia
+
+
+def _own_drag(body: _Body) -> tuple[float, ...]:
+    """The rows from C_T to LAMBDA_3."""
+    w, i = body.water, body.index
+    return (0.0,) * 4 if i is None else (w.c_t.item(i), w.c_n.item(i), w.lambda_2.item(i), w.lambda_3.item(i))
+
+
+def _added_mass(body: _Body) -> tuple[float, ...]:
+    """Of a body and its strips: sums of mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2, x from its tail end."""
+    mu_t = mu_n = moment_t = moment_n = inertia = 0.0
+    if body.index is not None:
+        w, i, x = body.water, body.index, body.length / 2.0
+        mu_t, mu_n = w.mu_t.item(i), w.mu_n.item(i)
+        moment_t, moment_n, inertia = mu_t * x, mu_n * x, w.lambda_1.item(i) + mu_n * x**2
+    if (strips := body.strips) is not None:
+        x = strips.position
+        mu_t += float(strips.mu_t.sum())
+        mu_n += float(strips.mu_n.sum())
+        moment_t += float(strips.mu_t @ x)
+        moment_n += float(strips.mu_n @ x)
+        inertia += float(strips.lambda_1.sum() + strips.mu_n @ (x * x))
+    return mu_t, mu_n, moment_t, moment_n, inertia
 
 
 def _write_strips(strips: np.ndarray, water: Coefficients) -> None:
@@ -238,19 +269,26 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
     record[rows.THRUST_MOMENT] += x * across - thruster.y * along
 
 
-def _write_joint(record: np.ndarray, joint: Joint, drive: str) -> None:
-    record[[rows.STIFFNESS, rows.DAMPING]] = joint.stiffness, joint.damping
-    record[rows.LAW_0 : rows.LAW_5 + 1] = _law_parameters(joint.actuator, drive)
+def _write_hinge(record: np.ndarray, piece: FinBody, drive: str, *, has_power: bool) -> None:
+    if piece.joint is not None:
+        numbers = _joint_numbers(piece.joint, drive, has_power=has_power)
+        record[rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
+    elif piece.hinge is not None:
+        record[[rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
 
 
-def _law_parameters(actuator: Actuator, drive: str) -> tuple[float, ...]:
-    if drive == "pd":
-        return (actuator.proportional_gain, actuator.derivative_gain, 0.0, 0.0, 0.0, 0.0)
+def _joint_numbers(joint: Joint, drive: str, *, has_power: bool) -> tuple[float, ...]:
+    """The rows from ENVELOPE to STALL_POWER."""
+    actuator = joint.actuator
     return (
-        actuator.servo_gain,
+        actuator.tracking if drive == "prescribed" else 1.0,
+        joint.stiffness,
+        joint.damping,
+        actuator.proportional_gain if drive == "pd" else actuator.servo_gain,
+        actuator.derivative_gain,
         actuator.stall_torque,
         actuator.no_load_speed,
         actuator.friction_torque,
         actuator.viscous_friction,
-        actuator.voltage * actuator.stall_current,
+        actuator.stall_power if has_power else 0.0,
     )

@@ -42,6 +42,7 @@ def element_drag(S, b, e):
         S[REFERENCE_SPEED],
         S[LINEAR],
         S[QUADRATIC],
+        S[SWAY_FRICTION],
     )
     return f_t, f_n, tau + x * f_n
 
@@ -70,7 +71,7 @@ def added_mass_velocity_terms(S, b):
 
 @kernel
 @no_type_check
-def extra_loads(S, n, first_strip, first_plate, tether_body):
+def extra_loads(S, n, first_strip, first_plate, tail_link):
     """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
     H = HEADER_ROWS
     for i in range(n):
@@ -82,7 +83,7 @@ def extra_loads(S, n, first_strip, first_plate, tether_body):
             strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
         for e in range(first_plate[i], first_plate[i + 1]):
             plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
-    tether(S, H + tether_body * BODY_ROWS)
+    tether(S, H + tail_link * BODY_ROWS)
     trailing_edge(S)
 
 

@@ -3,26 +3,27 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.fluid import laws, link_coefficients
-from laticauda.interfaces import Command, Log, Observation, Start
+from laticauda.fluid import Coefficients, laws, link_coefficients
+from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import FluidLaw, specialize
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 
 FORCES = ("drag", "added_mass", "effector")
 
 # Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
-# 1e-4 (ROS2). `benchmarks/convergence.py` prints them.
+# 1e-4 (ROS2), an elastic fin behind prescribed joints to 1e-5 (ROS2). `benchmarks/convergence.py` prints them.
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
+ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: the phase, the filtered values and their rates.
 GENERATOR = slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME)
 
@@ -65,11 +66,25 @@ class PlanarPlant:
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
-            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], _stable_step(self.robot, self.environment)))
+            limit = _stable_step(self.robot, self.coefficients, self.environment)
+            object.__setattr__(self, "dt", min(self._default_dt, limit))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
+        return self.joints != "prescribed" or self._has_hinges
+
+    @property
+    def _default_dt(self) -> float:
+        return min(DEFAULT_DT[self.joints], ELASTIC_DT if self._has_hinges else math.inf)
+
+    @property
+    def _has_hinges(self) -> bool:
+        return self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -85,9 +100,20 @@ class PlanarPlant:
         }
 
     @cached_property
+    def coefficients(self) -> Coefficients:
+        """Loads per link and fin strip."""
+        return link_coefficients(self.robot, self.environment)
+
+    @cached_property
     def layout(self) -> Layout:
         """The robot as the kernels see it."""
-        return layout(self.robot, self.environment, joints=self.joints, fin_as_links=self.fin_as_links)
+        return layout(
+            self.robot,
+            self.environment,
+            joints=self.joints,
+            fin_as_links=self.fin_as_links,
+            coefficients=self.coefficients,
+        )
 
     @cached_property
     def kernels(self) -> Any:
@@ -116,6 +142,9 @@ class PlanarPlant:
         values[_at(rows.AMPLITUDE_NOW)] = command.gait.amplitude
         values[_at(rows.FREQUENCY_NOW)] = command.gait.frequency
         values[_at(rows.PHASE_SHIFT_NOW)] = command.gait.phase_shift
+        if command.gait.fin is not None:
+            values[_at(rows.FIN_AMPLITUDE_NOW)] = command.gait.fin.amplitude
+            values[_at(rows.FIN_FREQUENCY_NOW)] = command.gait.fin.frequency
         return PlanarState(values=values)
 
     def step(self, state: PlanarState, command: Command, dt: float) -> PlanarState:
@@ -144,7 +173,7 @@ class PlanarPlant:
         a, chain = self.layout, self.layout.chain
         raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (a.n_bodies - 1), 1))
         steps = n_intervals * every
-        written = self.kernels.run(S, *chain, self.joints != "prescribed", steps, dt, every, raw)
+        written = self.kernels.run(S, *chain, self.is_implicit, steps, dt, every, raw)
         samples = raw[:written, :, 0]
         if written <= n_intervals:
             when = state.values[0] + written * duration / n_intervals
@@ -190,7 +219,11 @@ class PlanarPlant:
                 "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}."
             )
+        check_fin(self.robot, gait)
         S = a.template.copy()
+        if gait.fin is not None:
+            wave = gait.fin
+            S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = wave.amplitude, wave.frequency, wave.offset, wave.phase
         S[rows.AMPLITUDE : rows.OFFSET + 1] = (
             gait.amplitude,
             gait.frequency,
@@ -202,7 +235,7 @@ class PlanarPlant:
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         joints = state.values[rows.LOG_STATE :].reshape(2, -1)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = joints
-        body[a.tail_link + 1 :, rows.ENVELOPE] = gait.joint_envelope(self.robot.n_links)
+        body[a.tail_link + 1 :, rows.ENVELOPE] *= gait.joint_envelope(self.robot.n_links)
         self._hold(S, body[a.tail_link + 1 :], command)
         return S
 
@@ -217,8 +250,10 @@ class PlanarPlant:
             S[rows.PHASE], S[rows.AMPLITUDE_NOW] = 0.5 * math.pi, 1.0
             joints[:, rows.ENVELOPE] = command.references
         if command.enabled is not None:
-            # No gain and no stall torque: what is left of both laws is the friction of the servo's gear.
-            joints[np.logical_not(command.enabled), rows.LAW_0 : rows.LAW_1 + 1] = 0.0
+            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            off = np.logical_not(command.enabled)
+            joints[off, rows.GAIN : rows.STALL_TORQUE + 1] = 0.0
+            joints[off, rows.STALL_POWER] = 0.0
 
     def what_went_wrong(self, time: float) -> str:
         """The sentence that a run ends with that diverged at `time` [s]."""
@@ -260,12 +295,29 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         first = _at(rows.WORK_ABSOLUTE)
         log = self._named(samples)
-        log["joint_angle_ref"] = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        log["joint_angle_ref"] = self._asked_for(samples)
         log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
         log["work"] = samples[:, first : first + 3]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
-        return log
+        return log | self._fin_log(samples)
+
+    def _fin_log(self, samples: np.ndarray) -> Log:
+        """What the fin's own joints do."""
+        law, joints = self.layout.law, self.layout.n_bodies - 1
+        own = [i - 1 for i in range(self.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]
+        columns = samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints)[:, :, own]
+        return fin_signals(self.robot.caudal_fin, *np.moveaxis(columns, 1, 0))
+
+    def _asked_for(self, samples: np.ndarray) -> np.ndarray:
+        """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
+        done = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if self.joints != "prescribed" or np.all(share == 1.0):
+            return done
+        offset = samples[:, _at(rows.OFFSET_NOW), np.newaxis]
+        return offset + (done - offset) / share
 
 
 def _at(row: int) -> int:
@@ -281,16 +333,20 @@ def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
     return laws.coulomb_friction if dry else laws.polynomial_drag
 
 
-@lru_cache(maxsize=64)
-def _stable_step(robot: Robot, environment: Environment) -> float:
+def _stable_step(robot: Robot, c: Coefficients, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    c = link_coefficients(robot, environment)
     if isinstance(environment, Ground):
-        steepest = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
+        along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
     else:
         speed = 1.0  # m/s: links of a swimming robot are slower
-        steepest = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
-    rate = steepest * max(float(np.max(c.c_n / (c.mass + c.mu_n))), float(np.max(c.c_t / (c.mass + c.mu_t))))
+        across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
+        along = across + speed * environment.sway_friction
+    free = [c] if c.fin is None or robot.caudal_fin is None or not robot.caudal_fin.hinges else [c, c.fin]
+    rate = max(
+        float(slope.max())
+        for e in free
+        for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
+    )
     if not rate < 1.0 / LEAST_DT:
         raise ValueError(
             f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "

@@ -29,11 +29,11 @@ extra_loads = _loads.extra_loads
 
 @kernel
 @no_type_check
-def accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras):
+def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
     velocities(S, n)
     if has_extras:
-        extra_loads(S, n, first_strip, first_plate, tether_body)
+        extra_loads(S, n, first_strip, first_plate, tail_link)
     inward(S, n, is_free)
     floating_base(S)
     outward(S, n, is_free)

@@ -14,8 +14,10 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     REFERENCE_SPEED,  # U_ref [m/s]
     LINEAR,  # 1 or 0
     QUADRATIC,  # 1 or 0
+    SWAY_FRICTION,  # gamma [-]
     WAKE_MASS,  # m' of the trailing edge [kg/m]; 0: off
     WAKE_POSITION,  # x of the trailing edge from the tail end of body 0 [m], headward positive
+    ACTIVE_POWER,  # of the electronics above idle [W]
     TETHER_DRAG,  # k [kg/m]
     TETHER_FORCE_X,  # [N]
     TETHER_FORCE_Y,  # [N]
@@ -24,7 +26,11 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     FREQUENCY,  # omega [rad/s]
     PHASE_SHIFT,  # delta [rad]
     OFFSET,  # phi_0 [rad]
-    BANDWIDTH,  # of the filters on those four [rad/s]
+    FIN_AMPLITUDE,  # of a driven fin [rad]
+    FIN_FREQUENCY,  # [rad/s]
+    FIN_OFFSET,  # [rad]
+    FIN_LEAD,  # phase ahead of the integral of its frequency [rad]; not filtered
+    BANDWIDTH,  # of the filters on all but the last [rad/s]
     RAMP,  # T of the smooth start [s]; 0: none
     # --- Header: state --------------------------------------------------------------------------------------------
     TIME,  # [s]
@@ -44,10 +50,17 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     PHASE_SHIFT_RATE,
     OFFSET_NOW,
     OFFSET_RATE,
+    FIN_PHASE,  # the same of a driven fin
+    FIN_AMPLITUDE_NOW,
+    FIN_AMPLITUDE_RATE,
+    FIN_FREQUENCY_NOW,
+    FIN_FREQUENCY_RATE,
+    FIN_OFFSET_NOW,
+    FIN_OFFSET_RATE,
     WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
     WORK_NET,  # integral of sum u phi' [J]
     WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
-    WORK_ELECTRICAL,  # integral of the servos' supply power [J]
+    WORK_ELECTRICAL,  # integral of the supply power above idle [J]
     # --- Header: scratch ------------------------------------------------------------------------------------------
     HEADING_ACCELERATION,
     AX,
@@ -76,7 +89,7 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(66)
+) = range(79)
 HEADER_ROWS = SLOPES + 36
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
@@ -105,15 +118,16 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     THRUST_N,
     THRUST_MOMENT,  # about the tail end [N m]
     HEADING_SHARE,  # share of the body's links on the head side of the joint
-    ENVELOPE,  # g
+    ENVELOPE,  # g, times the share that a prescribed joint does of it
     STIFFNESS,  # skin or hinge [N m/rad]
     DAMPING,  # [N m s/rad]
-    LAW_0,  # parameters of the joint law (actuation.laws)
-    LAW_1,
-    LAW_2,
-    LAW_3,
-    LAW_4,
-    LAW_5,
+    GAIN,  # of the joint law (actuation.laws): k_p [N m/rad] of pd, duty per angle error [1/rad] of a servo
+    RATE_GAIN,  # k_d of pd [N m s/rad]
+    STALL_TORQUE,  # of the motor [N m]
+    NO_LOAD_SPEED,  # [rad/s]
+    FRICTION_TORQUE,  # [N m]
+    VISCOUS_FRICTION,  # [N m s/rad]
+    STALL_POWER,  # V I_stall [W]; 0: its electrical power is not asked for
     # --- state
     ANGLE,  # phi
     RATE,  # phi'
@@ -156,7 +170,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(70)
+) = range(71)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)

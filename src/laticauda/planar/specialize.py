@@ -68,11 +68,11 @@ def check_law(fluid_law: FluidLaw) -> None:
     Raises:
         ValueError: With the reason.
     """
-    rule = "`fluid_law` must be a function of the ten numbers of `fluid.laws.polynomial_drag` that Numba can compile"
+    rule = "`fluid_law` must be a function of the eleven numbers of `fluid.laws.polynomial_drag` that Numba can compile"
     if not callable(fluid_law) or not hasattr(getattr(fluid_law, "py_func", fluid_law), "__code__"):
         raise ValueError(f"{rule}, got {fluid_law!r}.")
     try:
-        loads: object = compiled(fluid_law)(0.3, -0.2, 0.5, 1.0, 10.0, 0.1, 0.01, 1.0, 1.0, 1.0)
+        loads: object = compiled(fluid_law)(0.3, -0.2, 0.5, 1.0, 10.0, 0.1, 0.01, 1.0, 1.0, 1.0, 0.5)
     except (NumbaError, TypeError) as err:
         reason = next((line.strip() for line in reversed(str(err).splitlines()) if line.strip()), type(err).__name__)
         raise ValueError(f"{rule}; `{fluid_law.__name__}` cannot be: {reason}") from err

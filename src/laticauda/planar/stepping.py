@@ -48,7 +48,7 @@ WEIGHTS = (
 
 @entry
 @no_type_check
-def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implicit, steps, dt, every, log):
+def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
 
     `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes), or fewer rows: then only the first of them. A
@@ -58,14 +58,15 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
     S = rows_of(flat)
     is_free = free_joints(law)
     set_decay(S, dt if implicit else 0.25 * dt)
-    set_reference(S, n, law)
+    set_reference(S, n, law, tail_link)
+    two_ways = implicit and any_prescribed(law, n)
     S[WELL] = 1.0
     S[SAMPLES] = 0.0
     written = 0
     for step in range(steps + 1):
         if implicit:
-            joint_torques(S, n, law, GAMMA * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+            joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
         holding_torques(S, n, is_free)
         count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
@@ -77,25 +78,28 @@ def run(flat, n, first_strip, first_plate, law, tether_body, has_extras, implici
             written += 1
         if step == steps:
             break
+        if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
+            joint_torques(S, n, law, GAMMA * dt)
+            accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
         if implicit:
-            finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt)
+            finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
         else:
-            finish_rk5(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt)
+            finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
     return written
 
 
 @entry
 @no_type_check
-def evaluate(flat, n, first_strip, first_plate, is_free, tether_body, has_extras):
+def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
-    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
     holding_torques(S, n, is_free)
 
 
 @entry
 @no_type_check
-def link_forces(flat, n, first_strip, first_plate, law, tether_body, has_extras, log, force):
+def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, log, force):
     """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
     `force` has shape (n_samples, 3, n, 2, lanes).
@@ -104,9 +108,9 @@ def link_forces(flat, n, first_strip, first_plate, law, tether_body, has_extras,
     is_free = free_joints(law)
     for sample in range(len(log)):
         read_sample(S, n, rows_of(log[sample]))
-        set_reference(S, n, law)
+        set_reference(S, n, law, tail_link)
         joint_torques(S, n, law, 0.0)
-        accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
         body_forces(S, n, first_strip, rows_of(force[sample]))
 
 
@@ -119,7 +123,18 @@ def free_joints(law):
 
 @kernel
 @no_type_check
-def finish_rk5(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
+def any_prescribed(law, n):
+    """Whether the angle of any joint is given."""
+    found = False
+    for i in range(1, n):
+        if law[i] == PRESCRIBED:
+            found = True
+    return found
+
+
+@kernel
+@no_type_check
+def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
     """Stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; the first one's accelerations are in S already."""
     for r in range(BASE_ROWS):
         S[SAVED + r] = S[HEADING + r]
@@ -127,8 +142,8 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tether_body, has_ex
         keep_slope(S, stage)
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != 1:
-            advance_reference(S, n, law, 0.25 * dt)
-        accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+            advance_reference(S, n, law, tail_link, 0.25 * dt)
+        accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
         if stage == 2:  # half way
             holding_torques(S, n, is_free)
             count_work(S, n, law, 0.5 * dt)
@@ -158,13 +173,13 @@ def step_ahead(S, dt, weights, n_stages):
 
 @kernel
 @no_type_check
-def finish_ros2(S, n, first_strip, first_plate, law, is_free, tether_body, has_extras, dt):
+def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in S already."""
     gamma_dt = GAMMA * dt
     keep_first_slope(S, n, is_free, dt, gamma_dt)
-    advance_reference(S, n, law, dt)
+    advance_reference(S, n, law, tail_link, dt)
     second_torques(S, n, law, gamma_dt)
-    accelerations(S, n, first_strip, first_plate, is_free, tether_body, has_extras)
+    accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
     for r in range(3):
         rate = S[HEADING_RATE + r]
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]

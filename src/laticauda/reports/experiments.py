@@ -105,8 +105,8 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
     """The settings of a whole reproduction.
 
     Args:
-        parameters: Coefficients to use instead of the paper's; the efficiency study keeps those beside them. None
-            takes the paper's.
+        parameters: Coefficients to use instead of the paper's, and what they change about the robots; the efficiency
+            study keeps the paper's, with the robots as they are, beside them. None takes the paper's.
     """
     usual = Experiments()
     if parameters is None:
@@ -115,6 +115,7 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
         name=parameters.name,
         title=parameters.title,
         waters={gait: parameters.water(gait) for gait in GAIT_WORDS},
+        parameters=parameters,
     )
     own, drifting = swimmers(given), usual.beyond.drift.swimmer
     (same,) = (one for one in own if (one.gait, one.robot) == (drifting.gait, drifting.robot))

@@ -1,5 +1,6 @@
 """What swims and where: robots, water and ground as validated data, their TOML files, and the presets."""
 
+from laticauda.robot.bending import Hinge, Piece
 from laticauda.robot.catalog import ground_names, load_ground, load_robot, load_water, robot_names, water_names
 from laticauda.robot.describe import describe, summary, summary_rows, summary_table
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
@@ -7,18 +8,20 @@ from laticauda.robot.environment import Environment, Ground, Water, check_fits
 from laticauda.robot.files import RobotNotFound, from_toml, to_toml
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.modules import Module, Section
-from laticauda.robot.parameters import Parameters, load_parameters
-from laticauda.robot.robot import Robot
+from laticauda.robot.parameters import Parameters, load_parameters, parameter_names
+from laticauda.robot.robot import Robot, has_power_model
 
 __all__ = [
     "Actuator",
     "CaudalFin",
     "Environment",
     "Ground",
+    "Hinge",
     "Joint",
     "Module",
     "Parameters",
     "PectoralFin",
+    "Piece",
     "Robot",
     "RobotNotFound",
     "Section",
@@ -29,10 +32,12 @@ __all__ = [
     "describe",
     "from_toml",
     "ground_names",
+    "has_power_model",
     "load_ground",
     "load_parameters",
     "load_robot",
     "load_water",
+    "parameter_names",
     "robot_names",
     "summary",
     "summary_rows",

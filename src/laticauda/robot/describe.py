@@ -94,6 +94,8 @@ def _robot_rows(robot: Robot) -> list[Row]:
         rows.append(("tether", f"drag {tether.drag:g} kg/m, force ({tether.force[0]:g}, {tether.force[1]:g}) N"))
     if robot.idle_power:
         rows.append(("power at rest", f"{robot.idle_power:g} W"))
+    if robot.active_power is not None:
+        rows.append(("electronics while it swims", f"{robot.active_power:g} W above that"))
     return rows
 
 
@@ -141,8 +143,9 @@ def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
         servo += f", friction {actuator.friction_torque:g} N m and {actuator.viscous_friction:g} N m s/rad"
     if actuator.idle_current:
         servo += f", idle current {actuator.idle_current:g} A"
+    rows = [(f"{name}, prescribed", f"{actuator.tracking:g} of the amplitude")] if actuator.tracking != 1.0 else []
     gains = f"k_p {actuator.proportional_gain:g} N m/rad, k_d {actuator.derivative_gain:g} N m s/rad"
-    return [(f"{name}, pd", gains), (f"{name}, servo", servo)]
+    return [*rows, (f"{name}, pd", gains), (f"{name}, servo", servo)]
 
 
 def _fin(fin: CaudalFin) -> str:
@@ -151,6 +154,13 @@ def _fin(fin: CaudalFin) -> str:
     for name in ("tangential_friction", "normal_drag", "added_mass"):
         if getattr(fin, name) is not None:
             parts.append(f"{name} {getattr(fin, name):g}")
+    if fin.n_hinges:
+        hinges = "1 hinge" if fin.n_hinges == 1 else f"{fin.n_hinges} hinges"
+        parts.append(
+            f"bends about {hinges}, E I {fin.flexural_rigidity:g} N m^2, eta I {fin.bending_damping:g} N m^2 s"
+        )
+    if fin.joint is not None:
+        parts.append("driven about its root")
     return ", ".join(parts)
 
 
@@ -170,6 +180,8 @@ def _water_rows(water: Water) -> list[Row]:
         ("added_inertia", f"{water.added_inertia:g}, rotational form {water.rotational}"),
         ("tangential_added_mass", f"{water.tangential_added_mass:g}"),
         ("drag", drag),
+        *([("sway_friction", f"{water.sway_friction:g}")] if water.sway_friction else []),
+        *([("friction_taper", f"{water.friction_taper:g}")] if water.friction_taper else []),
         ("trailing_edge", water.trailing_edge),
         ("current", f"({water.current[0]:g}, {water.current[1]:g}) m/s"),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),

@@ -7,16 +7,21 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from laticauda.errors import finite, not_negative, one_of, positive, whole, within
+from laticauda.errors import finite, instance, not_negative, one_of, positive, whole, within
+from laticauda.robot.bending import MOST_HINGES, Hinge, Piece, hinge_rule
 from laticauda.robot.checks import pair, put, settle, settle_required
+from laticauda.robot.joints import Joint
 
 
 @dataclass(frozen=True, kw_only=True)
 class CaudalFin:
-    """A flat, thin, upright plate behind the tail end of link 0, stiffly in line with it.
+    """A flat, thin, upright plate behind the tail end of link 0: rigid, or bending, or driven about its root.
 
     The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient that
-    is None is the water's. The defaults are Mamba's fin.
+    is None is the water's. The defaults are Mamba's fin, taken as rigid.
+
+    With `n_hinges` the plate bends: rigid pieces between passive hinges stand for it (`laticauda.robot.bending`). With
+    a `joint` it turns about its root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
     """
 
     length: float = 0.5
@@ -39,6 +44,14 @@ class CaudalFin:
     """C_A,fin, or None for the water's [-]."""
     density: float = 1000.0
     """Density of the material; the default floats in fresh water [kg/m^3]."""
+    n_hinges: int = 0
+    """Number of passive hinges, 1 to 6, that stand for its bending; 0 is a rigid plate [-]."""
+    flexural_rigidity: float | None = None
+    """E I of the plate, needed if it has hinges; E h t^3 / 12 for a plate of one material [N m^2]."""
+    bending_damping: float = 0.0
+    """eta I of the plate (Kelvin-Voigt), eta the material's viscosity [N m^2 s]."""
+    joint: Joint | None = None
+    """A driven hinge at the root, or None (its fields have their own units)."""
 
     def __post_init__(self) -> None:
         settle_required(self, positive, "m", "length", "height", "thickness")
@@ -51,6 +64,49 @@ class CaudalFin:
             raise ValueError(
                 f"`opening_length` must be < {self.length:g} m, the fin's `length`, got {self.opening_length}."
             )
+        self._check_bending()
+
+    def _check_bending(self) -> None:
+        put(self, "n_hinges", whole("n_hinges", self.n_hinges, 0))
+        if self.n_hinges > MOST_HINGES:
+            raise ValueError(f"`n_hinges` must be between 0 (rigid) and {MOST_HINGES}, got {self.n_hinges}.")
+        settle(self, positive, "N m^2", "flexural_rigidity")
+        settle_required(self, not_negative, "N m^2 s", "bending_damping")
+        if self.n_hinges and self.flexural_rigidity is None:
+            raise ValueError("`flexural_rigidity` must be given in N m^2 for a fin with `n_hinges` > 0, got None.")
+        if self.joint is not None:
+            instance("joint", self.joint, Joint)
+            if self.joint.axis != "yaw":
+                raise ValueError(f"`joint.axis` must be `yaw`: the fin is upright, got `{self.joint.axis}`.")
+
+    @property
+    def hinges(self) -> tuple[Hinge, ...]:
+        """The passive hinges, from the root to the trailing edge; none for a rigid fin."""
+        if not self.n_hinges:
+            return ()
+        rigidity = self.flexural_rigidity
+        assert rigidity is not None
+        return tuple(
+            Hinge(
+                position=place * self.length,
+                length=share * self.length,
+                stiffness=rigidity / (share * self.length),
+                damping=self.bending_damping / (share * self.length),
+            )
+            for place, share in hinge_rule(self.n_hinges)
+        )
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The rigid pieces between its hinges, from the root to the trailing edge; one for a rigid fin."""
+        hinges = (None, *self.hinges)
+        edges = [0.0, *(hinge.position for hinge in self.hinges), self.length]
+        return tuple(
+            Piece(
+                begin=edges[i], end=edges[i + 1], mass=self.mass * (edges[i + 1] - edges[i]) / self.length, hinge=hinge
+            )
+            for i, hinge in enumerate(hinges)
+        )
 
     @property
     def volume(self) -> float:

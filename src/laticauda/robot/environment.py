@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from laticauda.errors import not_negative, one_of, positive
+from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.robot.checks import flag, label, pair, put, settle, settle_required
 from laticauda.robot.robot import Robot
 
@@ -38,6 +38,10 @@ class Water:
     """Whether the drag has a part that is linear in the speed."""
     quadratic_drag: bool = True
     """Whether the drag has a part that is quadratic in the speed."""
+    sway_friction: float = 0.0
+    """gamma, drag along the body that grows with the local sideways speed: f_t = -c_t v_t (... + gamma |v_n|) [-]."""
+    friction_taper: float = 0.0
+    """Drag along the links from 1 + taper at the tail end to 1 - taper at the head end, times C_f; -1 to 1 [-]."""
     reference_speed: float = 1.0
     """U_ref, the speed at which linear and quadratic drag are equal [m/s]."""
     added_mass_form: Literal["relative", "kirchhoff", "classic"] = "relative"
@@ -59,6 +63,8 @@ class Water:
         flag("linear_drag", self.linear_drag)
         flag("quadratic_drag", self.quadratic_drag)
         settle_required(self, not_negative, "m/s", "reference_speed")
+        settle_required(self, not_negative, "", "sway_friction")
+        put(self, "friction_taper", within("friction_taper", self.friction_taper, -1.0, 1.0))
         one_of("added_mass_form", self.added_mass_form, ADDED_MASS_FORMS)
         one_of("rotational", self.rotational, ROTATIONAL_FORMS)
         one_of("trailing_edge", self.trailing_edge, TRAILING_EDGES)

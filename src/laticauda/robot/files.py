@@ -26,6 +26,7 @@ Kind = TypeVar("Kind", Robot, Water, Ground)
 
 KINDS: dict[str, type[Described]] = {"robot": Robot, "water": Water, "ground": Ground}
 PRESETS = Path(__file__).parent / "presets"
+FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters"}
 
 
 class RobotNotFound(RobotFileError, FileNotFoundError):
@@ -83,8 +84,8 @@ def read_file(path: Path, kind: type[Any] | None = None) -> Any:
 
 
 def preset_names(kind: str) -> tuple[str, ...]:
-    """The names of the presets of a kind, "robot", "water" or "ground", sorted."""
-    return tuple(sorted(path.stem for path in (PRESETS / f"{kind}s").glob("*.toml")))
+    """The names of the presets of a kind, one of `FOLDERS`, sorted."""
+    return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).glob("*.toml")))
 
 
 def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Path:
@@ -94,7 +95,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
 
     Args:
         name_or_path: What the user gave.
-        kind: "robot", "water" or "ground".
+        kind: One of `FOLDERS`.
         folder: Where relative paths start; None for the working directory.
 
     Raises:
@@ -105,7 +106,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     is_path = isinstance(name_or_path, Path) or given.endswith(".toml") or "/" in given or sep in given
     if not is_path:
         if given in names:
-            return PRESETS / f"{kind}s" / f"{given}.toml"
+            return PRESETS / FOLDERS[kind] / f"{given}.toml"
         raise RobotNotFound(
             f"there is no {kind} preset named `{given}`{nearest(given, names)} "
             f"(presets: {', '.join(names)}; a path ends in .toml)"

@@ -19,6 +19,9 @@ class Actuator:
     30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They hold at the output shaft, so the gear's losses at
     stall and at full speed are in them already, and the friction given here comes on top of them: 0 by default.
 
+    `tracking` says how much of its reference a joint does that is `prescribed`: joints under `pd` control or with
+    `servo`s lose amplitude by themselves and do not look at it.
+
     Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across the motor of the
     sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 % efficient. `servo_gain` is an
     assumption: full duty at an error of 10 deg.
@@ -48,6 +51,8 @@ class Actuator:
     """Current of the servo at full duty and standstill [A]."""
     idle_current: float = 0.0
     """Current of the servo at rest without load; see also `Robot.electronics_power` [A]."""
+    tracking: float = 1.0
+    """Share of the gait's oscillation that a `prescribed` joint does: its loss of amplitude; not of the offset [-]."""
 
     def __post_init__(self) -> None:
         settle_required(self, not_negative, "N m/rad", "proportional_gain")
@@ -59,6 +64,13 @@ class Actuator:
         settle_required(self, positive, "V", "voltage")
         settle_required(self, positive, "A", "stall_current")
         settle_required(self, not_negative, "A", "idle_current")
+        settle_required(self, positive, "", "tracking")
+        within("tracking", self.tracking, 0.0, 1.5)
+
+    @property
+    def stall_power(self) -> float:
+        """Power at full duty and standstill, V I_stall [W]."""
+        return self.voltage * self.stall_current
 
     @property
     def idle_power(self) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from laticauda.errors import instance, not_negative, whole
-from laticauda.robot.checks import items, label, put, settle_required, text
+from laticauda.robot.checks import items, label, put, settle, settle_required, text
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
 from laticauda.robot.joints import Joint
 from laticauda.robot.modules import Module
@@ -39,6 +39,9 @@ class Robot:
     """The cable at the tail end."""
     electronics_power: float = 0.0
     """What the robot draws at rest besides its actuators' idle current [W]."""
+    active_power: float | None = None
+    """What its electronics draw above that while it swims; given, a trial has an electrical power under any joint law.
+    None: with `servo` joints only, and there it counts as 0 [W]."""
 
     def __post_init__(self) -> None:
         label("name", self.name)
@@ -51,6 +54,7 @@ class Robot:
         put(self, "pectoral_fins", items("pectoral_fins", self.pectoral_fins, PectoralFin))
         instance("tether", self.tether, Tether)
         settle_required(self, not_negative, "W", "electronics_power")
+        settle(self, not_negative, "W", "active_power")
         self._check_chain()
 
     def _check_chain(self) -> None:
@@ -99,7 +103,9 @@ class Robot:
     @property
     def idle_power(self) -> float:
         """What the robot draws at rest: electronics and idle actuators [W]."""
-        return self.electronics_power + sum(joint.actuator.idle_power for joint in self.joints)
+        fin = self.caudal_fin.joint if self.caudal_fin else None
+        joints = self.joints if fin is None else (*self.joints, fin)
+        return self.electronics_power + sum(joint.actuator.idle_power for joint in joints)
 
     def planar(self) -> "Robot":
         """The robot as the planar model sees it: pitch joints held at 0, what they join merged to one link.
@@ -141,6 +147,16 @@ class Robot:
                 f"alike, got {n}."
             )
         return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
+
+
+def has_power_model(robot: Robot, joints: str) -> bool:
+    """Whether a run has an electrical power, which `mean_power` then is: with servos, or if the robot says so.
+
+    Args:
+        robot: What swims; with an `active_power`, it has one under any joint law.
+        joints: prescribed, pd or servo.
+    """
+    return joints == "servo" or robot.active_power is not None
 
 
 def _moved(effector: Effector, reduction: Reduction) -> Effector:

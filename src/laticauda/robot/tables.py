@@ -23,6 +23,7 @@ T = TypeVar("T")
 TABLES: dict[type, dict[str, type]] = {
     Robot: {"caudal_fin": CaudalFin, "tether": Tether},
     Module: {"section": Section},
+    CaudalFin: {"joint": Joint},
     Joint: {"actuator": Actuator},
 }
 LISTS: dict[type, dict[str, type]] = {

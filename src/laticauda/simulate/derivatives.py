@@ -14,11 +14,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command
+from laticauda.interfaces import Command, Start
 from laticauda.planar.batch import STEP, Run
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Robot
-from laticauda.simulate.many import collected
+from laticauda.simulate.many import Look, collected
 from laticauda.simulate.runner import Progress
 from laticauda.trial import metrics
 
@@ -26,7 +26,7 @@ from laticauda.trial import metrics
 _MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
 _AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 _BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
-_LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait are rows themselves
+_LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows themselves
 # A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
 _SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
@@ -45,6 +45,8 @@ class Number:
     """What it is there."""
     change: Callable[[float], Trial]
     """The trial with another value: what it is not part of stays the same object; a ValueError if out of range."""
+    start: Callable[[float], Start] | None = None
+    """Where the run begins with another value; None: where it did."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,6 +79,8 @@ def slopes(
     sample_interval: float = 0.05,
     threads: int | None = None,
     progress: Progress | None = None,
+    look: Look | None = None,
+    with_joints: bool = False,
 ) -> Slopes:
     """Figures of runs and their derivatives, run i to number i.
 
@@ -87,6 +91,8 @@ def slopes(
         sample_interval: See `swim_many` [s].
         threads: See `swim_many`.
         progress: See `swim_many`.
+        look: See `laticauda.simulate.many.collected`; all numbers there are complex, see `laticauda.planar.batch`.
+        with_joints: See there.
 
     Raises:
         ValueError: If a number cannot change on either side, or another argument is out of its range.
@@ -97,7 +103,7 @@ def slopes(
     extra_plants: dict[int, PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name
-        of_gait = number.change(number.value)[1] is not number.trial[1]
+        of_gait = number.start is not None or number.change(number.value)[1] is not number.trial[1]
         entry = known.get(key) or _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
         if not of_gait:  # the same for all gaits
             known[key] = entry
@@ -106,7 +112,9 @@ def slopes(
             plant = extra_plants.setdefault(id(plant), _with_extras(plant))
         derived.append(replace(run, plant=plant, slope=entry.rows))
         weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * STEP * entry.weight
-    found = collected(derived, weights, duration, sample_interval, threads, progress)
+    found = collected(
+        derived, weights, duration, sample_interval, threads, progress, look=look, with_joints=with_joints
+    )
     return Slopes(
         value={name: np.real(figure) for name, figure in found.figures.items()},
         slope={name: np.where(np.isnan(f), np.nan, np.imag(f) / STEP) for name, f in found.figures.items()},
@@ -143,10 +151,11 @@ def _changed(run: Run, number: Number, by: float) -> _Entry:
     """What a run's figures are made of when its number is another."""
     plant = run.plant
     robot, gait, environment = number.change(number.value + by)
+    start = run.start if number.start is None else number.start(number.value + by)
     if robot is not number.trial[0] or environment is not number.trial[2]:
         plant = replace(plant, robot=robot, environment=environment)
     return _Entry(
-        rows=replace(run, plant=plant, command=Command(gait=gait)).rows,
+        rows=replace(run, plant=plant, command=Command(gait=gait), start=start).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
         has_extras=plant.layout.has_extras,
     )

@@ -1,7 +1,8 @@
 """`swim_many`: the figures of many trials, computed side by side and on all cores."""
 
+import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
@@ -14,7 +15,7 @@ from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
 from laticauda.simulate.plants import FluidLaw, plant
 from laticauda.simulate.runner import MOST_SAMPLES, Progress
 from laticauda.simulate.swimming import default_water, preset_water
@@ -24,6 +25,8 @@ from laticauda.trial.cycles import hermite, steady_part
 DEVICES = ("cpu", "cuda")
 Item = TypeVar("Item")
 Figure = Float[np.ndarray, " n_trials"]
+Look = Callable[[Sequence[Run], Block], None]
+"""What is done with the runs of a block and what they left behind."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,7 +48,7 @@ class Swims:
     positive_power: Figure
     """Mean of sum max(u phi', 0) [W]."""
     mean_power: Figure
-    """Electrical power with servo joints, else the mechanical one [W]."""
+    """Electrical power with servo joints or a `Robot.active_power`, else the mechanical one [W]."""
     cost_of_transport: Figure
     """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
     center_of_mass: Float[np.ndarray, "n_trials 2"]
@@ -184,8 +187,22 @@ def collected(
     progress: Progress | None,
     *,
     device: str = "cpu",
+    look: Look | None = None,
+    with_joints: bool = False,
 ) -> Collected:
-    """Run a batch, and put all blocks' figures where they belong; `weights` are what the robots carry [N]."""
+    """Run a batch, and put all blocks' figures where they belong.
+
+    Args:
+        runs: What swims how.
+        weights: What the robots carry [N].
+        duration: See `swim_many` [s].
+        sample_interval: See `swim_many` [s].
+        threads: See `swim_many`.
+        progress: See `swim_many`.
+        device: See `swim_many`.
+        look: Called once per block, in the threads that compute, before the next one overwrites its log; cpu only.
+        with_joints: Whether it finds what the joints did in the log, too.
+    """
     positive("duration", duration, "s")
     positive("sample_interval", sample_interval, "s")
     if duration > MOST_SAMPLES * sample_interval:
@@ -195,7 +212,7 @@ def collected(
         )
     if threads is not None:
         whole("threads", threads, 1)
-    march = march_many
+    march = functools.partial(march_many, with_joints=with_joints)
     if one_of("device", device, DEVICES) == "cuda":
         from laticauda.planar.cuda import march_many as march_on_gpu
 
@@ -206,6 +223,8 @@ def collected(
 
     def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
         mine = [runs[int(i)] for i in block.index]
+        if look is not None:
+            look(mine, block)
         return block.index, block.n_samples, _figures(mine, weights[block.index], block)
 
     n_intervals = max(1, round(duration / sample_interval))
@@ -245,7 +264,8 @@ def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str,
         end = block.center_of_mass[-1]
         speed = _size(end - block.center_of_mass[0]) / duration
         power = block.work / duration
-        mean = power[3] if runs[0].plant.joints == "servo" else power[0]
+        electrical = [has_power_model(run.plant.robot, run.plant.joints) for run in runs]
+        mean = cast(np.ndarray, np.where(electrical, power[3], power[0]))
         moving = speed.real > metrics.STILL
         return {
             "forward_velocity": speed,

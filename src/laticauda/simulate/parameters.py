@@ -8,6 +8,7 @@ the fields: SI and radians.
 
 import difflib
 import functools
+import re
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,6 +26,7 @@ Changes = dict[str, Any]
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
 _PLURAL = {one: several for several, one in _SINGULAR.items()}
 _ENDS = ("_x", "_y")
+_ONE = re.compile(r"(\w+)\[(\d+)\]")  # one of several: module[3]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +43,7 @@ class Parameter:
     """Whether it counts something, and must be a whole number."""
 
 
-def parameters(robot: Robot, gait: Gait, environment: Environment) -> dict[str, Parameter]:
+def parameters(robot: Robot, gait: Gait, environment: Environment, *, each: bool = False) -> dict[str, Parameter]:
     """What can be swept, by name.
 
     A fin, a thruster or a tether's drag can be swept if the robot has one; coefficients that are None until now can.
@@ -50,10 +52,15 @@ def parameters(robot: Robot, gait: Gait, environment: Environment) -> dict[str, 
         robot: What swims.
         gait: What the joints are asked for.
         environment: Where it swims; its names begin with `water` or `ground`.
+        each: Whether the numbers of every single module and joint are listed too.
     """
     found = [*_numbers(gait, "gait"), *_numbers(environment, place(environment))]
     found.append(Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True))
     found += _numbers(robot, "robot")
+    if each:
+        for several, one in _SINGULAR.items():
+            for i, part in enumerate(getattr(robot, several)):
+                found += _numbers(part, f"robot.{one}[{i}]")
     return {parameter.name: parameter for parameter in found}
 
 
@@ -121,9 +128,15 @@ def _applied(thing: Any, wanted: Changes) -> Any:
     kind = cast("type[object]", type(thing))
     new: Changes = {}
     for step, value in wanted.items():
-        if step in _PLURAL:
+        one = _ONE.fullmatch(step)
+        if one:
+            name, at = _PLURAL[one[1]], int(one[2])
+            several = list(new.get(name, getattr(thing, name)))
+            several[at] = _applied(several[at], value)
+            new[name] = tuple(several)
+        elif step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
             name = _PLURAL[step]
-            new[name] = _all_applied(getattr(thing, name), value)
+            new[name] = _all_applied(new.get(name, getattr(thing, name)), value)
         elif isinstance(value, dict):
             new[step] = _applied(getattr(thing, step), cast("Changes", value))
         elif step[:-2] and step.endswith(_ENDS) and isinstance(getattr(thing, step[:-2], None), tuple):
@@ -196,11 +209,51 @@ def check_whole(parameter: Parameter, values: Any) -> None:
         raise ValueError(f"`{parameter.name}` must be a whole number, got {fractions[0]}.")
 
 
+def value_of(name: str, robot: Robot, gait: Gait, environment: Environment, argument: str = "names") -> float:
+    """What a parameter is in a trial.
+
+    Args:
+        name: Its name, with dots.
+        robot: What swims.
+        gait: What the joints are asked for.
+        environment: Where it swims.
+        argument: Whose names they are, for messages.
+
+    Raises:
+        ValueError: If it is not the same in all modules or joints that it stands for, or is None.
+    """
+    root, *way = name.split(".")
+    things: list[Any] = [{"robot": robot, "gait": gait}.get(root, environment)]
+    for step in way:
+        things = [part for thing in things for part in _parts(thing, step)]
+    # A module's or fin's own coefficient that is None is the water's.
+    things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
+    if len(set(things)) > 1:
+        raise ValueError(
+            f"`{argument}` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}."
+        )
+    if things[0] is None:
+        raise ValueError(f"`{argument}` must be of numbers that the trial has, got `{name}`, which is None.")
+    return float(things[0])
+
+
+def _parts(thing: Any, step: str) -> Sequence[Any]:
+    """What a step of a parameter's name leads to: all modules for `module`, one end of a pair for `current_x`."""
+    one = _ONE.fullmatch(step)
+    if one:
+        return [getattr(thing, _PLURAL[one[1]])[int(one[2])]]
+    if hasattr(thing, step):
+        return [getattr(thing, step)]
+    if hasattr(thing, f"{step}s"):
+        return getattr(thing, f"{step}s")
+    return [getattr(thing, step[:-2])["xy".index(step[-1])]]
+
+
 def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:
     """Up to three names that somebody who typed `name` may have meant: alike as a whole, or alike at their ends."""
     plain = name.casefold().replace("-", "_")
     by_end: dict[str, list[str]] = {}
-    for word in known:
+    for word in (word for word in known if "[" not in word):
         by_end.setdefault(word.rsplit(".", 1)[-1], []).append(word)
     ends = difflib.get_close_matches(plain.rsplit(".", 1)[-1], by_end, n=2, cutoff=0.75)
     found = [word for end in ends for word in by_end[end]]

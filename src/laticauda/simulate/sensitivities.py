@@ -12,7 +12,7 @@ from laticauda.errors import one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
-from laticauda.simulate.parameters import Parameter, changed, look_up, parameters
+from laticauda.simulate.parameters import Parameter, changed, look_up, parameters, value_of
 from laticauda.simulate.plants import FluidLaw
 from laticauda.simulate.runner import Progress
 
@@ -142,7 +142,7 @@ def sensitivities(
     every_robot = robots if isinstance(robots, Sequence) else [robots] * len(runs)
     trials = [(robot, run.command.gait, run.plant.environment) for robot, run in zip(every_robot, runs, strict=True)]
     chosen = [_chosen(names, *trial) for trial in trials]
-    point = [[_value(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
+    point = [[value_of(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
     numbers = [
         Number(name=parameter.name, trial=trial, value=value, change=functools.partial(_moved, trial, parameter.name))
         for trial, known, values in zip(trials, chosen, point, strict=True)
@@ -184,33 +184,3 @@ def _chosen(names: Sequence[str], robot: Robot, gait: Gait, environment: Environ
 def _moved(trial: tuple[Robot, Gait, Environment], name: str, value: float) -> tuple[Robot, Gait, Environment]:
     """The trial with another value of one parameter."""
     return changed(*trial, {name: value})
-
-
-def _value(name: str, robot: Robot, gait: Gait, environment: Environment) -> float:
-    """What a parameter is in a trial.
-
-    Raises:
-        ValueError: If it is not the same in all modules or joints that it stands for, or is None.
-    """
-    root, *way = name.split(".")
-    things: list[Any] = [{"robot": robot, "gait": gait}.get(root, environment)]
-    for step in way:
-        things = [part for thing in things for part in _parts(thing, step)]
-    # A module's or fin's own coefficient that is None is the water's.
-    things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
-    if len(set(things)) > 1:
-        raise ValueError(
-            f"`names` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}."
-        )
-    if things[0] is None:
-        raise ValueError(f"`names` must be of numbers that the trial has, got `{name}`, which is None.")
-    return float(things[0])
-
-
-def _parts(thing: Any, step: str) -> Sequence[Any]:
-    """What a step of a parameter's name leads to: all modules for `module`, one end of a pair for `current_x`."""
-    if hasattr(thing, step):
-        return [getattr(thing, step)]
-    if hasattr(thing, f"{step}s"):
-        return getattr(thing, f"{step}s")
-    return [getattr(thing, step[:-2])["xy".index(step[-1])]]

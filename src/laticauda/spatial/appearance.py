@@ -11,6 +11,7 @@ import numpy as np
 
 from laticauda.robot import CaudalFin, Module, Robot
 from laticauda.spatial.door import engine
+from laticauda.spatial.fin import fin_bodies
 from laticauda.spatial.meshes import Mesh, joined, loft
 
 SEEN, HULL = 1, 3  # groups
@@ -74,7 +75,7 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
         elif visuals:
             _add_module(library, body, module, is_head=is_head, is_tail=i == 0)
     if robot.caudal_fin is not None:
-        _add_fin(model.body("caudal_fin"), robot.caudal_fin, visuals=visuals)
+        _add_fin(model, robot.caudal_fin, visuals=visuals)
 
 
 class _Library:
@@ -176,20 +177,31 @@ def seen_opening(fin: CaudalFin) -> float:
     return 0.0 if fin.opening == "closed" or fin.opening_length < SHORTEST else fin.opening_length
 
 
-def _add_fin(body: Any, fin: CaudalFin, *, visuals: bool) -> None:
-    """A plate, open near its root: there two rods hold it."""
+def _add_fin(model: Any, fin: CaudalFin, *, visuals: bool) -> None:
+    """A plate, in pieces if it bends, open near its root: there two rods hold it."""
     inner = seen_opening(fin)
-    t, h = 0.5 * fin.thickness, 0.5 * fin.height
-    box = engine().mjtGeom.mjGEOM_BOX
-    plate = {"type": box, "size": (0.5 * (fin.length - inner), t, h), "pos": (-0.5 * (fin.length + inner), 0.0, 0.0)}
-    body.add_geom(name="caudal_fin_hull", group=HULL, **TOUCHES_WORLD, **plate)
-    if not visuals:
-        return
-    body.add_geom(name="caudal_fin_shape", material="fin", **UNTOUCHED, **plate)
-    if inner > 0.0:
-        for sign in (-1.0, 1.0):
-            at = (-0.5 * inner, 0.0, sign * 0.8 * h)
-            body.add_geom(type=box, size=(0.5 * inner, t, 0.12 * h), pos=at, material="fin", **UNTOUCHED)
+    for name, piece in fin_bodies(fin):
+        body = model.body(name)
+        if piece.end > inner:
+            plate = _box(fin, piece.begin, max(inner, piece.begin), piece.end, 0.0, 0.5 * fin.height)
+            body.add_geom(name=f"{name}_hull", group=HULL, **TOUCHES_WORLD, **plate)
+            if visuals:
+                body.add_geom(name=f"{name}_shape", material="fin", **UNTOUCHED, **plate)
+        if visuals and piece.begin < inner:
+            for sign in (-1.0, 1.0):
+                rod = _box(
+                    fin, piece.begin, piece.begin, min(inner, piece.end), 0.4 * sign * fin.height, 0.06 * fin.height
+                )
+                body.add_geom(material="fin", **UNTOUCHED, **rod)
+
+
+def _box(fin: CaudalFin, origin: float, begin: float, end: float, up: float, half_height: float) -> dict[str, Any]:
+    """A part of the plate, from `begin` to `end` behind the root, in a frame that is `origin` behind it."""
+    return {
+        "type": engine().mjtGeom.mjGEOM_BOX,
+        "size": (0.5 * (end - begin), 0.5 * fin.thickness, half_height),
+        "pos": (origin - 0.5 * (begin + end), 0.0, up),
+    }
 
 
 def _hull(body: Any, name: str, mesh: str) -> None:

@@ -3,10 +3,11 @@
 MuJoCo evaluates (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations); the steps are
 those of the planar model, so that both bodies share their orders:
 
-- Prescribed joints: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is. Each
-  of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it; what it
-  would have been off by, times that inertia, is the joint's torque.
-- pd and servo: ROS2 (see `planar.stepping`): linearly implicit in the joint law, in M + A.
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is.
+  Each of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it;
+  what it would have been off by, times that inertia, is the joint's torque.
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `planar.stepping`): linearly implicit in the
+  joint law, in M + A.
 
 A state is one flat array: the rows below, then qpos, qvel and the links' angles.
 """
@@ -48,12 +49,27 @@ from laticauda.spatial.vectors import field
     WORK_ELECTRICAL,
     PITCH,  # the second wave's PHASE to OFFSET_RATE
 ) = range(16)
-SECOND, STATE_ROWS = PITCH - PHASE, 24
+FIN = PITCH + OFFSET_RATE + 1 - PHASE  # those of the third, of a driven fin
+SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - PHASE
 
 # --- The command and the generator's settings
-(AMPLITUDE, FREQUENCY, PHASE_SHIFT, OFFSET, AHEAD, PITCH_COMMAND, BANDWIDTH, RAMP, IS_LED, COMMAND_ROWS) = (
+(
+    AMPLITUDE,
+    FREQUENCY,
+    PHASE_SHIFT,
+    OFFSET,
+    AHEAD,
+    PITCH_COMMAND,
+    FIN_COMMAND,
+    BANDWIDTH,
+    RAMP,
+    IS_LED,
+    ACTIVE_POWER,  # of the electronics [W]
+    COMMAND_ROWS,
+) = (
     *range(6),
-    *range(10, 14),
+    10,
+    *range(15, 20),
 )
 
 # --- Whole numbers that the kernels need
@@ -68,7 +84,7 @@ SECOND, STATE_ROWS = PITCH - PHASE, 24
     N_BASE_QVEL,
     N_LINKS,
     N_BODIES,
-    LAW,
+    IS_IMPLICIT,  # whether any joint is free
     IS_PLANAR,
     AT_QPOS,
     AT_QVEL,
@@ -79,12 +95,28 @@ SECOND, STATE_ROWS = PITCH - PHASE, 24
     AT_CVEL,
     SETUP_SIZE,
 ) = range(20)
-PRESCRIBED, PD, SERVO = range(3)
+PRESCRIBED, PD, SERVO, PASSIVE = range(4)
 
-# --- One row of joint parameters: the gait's envelope, which wave moves it, the skin, the law
-(ENVELOPE, WAVE, STIFFNESS, DAMPING, LAW_0, LAW_1, LAW_2, LAW_3, LAW_4, LAW_5, JOINT_SIZE) = range(11)
+# --- One row of joint parameters: the law, the gait's envelope, which wave moves it, the skin, the motor
+(
+    LAW,
+    ENVELOPE,  # g, times the share that a prescribed joint does of it
+    WAVE,
+    STIFFNESS,
+    DAMPING,
+    GAIN,  # the rest as in `planar.rows`
+    RATE_GAIN,
+    STALL_TORQUE,
+    NO_LOAD_SPEED,
+    FRICTION_TORQUE,
+    VISCOUS_FRICTION,
+    STALL_POWER,
+    JOINT_SIZE,
+) = range(13)
+YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
-# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the joints
+# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the
+# --- body's joints, then the same of the fin's
 (COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12, 13)
 
 GAMMA = 1.0 - 0.5**0.5
@@ -98,7 +130,7 @@ joint_reference = compiled(reference.joint_reference)
 magnitude = compiled(fluid_laws.magnitude)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
-servo_power = compiled(laws.servo_power)
+motor_power = compiled(laws.motor_power)
 
 
 @kernel
@@ -107,7 +139,8 @@ def advance_reference(X, C, J, R, dt):
     """Move the generator on by dt and set the reference there."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
-    for G, A in ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:])):
+    waves = ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:]))
+    for G, A in waves:
         for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
             y, rate, _ = filter_step(G[value], G[value + 1], A[target], w, decay, dt)
             G[value] = y
@@ -125,10 +158,11 @@ def advance_reference(X, C, J, R, dt):
 @kernel
 @no_type_check
 def set_reference(X, C, J, R):
-    """phi_ref of every joint and its derivatives, three rows of R: the first wave moves yaw, the second pitch."""
+    """phi_ref of every driven joint and its derivatives, three rows of R; each wave moves joints of its own."""
     ramp = smooth_start(X[TIME], C[RAMP])
-    set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, 0.0, J, R)
-    set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, 1.0, J, R)
+    set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
+    set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
+    set_wave(X[THIRD:], C[FIN_COMMAND:], C[BANDWIDTH], ramp, FIN_WAVE, J, R)
 
 
 @kernel
@@ -161,15 +195,15 @@ def set_wave(X, C, w, ramp, wave, J, R):
 
 @kernel
 @no_type_check
-def actuator(J, i, law, angle, rate, R):
-    """Torque of a joint's actuator, its slopes, and its electrical power."""
-    if law == PD:
-        torque, slope_p, slope_d = pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, LAW_0], J[i, LAW_1])
-        return torque, slope_p, slope_d, 0.0
-    torque, slope_p, slope_d, duty = servo(
-        angle, rate, R[0, i], J[i, LAW_0], J[i, LAW_1], J[i, LAW_2], J[i, LAW_3], J[i, LAW_4]
-    )
-    return torque, slope_p, slope_d, servo_power(duty, rate, J[i, LAW_2], J[i, LAW_5])
+def actuator(J, i, angle, rate, R):
+    """Torque of a free joint's actuator, and its slopes."""
+    if J[i, LAW] == PASSIVE:
+        return 0.0, 0.0, 0.0
+    if J[i, LAW] == PD:
+        return pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, GAIN], J[i, RATE_GAIN])
+    motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+    torque, slope_p, slope_d, _ = servo(angle, rate, R[0, i], J[i, GAIN], motor[0], motor[1], motor[2], motor[3])
+    return torque, slope_p, slope_d
 
 
 @kernel
@@ -181,25 +215,37 @@ def evaluate(N):
 
 @kernel
 @no_type_check
-def put_on_reference(N, qpos, qvel, R, hold):
+def put_on_reference(N, qpos, qvel, J, R, hold):
     """Prescribed joints: where the reference is, and held to its acceleration."""
     nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
-    for i in range(R.shape[1]):
-        qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
-        hold[nv + i] = HOLD
-        hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
+            hold[nv + i] = HOLD
+            hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
 
 
 @kernel
 @no_type_check
 def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
-    """Accelerations with the joints on the reference, and the torque of every actuator."""
-    put_on_reference(N, qpos, qvel, R, hold)
+    """Accelerations with the prescribed joints on the reference, and the torque of every one of their actuators."""
+    put_on_reference(N, qpos, qvel, J, R, hold)
     evaluate(N)
     nv = N[N_BASE_QVEL]
-    for i in range(R.shape[1]):
-        # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
-        U[i] = HOLD * (R[2, i] - qacc[nv + i])
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
+            U[i] = HOLD * (R[2, i] - qacc[nv + i])
+
+
+@kernel
+@no_type_check
+def any_prescribed(J):
+    """Whether the angle of any joint is given."""
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            return True
+    return False
 
 
 @kernel
@@ -208,8 +254,10 @@ def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
     """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            continue
         rate = qvel[nv + i]
-        torque, slope_p, slope_d, _ = actuator(J, i, N[LAW], qpos[nq + i], rate, R)
+        torque, slope_p, slope_d = actuator(J, i, qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
         U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
@@ -222,8 +270,11 @@ def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
 def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
     """The same for the second stage, for a = k2 + 2 k1."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    put_on_reference(N, qpos, qvel, J, R, hold)
     for i in range(J.shape[0]):
-        torque, _, _, _ = actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)
+        if J[i, LAW] == PRESCRIBED:
+            continue
+        torque, _, _ = actuator(J, i, qpos[nq + i], qvel[nv + i], R)
         rest = qvel[nv + i] - 2.0 * slope[nv + i]
         hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
 
@@ -266,7 +317,7 @@ def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
     move(N, qpos, q0, sum_v, 1.0)
     for i in range(n):
         qvel[i] = v0[i] + sum_a[i]
-    put_on_reference(N, qpos, qvel, R, hold)
+    put_on_reference(N, qpos, qvel, J, R, hold)
 
 
 @kernel
@@ -294,21 +345,24 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     move(N, qpos, q0, total, dt)
     for i in range(n):
         qvel[i] = v0[i]
+    put_on_reference(N, qpos, qvel, J, R, hold)
 
 
 @kernel
 @no_type_check
-def count_work(N, X, J, R, U, P, qpos, qvel, dt):
+def count_work(N, X, C, J, U, P, qvel, dt):
     """The work since the last step by the trapezoidal rule; P keeps the powers."""
-    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
-    absolute, net, positive, electrical = 0.0, 0.0, 0.0, 0.0
+    nv = N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
     for i in range(J.shape[0]):
-        power = U[i] * qvel[nv + i]
+        rate = qvel[nv + i]
+        power = U[i] * rate
         absolute += magnitude(power)
         net += power
         positive += 0.5 * (power + magnitude(power))
-        if N[LAW] == SERVO:
-            electrical += actuator(J, i, N[LAW], qpos[nq + i], qvel[nv + i], R)[3]
+        if J[i, STALL_POWER] > 0.0:
+            motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+            electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])
     for k, power in enumerate((absolute, net, positive, electrical)):
         X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
         P[k] = power
@@ -377,11 +431,13 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
         for k in range(4):
             sample[o + ORIENTATION + k] = qpos[3 + k]
     at += n
-    for i in range(n - 1):
-        sample[at + i] = qpos[N[N_BASE_QPOS] + i]
-        sample[at + n - 1 + i] = qvel[N[N_BASE_QVEL] + i]
-        sample[at + 2 * (n - 1) + i] = R[0, i]
-        sample[at + 3 * (n - 1) + i] = U[i]
+    for first, count in ((0, n - 1), (n - 1, J.shape[0] - (n - 1))):
+        for i in range(count):
+            sample[at + i] = qpos[N[N_BASE_QPOS] + first + i]
+            sample[at + count + i] = qvel[N[N_BASE_QVEL] + first + i]
+            sample[at + 2 * count + i] = R[0, first + i]
+            sample[at + 3 * count + i] = U[first + i]
+        at += 4 * count
 
 
 @kernel
@@ -412,17 +468,19 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     P, B = np.zeros(4), np.zeros((5, n_q))
     hold[:] = 0.0
     set_reference(X, C, J, R)
+    two_ways = N[IS_IMPLICIT] != 0 and any_prescribed(J)
     written = 0
     for step in range(steps + 1):
         if C[IS_LED] == 0.0:
             evaluate(N)
-        elif N[LAW] == PRESCRIBED:
+        elif N[IS_IMPLICIT] == 0 or two_ways:
+            first_stage(N, qpos, qvel, J, R, hold, U, K, 0.0)
             evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
         else:
             first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
             evaluate(N)
         follow_links(N, order, qpos, links)
-        count_work(N, X, J, R, U, P, qpos, qvel, dt if step > 0 else 0.0)
+        count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
         if step % every == 0:
             if not all_finite(N, qpos, qvel, U):
                 return written
@@ -430,9 +488,12 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
             written += 1
         if step == steps:
             break
-        if N[LAW] == PRESCRIBED:
+        if N[IS_IMPLICIT] == 0:
             finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt)
         else:
+            if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
+                first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+                evaluate(N)
             finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt)
     state[STATE_ROWS : STATE_ROWS + n_q] = qpos
     state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v] = qvel

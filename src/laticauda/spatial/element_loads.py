@@ -131,6 +131,9 @@ def drag(T, E, o, law_io, u, w, wet):
     c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
     f_x, f_y, t_z = drag_in_plane(T, E, o, law_io, u[0], u[1], w[2], c[0], c[1], linear[2], quadratic[2])
     _, f_z, t_y = drag_in_plane(T, E, o, law_io, 0.0, u[2], w[1], 0.0, c[2], linear[1], quadratic[1])
+    if E[o + SWAY_FRICTION] != 0.0 and u[2] != 0.0:  # what moves up and down moves sideways too
+        across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
+        f_x, _, _ = drag_in_plane(T, E, o, law_io, u[0], across, 0.0, c[0], 0.0, 0.0, 0.0)
     t_x = 0.0
     if linear[0] != 0.0 or quadratic[0] != 0.0:
         _, _, t_x = drag_in_plane(T, E, o, law_io, 0.0, 0.0, w[0], 0.0, 0.0, linear[0], quadratic[0])
@@ -144,8 +147,9 @@ def drag_in_plane(T, E, o, law_io, v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3)
     law_io[0], law_io[1], law_io[2] = v_t, v_n, rate
     law_io[3], law_io[4], law_io[5], law_io[6] = c_t, c_n, lambda_2, lambda_3
     law_io[7], law_io[8], law_io[9] = E[o + REFERENCE_SPEED], E[o + LINEAR], E[o + QUADRATIC]
+    law_io[10] = E[o + SWAY_FRICTION]
     call_1(T[LAW], law_io.ctypes.data)
-    return three(law_io, 10)
+    return three(law_io, 11)
 
 
 @kernel

@@ -71,6 +71,8 @@ class Element:
     """U_ref, at which linear and quadratic drag are equal; 0: no linear drag [m/s]."""
     quadratic: bool = True
     """Whether there is quadratic drag."""
+    sway_friction: float = 0.0
+    """gamma: f_x has a further part -c_x u_x gamma |(u_y, u_z)|, not negative [-]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -100,6 +102,7 @@ class Element:
         object.__setattr__(self, "orientation", (w, x, y, z))
         object.__setattr__(self, "volume", not_negative("volume", self.volume, "m^3"))
         object.__setattr__(self, "reference_speed", not_negative("reference_speed", self.reference_speed, "m/s"))
+        object.__setattr__(self, "sway_friction", not_negative("sway_friction", self.sway_friction))
         one_of("shape", self.shape, SHAPES)
 
     def _settle(self, name: str, check: Any, unit: str, length: int = 3) -> None:

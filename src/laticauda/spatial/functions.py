@@ -26,8 +26,8 @@ _SIGNATURE = types.void(types.CPointer(types.float64))
 
 
 def compiled_law(fluid_law: FluidLaw) -> Any:
-    """A cfunc of an array: the ten arguments of a fluid law, and behind them its three results."""
-    return _compiled("fluid_law", fluid_law, 10, (0.3, -0.2, 0.5, 1.0, 10.0, 0.1, 0.01, 1.0, 1.0, 1.0))
+    """A cfunc of an array: the eleven arguments of a fluid law, and behind them its three results."""
+    return _compiled("fluid_law", fluid_law, 11, (0.3, -0.2, 0.5, 1.0, 10.0, 0.1, 0.01, 1.0, 1.0, 1.0, 0.5))
 
 
 def compiled_current(current: Current) -> Any:
@@ -62,8 +62,8 @@ def _entry(function: Callable[..., Any], n: int) -> Any:
     else:
 
         def call(where):
-            a = carray(where, (13,), np.float64)
-            a[10], a[11], a[12] = inner(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+            a = carray(where, (14,), np.float64)
+            a[11], a[12], a[13] = inner(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9], a[10])
 
     return cfunc(_SIGNATURE, **OPTIONS)(call)
 
@@ -75,13 +75,13 @@ _coulomb_friction = compiled(laws.coulomb_friction)
 
 
 def _call_polynomial_drag(where):
-    a = carray(where, (13,), np.float64)
-    a[10], a[11], a[12] = _polynomial_drag(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+    a = carray(where, (14,), np.float64)
+    a[11], a[12], a[13] = _polynomial_drag(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9], a[10])
 
 
 def _call_coulomb_friction(where):
-    a = carray(where, (13,), np.float64)
-    a[10], a[11], a[12] = _coulomb_friction(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9])
+    a = carray(where, (14,), np.float64)
+    a[11], a[12], a[13] = _coulomb_friction(a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8], a[9], a[10])
 
 
 _BUILT_IN: dict[Any, Any] = {

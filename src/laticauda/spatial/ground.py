@@ -106,7 +106,7 @@ def touch(
         return 0.0, 0.0, 0.0
     c_t, c_n = along * normal, across * normal
     if eps > 0.0:
-        f_t, f_n, _ = coulomb_friction(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, eps, 0.0, 1.0)
+        f_t, f_n, _ = coulomb_friction(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, eps, 0.0, 1.0, 0.0)
     else:
-        f_t, f_n, _ = polynomial_drag(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, 1.0, 1.0, 0.0)
+        f_t, f_n, _ = polynomial_drag(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
     return f_t, f_n, normal

@@ -3,7 +3,9 @@
 Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at its tail end, x toward the
 head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
 (pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
-positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0.
+positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is
+driven. If it bends, piece k of it is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
+The fin's angles count as those of the body do: positive ones turn what is behind the hinge to the right.
 
 World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In both the robot begins straight along x with
 its tail end at x = y = 0.
@@ -15,9 +17,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from laticauda.errors import instance, one_of
-from laticauda.robot import CaudalFin, Environment, Ground, Joint, Module, Robot, Water, check_fits
+from laticauda.robot import CaudalFin, Environment, Ground, Joint, Module, Piece, Robot, Water, check_fits
 from laticauda.spatial import appearance, scene
 from laticauda.spatial.door import engine
+from laticauda.spatial.fin import fin_bodies
 
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")
@@ -25,6 +28,7 @@ TIMESTEP = 2e-3  # [s]
 # Where a robot starts whose water gives no depth: far from surface and floor, as seen by the planar model [m].
 DEPTH = 0.5
 AXES = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}
+FIN_AXIS = (0.0, 0.0, -1.0)  # its bodies hang behind their hinges, those of the body ahead
 
 
 def spec(
@@ -49,9 +53,11 @@ def spec(
         environment: The water it swims in or the ground it crawls on.
         root: How module 0 is held: not at all (joint `root`), or with its height and its tilt fixed (joints `root_x`,
             `root_y` and `root_yaw`).
-        actuators: `servo` puts an actuator `servo_i` on every joint, with the angle wanted [rad] as its input.
+        actuators: `servo` puts an actuator `servo_i` on every joint, with the angle wanted [rad] as its input, and
+            `fin_servo` on that of a driven fin.
         sensors: Sensors as the real robot has them: `joint_angle_i` and `joint_rate_i`; per module `acceleration_i`,
-            and `force_i` and `torque_i` between it and the module on its tail side.
+            and `force_i` and `torque_i` between it and the module on its tail side; `fin_angle` and `fin_rate` of a
+            driven fin.
         visuals: Shapes and colors of the robot and the light on it. Without them it has its collision shapes only.
         tank: The tank of the experiments around the water: 40 m x 6.45 m, 1.5 m deep, with its floor and walls.
         ground: Solid ground: `flat` at z = 0, or a `ramp` from a shore down into the water along x, with the robot on
@@ -82,7 +88,9 @@ def spec(
         _add_sensors(model, robot)
     if actuators == "servo":
         for i, joint in enumerate(robot.joints):
-            _add_servo(model, i, joint)
+            _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
+        if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
+            _add_servo(model, "fin_servo", "fin_joint", robot.caudal_fin.joint)
     return model
 
 
@@ -102,14 +110,17 @@ def start_height(robot: Robot, environment: Environment, ground: str | None = No
     return highest + (scene.SHORE_HEIGHT if ground == "ramp" else 0.0)
 
 
-def inertia_of(piece: Module | CaudalFin) -> tuple[float, tuple[float, float, float]]:
-    """Where a piece has its center of mass on the x axis of its body [m], and its moments of inertia there [kg m^2]."""
+def inertia_of(module: Module) -> tuple[float, tuple[float, float, float]]:
+    """Where a module has its center of mass on its x axis [m], and its moments of inertia there [kg m^2]."""
+    m, a, b = module.mass, module.section.half_height, module.section.half_width
+    return module.half_length + module.center, moments(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
+
+
+def fin_inertia(fin: CaudalFin, piece: Piece) -> tuple[float, tuple[float, float, float]]:
+    """The same for a piece of the fin."""
     m = piece.mass
-    if isinstance(piece, CaudalFin):
-        rod = m * piece.length**2 / 12.0  # as the planar model has it
-        return -0.5 * piece.length, moments(rod, m * piece.thickness**2 / 12.0, m * piece.height**2 / 12.0)
-    a, b = piece.section.half_height, piece.section.half_width
-    return piece.half_length + piece.center, moments(piece.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
+    rod = m * piece.length**2 / 12.0  # as the planar model has it
+    return -0.5 * piece.length, moments(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)
 
 
 def moments(vertical: float, across: float, above: float) -> tuple[float, float, float]:
@@ -149,8 +160,8 @@ def _add_chain(model: Any, robot: Robot, height: float, root: str) -> None:
         else:
             _add_joint(body, i - 1, robot.joints[i - 1])
         _set_module(body, i, module)
-        if i == 0 and robot.caudal_fin is not None:
-            _add_fin(body, robot.caudal_fin)
+    if robot.caudal_fin is not None:  # after the modules, so that their joints come first
+        _add_fin(model.body("module_0"), robot.caudal_fin)
     for kind, effectors in (("thruster", robot.thrusters), ("pectoral_fin", robot.pectoral_fins)):
         for k, effector in enumerate(effectors):
             half_length = robot.modules[effector.link].half_length
@@ -173,10 +184,14 @@ def _add_root(body: Any, root: str) -> None:
 
 
 def _add_joint(body: Any, index: int, joint: Joint) -> None:
+    _add_driven(body, f"joint_{index}", joint, AXES[joint.axis])
+
+
+def _add_driven(body: Any, name: str, joint: Joint, axis: tuple[float, float, float]) -> None:
     body.add_joint(
-        name=f"joint_{index}",
+        name=name,
         type=engine().mjtJoint.mjJNT_HINGE,
-        axis=AXES[joint.axis],
+        axis=axis,
         range=(-joint.limit, joint.limit),
         limited=True,
         stiffness=_linear(joint.stiffness),
@@ -185,27 +200,43 @@ def _add_joint(body: Any, index: int, joint: Joint) -> None:
 
 
 def _set_module(body: Any, index: int, module: Module) -> None:
-    _set_inertia(body, module)
+    _set_inertia(body, module.mass, *inertia_of(module))
     body.add_site(name=f"module_{index}_center", pos=(module.half_length, 0.0, 0.0))
     body.add_site(name=f"module_{index}_tail")
 
 
 def _add_fin(tail: Any, fin: CaudalFin) -> None:
-    """The fin's body has the frame of module 0 and extends to -x."""
-    _set_inertia(tail.add_body(name="caudal_fin"), fin)
+    """The first piece has the frame of module 0; all extend to -x."""
+    body, ahead = tail, 0.0
+    for k, (name, piece) in enumerate(fin_bodies(fin)):
+        body = body.add_body(name=name, pos=(-ahead, 0.0, 0.0))
+        _set_inertia(body, piece.mass, *fin_inertia(fin, piece))
+        ahead = piece.length
+        if piece.hinge is not None:
+            body.add_joint(
+                name=f"fin_hinge_{k}",
+                type=engine().mjtJoint.mjJNT_HINGE,
+                axis=FIN_AXIS,
+                stiffness=_linear(piece.hinge.stiffness),
+                damping=_linear(piece.hinge.damping),
+            )
+        elif fin.joint is not None:
+            _add_driven(body, "fin_joint", fin.joint, FIN_AXIS)
 
 
-def _set_inertia(body: Any, piece: Module | CaudalFin) -> None:
-    center, inertia = inertia_of(piece)
-    body.mass, body.inertia, body.ipos = piece.mass, inertia, (center, 0.0, 0.0)
+def _set_inertia(body: Any, mass: float, center: float, inertia: tuple[float, float, float]) -> None:
+    body.mass, body.inertia, body.ipos = mass, inertia, (center, 0.0, 0.0)
     body.explicitinertial = True
 
 
 def _add_sensors(model: Any, robot: Robot) -> None:
     sensor, thing = engine().mjtSensor, engine().mjtObj
-    for i in range(robot.n_joints):
-        for name, kind in (("joint_angle", sensor.mjSENS_JOINTPOS), ("joint_rate", sensor.mjSENS_JOINTVEL)):
-            model.add_sensor(name=f"{name}_{i}", type=kind, objtype=thing.mjOBJ_JOINT, objname=f"joint_{i}")
+    found = [(f"joint_angle_{i}", f"joint_rate_{i}", f"joint_{i}") for i in range(robot.n_joints)]
+    if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
+        found.append(("fin_angle", "fin_rate", "fin_joint"))
+    for angle, rate, joint in found:
+        for name, kind in ((angle, sensor.mjSENS_JOINTPOS), (rate, sensor.mjSENS_JOINTVEL)):
+            model.add_sensor(name=name, type=kind, objtype=thing.mjOBJ_JOINT, objname=joint)
     for i in range(robot.n_links):
         found = [("acceleration", sensor.mjSENS_ACCELEROMETER, "center")]
         if i:
@@ -214,20 +245,20 @@ def _add_sensors(model: Any, robot: Robot) -> None:
             model.add_sensor(name=f"{name}_{i}", type=kind, objtype=thing.mjOBJ_SITE, objname=f"module_{i}_{site}")
 
 
-def _add_servo(model: Any, index: int, joint: Joint) -> None:
+def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
     """The law `actuation.laws.servo`: its clipped duty in the actuator, the rest of its terms in the joint.
 
     Dry friction is MuJoCo's own there, a constraint instead of a steep function of the rate.
     """
     motor = joint.actuator
-    actuator = model.add_actuator(name=f"servo_{index}", target=f"joint_{index}")
+    actuator = model.add_actuator(name=name, target=target)
     actuator.trntype = engine().mjtTrn.mjTRN_JOINT
     actuator.set_to_position(kp=motor.servo_gain * motor.stall_torque)
     actuator.forcelimited = True
     actuator.forcerange = (-motor.stall_torque, motor.stall_torque)
     actuator.ctrllimited = True
     actuator.ctrlrange = (-joint.limit, joint.limit)
-    hinge = model.joint(f"joint_{index}")
+    hinge = model.joint(target)
     hinge.damping = _linear(joint.damping + motor.stall_torque / motor.no_load_speed + motor.viscous_friction)
     hinge.frictionloss = motor.friction_torque
 

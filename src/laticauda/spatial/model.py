@@ -12,8 +12,8 @@ from jaxtyping import Float
 
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
 from laticauda.gaits import Wave
-from laticauda.interfaces import Command, Log, Observation, Start
-from laticauda.robot import Environment, Ground, Robot, check_fits
+from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
+from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.robot.files import to_toml
 from laticauda.spatial import driving, ground, mjcf, water
 from laticauda.spatial.door import engine
@@ -23,10 +23,11 @@ from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
 
 LEAST_DT = 1e-6  # s
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
-STRAIGHT = Wave(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
+ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: both waves' phase, filtered values and their rates.
-GENERATOR = (slice(driving.PHASE, driving.OFFSET_RATE + 1), slice(driving.PITCH, driving.STATE_ROWS))
+GENERATOR = (slice(driving.PHASE, driving.OFFSET_RATE + 1), slice(driving.PITCH, driving.FIN))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,7 +102,14 @@ class SpatialPlant:
             contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
             if contacts:
                 limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
+            if self.is_implicit:
+                limit = min(limit, ELASTIC_DT)
             object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether any joint is free, so that steps are linearly implicit (`laticauda.spatial.driving`)."""
+        return self.joints != "prescribed" or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -155,6 +163,9 @@ class SpatialPlant:
             values[rows.SECOND + rows.AMPLITUDE_NOW] = command.gait.pitch.amplitude
             values[rows.SECOND + rows.FREQUENCY_NOW] = command.gait.pitch.frequency
             values[rows.SECOND + rows.PHASE_SHIFT_NOW] = command.gait.pitch.phase_shift
+        if command.gait.fin is not None:
+            values[rows.THIRD + rows.AMPLITUDE_NOW] = command.gait.fin.amplitude
+            values[rows.THIRD + rows.FREQUENCY_NOW] = command.gait.fin.frequency
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
         x, y = start.center_of_mass
@@ -247,31 +258,36 @@ class SpatialPlant:
             gait = command.gait
             self._check(command)
             rows[driving.IS_LED] = 1.0
+            rows[driving.ACTIVE_POWER] = self.robot.active_power or 0.0
             rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
             pitch = STRAIGHT if gait.pitch is None else gait.pitch
             offset = pitch.offset + command.pitch_offset
             second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
-            rows[driving.PITCH_COMMAND : driving.BANDWIDTH] = second
-            yaw = joints[:, driving.WAVE] == 0.0
-            joints[yaw, driving.ENVELOPE] = gait.joint_envelope(int(yaw.sum()) + 1)
-            joints[~yaw, driving.ENVELOPE] = 1.0
-            self._hold(rows, joints, command)
+            rows[driving.PITCH_COMMAND : driving.FIN_COMMAND] = second
+            fin = STRAIGHT if gait.fin is None else gait.fin
+            rows[driving.FIN_COMMAND : driving.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
+            yaw = joints[:, driving.WAVE] == driving.YAW_WAVE
+            joints[yaw, driving.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
+            self._hold(rows, joints[: self.robot.n_joints], command)
         return rows, joints
 
     def _hold(self, rows: np.ndarray, joints: np.ndarray, command: Command) -> None:
         """Put in references from outside, and switch motors off; see `_at_rest`."""
         command.check_held(self.robot.n_joints, self.joints)
         if command.references is not None:
-            rows[: driving.BANDWIDTH] = 0.0
+            rows[: driving.FIN_COMMAND] = 0.0
             rows[driving.AMPLITUDE] = rows[driving.PITCH_COMMAND + driving.AMPLITUDE] = 1.0
             rows[driving.RAMP] = 0.0
             joints[:, driving.ENVELOPE] = command.references
         if command.enabled is not None:
-            # No gain and no stall torque: what is left of both laws is the friction of the servo's gear.
-            joints[np.logical_not(command.enabled), driving.LAW_0 : driving.LAW_1 + 1] = 0.0
+            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            off = np.logical_not(command.enabled)
+            joints[off, driving.GAIN : driving.STALL_TORQUE + 1] = 0.0
+            joints[off, driving.STALL_POWER] = 0.0
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""
+        check_fin(self.robot, command.gait)
         if command.gait.pitch is None and command.pitch_offset == 0.0:
             return
         if all(joint.axis == "yaw" for joint in self.robot.joints):
@@ -297,8 +313,8 @@ class SpatialPlant:
         self, state: SpatialState, rows: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
     ) -> tuple[SpatialState, np.ndarray]:
         values = state.values.copy()
-        n = self.robot.n_links
-        log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * (n - 1)))
+        n, joints = self.robot.n_links, len(self._twin.joints)
+        log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * joints))
         written = self._twin.run(values, rows, steps, dt, every, log)
         return SpatialState(values=values), log[:written]
 
@@ -325,13 +341,25 @@ class SpatialPlant:
         n = self.robot.n_links
         first = driving.STATE_ROWS + driving.SAMPLE_HEADER + 3 * n - 2
         log = self._named(samples)
-        log["joint_angle_ref"] = samples[:, first : first + n - 1]
+        log["joint_angle_ref"] = self._asked_for(samples, samples[:, first : first + n - 1])
         log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
         log["work"] = samples[:, driving.WORK_ABSOLUTE : driving.WORK_ELECTRICAL]
-        if self.joints == "servo":
+        if has_power_model(self.robot, self.joints):
             log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
         at = driving.STATE_ROWS + driving.ORIENTATION
-        return log | {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
+        log |= {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
+        first += 2 * n - 2
+        fin = samples[:, first:].reshape(len(samples), 4, -1)
+        return log | fin_signals(self.robot.caudal_fin, *np.moveaxis(fin, 1, 0))
+
+    def _asked_for(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
+        """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if self.joints != "prescribed" or np.all(share == 1.0):
+            return done
+        first, second = driving.OFFSET_NOW, driving.SECOND + driving.OFFSET_NOW
+        offset = samples[:, [second if joint.axis == "pitch" else first for joint in self.robot.joints]]
+        return offset + (done - offset) / share
 
 
 def _at_rest(state: SpatialState) -> SpatialState:

@@ -26,6 +26,8 @@ class Pose:
     """Of module 0, a quaternion (w, x, y, z) [-]."""
     joint_angle: Float[np.ndarray, " n_joints"]
     """Of all joints of the robot, those that the planar model holds included [rad]."""
+    fin_angle: Float[np.ndarray, " n_fin_joints"]
+    """Of the joints of a fin that is driven or bends, from its root on; straight if the trial does not say [rad]."""
 
 
 def pose(trial: Trial, time: float, height: float) -> Pose:
@@ -35,18 +37,25 @@ def pose(trial: Trial, time: float, height: float) -> Pose:
         trial: Any trial.
         time: Within the trial's time [s].
         height: At which a planar robot swims [m].
+
+    Raises:
+        ValueError: If a measured trial does not say how the robot was bent.
     """
+    trial.need("a picture of the robot", "joint_angle", "heading")
     before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
     joint_angle = _between(trial, before, time, trial.joint_angle, trial.joint_rate)
     center = _between(trial, before, time, trial.center_of_mass, trial.center_of_mass_velocity)
+    fin_angle = _between(trial, before, time, trial.fin_angle, trial.fin_rate)
     if center.size == 3:
-        return Pose(center_of_mass=center, orientation=_orientation(trial, before, time), joint_angle=joint_angle)
+        orientation = _orientation(trial, before, time)
+        return Pose(center_of_mass=center, orientation=orientation, joint_angle=joint_angle, fin_angle=fin_angle)
     heading = float(_between(trial, before, time, trial.heading, trial.heading_rate))
     tail = float(link_angles(joint_angle, angle=heading)[0])
     return Pose(
         center_of_mass=np.array([*center, height]),
         orientation=_turned(tail),
         joint_angle=_all_joints(trial.robot, joint_angle),
+        fin_angle=fin_angle,
     )
 
 
@@ -55,6 +64,7 @@ def put(model: Any, data: Any, robot: Robot, pose: Pose) -> None:
     mujoco = engine()
     data.qpos[:3], data.qpos[3:7] = 0.0, pose.orientation
     data.qpos[7 : 7 + robot.n_joints] = pose.joint_angle
+    data.qpos[7 + robot.n_joints : 7 + robot.n_joints + pose.fin_angle.size] = pose.fin_angle
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     data.qpos[:3] = pose.center_of_mass - data.subtree_com[model.body("module_0").id]

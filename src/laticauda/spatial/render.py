@@ -180,6 +180,8 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
         if gait.pitch is not None:
             numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
             lines.append(f"pitch wave, {numbers}")
+        if gait.fin is not None:
+            lines.append(f"fin, {math.degrees(gait.fin.amplitude):.0f}°, {math.degrees(gait.fin.frequency):.0f}°/s")
     if speed != 1.0:
         lines[0] += f"  (shown at {speed:g} times its speed)"
     return lines

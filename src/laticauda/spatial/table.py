@@ -71,5 +71,6 @@ TETHER_DRAG = 41
 WAKE_MASS = 42
 PLATE = 43  # 5, as in fluid.laws.plate
 CONTACT = 48  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-ELEMENT_SIZE = 53
+SWAY_FRICTION = 53
+ELEMENT_SIZE = 54
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]

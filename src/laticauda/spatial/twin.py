@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.fluid import laws
-from laticauda.robot import Actuator, Ground, Robot
+from laticauda.robot import Ground, Joint, Robot, has_power_model
 from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
 from laticauda.spatial.door import engine
 from laticauda.spatial.water_robot import on_ground, robot_elements
@@ -54,10 +54,8 @@ class Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = _center_of_mass(robot)
-        self.joints = np.array(
-            [_joint_row(j.axis, j.stiffness, j.damping, j.actuator, plant.joints) for j in robot.joints]
-        )
-        self.joints = self.joints.reshape(-1, driving.JOINT_SIZE)
+        rows = _joint_rows(robot, plant.joints)
+        self.joints = np.array(rows).reshape(-1, driving.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
@@ -112,7 +110,7 @@ class Twin:
                 *base,
                 plant.robot.n_links,
                 self.model.nbody,
-                JOINT_LAWS[plant.joints],
+                plant.is_implicit,
                 plant.root == "planar",
                 *(where[name] for name in fields),
             ],
@@ -158,18 +156,31 @@ def _center_of_mass(robot: Robot) -> float:
     return moment / robot.mass
 
 
-def _joint_row(axis: str, stiffness: float, damping: float, actuator: Actuator, drive: str) -> np.ndarray:
-    row = np.zeros(driving.JOINT_SIZE)
-    row[[driving.WAVE, driving.STIFFNESS, driving.DAMPING]] = axis == "pitch", stiffness, damping
-    if drive == "pd":
-        row[driving.LAW_0 : driving.LAW_1 + 1] = actuator.proportional_gain, actuator.derivative_gain
-    else:
-        row[driving.LAW_0 : driving.LAW_5 + 1] = (
-            actuator.servo_gain,
-            actuator.stall_torque,
-            actuator.no_load_speed,
-            actuator.friction_torque,
-            actuator.viscous_friction,
-            actuator.voltage * actuator.stall_current,
-        )
+def _joint_rows(robot: Robot, drive: str) -> list[np.ndarray]:
+    """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
+    waves = {"yaw": driving.YAW_WAVE, "pitch": driving.PITCH_WAVE}
+    has_power = has_power_model(robot, drive)
+    found = [_joint_row(joint, drive, waves[joint.axis], has_power=has_power) for joint in robot.joints]
+    fin = robot.caudal_fin
+    if fin is not None and fin.joint is not None:
+        found.append(_joint_row(fin.joint, drive, driving.FIN_WAVE, has_power=has_power))
+    for hinge in fin.hinges if fin is not None else ():
+        row = np.zeros(driving.JOINT_SIZE)
+        row[[driving.LAW, driving.WAVE]] = driving.PASSIVE, driving.NO_WAVE
+        row[[driving.STIFFNESS, driving.DAMPING]] = hinge.stiffness, hinge.damping
+        found.append(row)
+    return found
+
+
+def _joint_row(joint: Joint, drive: str, wave: int, *, has_power: bool) -> np.ndarray:
+    row, actuator = np.zeros(driving.JOINT_SIZE), joint.actuator
+    row[[driving.LAW, driving.WAVE]] = JOINT_LAWS[drive], wave
+    row[driving.ENVELOPE] = actuator.tracking if drive == "prescribed" else 1.0
+    row[driving.STIFFNESS], row[driving.DAMPING] = joint.stiffness, joint.damping
+    row[driving.GAIN] = actuator.proportional_gain if drive == "pd" else actuator.servo_gain
+    row[driving.RATE_GAIN] = actuator.derivative_gain
+    row[driving.STALL_TORQUE], row[driving.NO_LOAD_SPEED] = actuator.stall_torque, actuator.no_load_speed
+    row[driving.FRICTION_TORQUE] = actuator.friction_torque
+    row[driving.VISCOUS_FRICTION] = actuator.viscous_friction
+    row[driving.STALL_POWER] = actuator.stall_power if has_power else 0.0
     return row

@@ -9,9 +9,10 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
 from laticauda.errors import instance
-from laticauda.robot import Joint, Module, Robot
+from laticauda.robot import CaudalFin, Joint, Module, Piece, Robot
 from laticauda.spatial import mjcf
 from laticauda.spatial.appearance import MATERIALS, seen_opening
+from laticauda.spatial.fin import fin_bodies
 
 # MuJoCo would otherwise merge links that cannot move against each other, and forget what is only to be seen.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
@@ -76,10 +77,14 @@ def _add_shapes(link: ET.Element, module: Module, mesh: str | None, material: st
 
 
 def _add_joint(root: ET.Element, index: int, joint: Joint, ahead: float) -> None:
-    motor = joint.actuator
     element = _connect(root, f"joint_{index}", "revolute", f"module_{index}", f"module_{index + 1}")
-    ET.SubElement(element, "origin", xyz=_numbers(ahead, 0.0, 0.0))
-    ET.SubElement(element, "axis", xyz=_numbers(*mjcf.AXES[joint.axis]))
+    _drive(element, joint, (ahead, 0.0, 0.0), mjcf.AXES[joint.axis])
+
+
+def _drive(element: ET.Element, joint: Joint, at: tuple[float, ...], axis: tuple[float, ...]) -> None:
+    """Where a driven joint is, and what its actuator can do."""
+    motor = joint.actuator
+    _place(element, at, axis)
     bounds = {
         "lower": -joint.limit,
         "upper": joint.limit,
@@ -91,18 +96,44 @@ def _add_joint(root: ET.Element, index: int, joint: Joint, ahead: float) -> None
     ET.SubElement(element, "dynamics", damping=_numbers(damping), friction=_numbers(motor.friction_torque))
 
 
+def _place(element: ET.Element, at: tuple[float, ...], axis: tuple[float, ...]) -> None:
+    ET.SubElement(element, "origin", xyz=_numbers(*at))
+    ET.SubElement(element, "axis", xyz=_numbers(*axis))
+
+
 def _add_fin(root: ET.Element, robot: Robot) -> None:
+    """The fin's pieces; URDF has no springs, so hinges that stand for its bending have their damping only."""
     fin = robot.caudal_fin
     if fin is None:
         return
-    link = _fix(root, "caudal_fin", "module_0", (0.0, 0.0, 0.0), 0.0)
-    center, inertia = mjcf.inertia_of(fin)
-    _add_inertial(link, fin.mass, center, inertia)
-    inner = seen_opening(fin)
+    parent, ahead = "module_0", 0.0
+    for k, (name, piece) in enumerate(fin_bodies(fin)):
+        at = (-ahead, 0.0, 0.0)
+        if piece.hinge is not None:
+            link = ET.SubElement(root, "link", name=name)
+            hinge = _connect(root, f"fin_hinge_{k}", "continuous", parent, name)
+            _place(hinge, at, mjcf.FIN_AXIS)
+            ET.SubElement(hinge, "dynamics", damping=_numbers(piece.hinge.damping))
+        elif fin.joint is not None:
+            link = ET.SubElement(root, "link", name=name)
+            _drive(_connect(root, "fin_joint", "revolute", parent, name), fin.joint, at, mjcf.FIN_AXIS)
+        else:
+            link = _fix(root, name, parent, at, 0.0)
+        center, inertia = mjcf.fin_inertia(fin, piece)
+        _add_inertial(link, piece.mass, center, inertia)
+        _add_plate(link, fin, piece)
+        parent, ahead = name, piece.length
+
+
+def _add_plate(link: ET.Element, fin: CaudalFin, piece: Piece) -> None:
+    """What is seen of a piece: none of the opening."""
+    begin = max(seen_opening(fin), piece.begin)
+    if begin >= piece.end:
+        return
     for use in ("visual", "collision"):
         shape = ET.SubElement(link, use)
-        ET.SubElement(shape, "origin", xyz=_numbers(-0.5 * (fin.length + inner), 0.0, 0.0))
-        size = _numbers(fin.length - inner, fin.thickness, fin.height)
+        ET.SubElement(shape, "origin", xyz=_numbers(piece.begin - 0.5 * (begin + piece.end), 0.0, 0.0))
+        size = _numbers(piece.end - begin, fin.thickness, fin.height)
         ET.SubElement(ET.SubElement(shape, "geometry"), "box", size=size)
         if use == "visual":
             ET.SubElement(shape, "material", name="fin")

@@ -281,4 +281,5 @@ def _record(element: Element) -> np.ndarray:
     record[rows.REFERENCE_SPEED] = element.reference_speed
     record[rows.TETHER_DRAG], record[rows.WAKE_MASS] = element.tether_drag, element.wake_mass
     record[rows.LINEAR], record[rows.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
+    record[rows.SWAY_FRICTION] = element.sway_friction
     return record

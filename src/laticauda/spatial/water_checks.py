@@ -62,19 +62,21 @@ def stable_step(model: Any, elements: Iterable[Element], fluid_law: FluidLaw, sp
 
 def _slopes(law: FluidLaw, element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Steepest slope of the drag between rest and a speed, along and about the element's axes."""
-    water = (element.reference_speed, float(element.reference_speed > 0.0), float(element.quadratic))
+    linear, quadratic = float(element.reference_speed > 0.0), float(element.quadratic)
+    water = (element.reference_speed, linear, quadratic)
     spin = speed / max(element.half_size)
     near = 1e-6
 
-    def slope(v: float, c: float) -> float:
-        return (
-            law(v - near, 0.0, 0.0, c, 0.0, 0.0, 0.0, *water)[0] - law(v + near, 0.0, 0.0, c, 0.0, 0.0, 0.0, *water)[0]
-        )
+    def slope(v: float, c: float, sway: float) -> float:
+        before, after = (law(at, sway and v, 0.0, c, 0.0, 0.0, 0.0, *water, sway)[0] for at in (v - near, v + near))
+        return before - after
 
     def slope_2(w: float, a: float, b: float) -> float:
-        return law(0.0, 0.0, w - near, 0.0, 0.0, a, b, *water)[2] - law(0.0, 0.0, w + near, 0.0, 0.0, a, b, *water)[2]
+        before, after = (law(0.0, 0.0, at, 0.0, 0.0, a, b, *water, 0.0)[2] for at in (w - near, w + near))
+        return before - after
 
-    along = [max(slope(0.0, c), slope(speed, c)) for c in element.drag]
+    sways = (element.sway_friction, 0.0, 0.0)
+    along = [max(slope(0.0, c, s), slope(speed, c, s)) for c, s in zip(element.drag, sways, strict=True)]
     pairs = zip(element.torque_linear, element.torque_quadratic, strict=True)
     about = [max(slope_2(0.0, a, b), slope_2(spin, a, b)) for a, b in pairs]
     return np.array(along) / (2.0 * near), np.array(about) / (2.0 * near)

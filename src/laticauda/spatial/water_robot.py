@@ -20,6 +20,7 @@ import numpy as np
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
 from laticauda.spatial.elements import Element
+from laticauda.spatial.fin import fin_bodies
 from laticauda.spatial.ground import contact
 
 
@@ -49,13 +50,16 @@ def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, we
         wet: Whether water may be over the ground; without it, its own loads are taken away.
     """
     found: list[Element] = []
-    for e in elements:
+    plates = [k for k, e in enumerate(elements) if e.shape == "box" and e.volume > 0.0]  # a strip has no volume
+    for k, e in enumerate(elements):
         if not wet:
             e = replace(e, drag=(0.0, 0.0, 0.0), torque_linear=(0.0,) * 3, torque_quadratic=(0.0,) * 3, volume=0.0)
         if e.body.startswith("module_") and e.shape == "cylinder":
             e = replace(e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground))
-        elif e.shape == "box" and robot.caudal_fin is not None and e.half_size[0] == 0.5 * robot.caudal_fin.length:
-            e = replace(e, contact=contact(robot.caudal_fin.mass, ground))
+        elif k in plates and robot.caudal_fin is not None:
+            e = replace(
+                e, contact=contact(robot.caudal_fin.mass * 2.0 * e.half_size[0] / robot.caudal_fin.length, ground)
+            )
         found.append(e)
     return tuple(found)
 
@@ -91,12 +95,14 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
 def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Element]:
     h = 0.5 * fin.height
     found: list[Element] = []
+    bodies = fin_bodies(fin)
     for k in range(c.mass.size):
+        body, piece = next((body, piece) for body, piece in bodies if -float(c.position[k]) < piece.end)
         c_t, c_n, mu_n, d = float(c.c_t[k]), float(c.c_n[k]), float(c.mu_n[k]), 2.0 * float(c.half_length[k])
         found.append(
             Element(
-                body="caudal_fin",
-                position=(float(c.position[k]), 0.0, 0.0),
+                body=body,
+                position=(float(c.position[k]) + piece.begin, 0.0, 0.0),
                 drag=(c_t, c_n, c_t),
                 torque_linear=(c_n * h**2 / 3.0, 0.0, float(c.lambda_2[k])),
                 torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
@@ -107,10 +113,14 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
                 **_law(environment),
             )
         )
-    half = (0.5 * fin.length, 0.5 * fin.thickness, h)
-    found.append(  # the plate as a whole floats, its opening included, as it is its whole that has the mass
-        Element(body="caudal_fin", position=(-half[0], 0.0, 0.0), volume=fin.volume, shape="box", half_size=half)
-    )
+    for (
+        body,
+        piece,
+    ) in bodies:  # the plate as a whole floats, its opening included, as it is its whole that has the mass
+        half = (0.5 * piece.length, 0.5 * fin.thickness, h)
+        volume = fin.volume * piece.length / fin.length
+        place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
+        found.append(Element(**place, volume=volume, **_law(environment)))
     return found
 
 
@@ -130,7 +140,11 @@ def _effectors(robot: Robot, environment: Environment) -> list[Element]:
         fin = robot.caudal_fin
         half_height = 0.5 * fin.height if fin else robot.modules[0].section.half_height
         mass = environment.density * float(np.pi) * half_height**2
-        found.append(Element(body="module_0", position=(-fin.length if fin else 0.0, 0.0, 0.0), wake_mass=mass))
+        body, behind = "module_0", 0.0
+        if fin:
+            body, piece = fin_bodies(fin)[-1]
+            behind = piece.length
+        found.append(Element(body=body, position=(-behind, 0.0, 0.0), wake_mass=mass))
     return found
 
 
@@ -149,7 +163,11 @@ def _law(environment: Environment) -> dict[str, Any]:
         dry = environment.friction == "coulomb"
         return {"reference_speed": environment.regularization_speed if dry else 1.0, "quadratic": dry}
     speed = environment.reference_speed if environment.linear_drag else 0.0
-    return {"reference_speed": speed, "quadratic": environment.quadratic_drag}
+    return {
+        "reference_speed": speed,
+        "quadratic": environment.quadratic_drag,
+        "sway_friction": environment.sway_friction,
+    }
 
 
 def _own(override: float | None, water: float) -> float:

@@ -149,20 +149,25 @@ def _measured(
 ) -> tuple[Figures, dict[str, Setting]]:
     """The figures of every trial with every set of coefficients, and how they were computed."""
     robots = {group.robot: load_robot(group.robot) for group in settings.groups}
-    waters = [{kind: model.water(kind) for kind in model.waters} for model in settings.models]
-    found = np.empty((len(trials), len(waters), 3))
+    wanted = {(group.robot, group.gait) for group in settings.groups}
+    # By set of coefficients, by robot and gait: what swims, and where.
+    setups = [
+        {(robot, gait): (model.robot(robots[robot], gait), model.water(gait)) for robot, gait in wanted}
+        for model in settings.models
+    ]
+    found = np.empty((len(trials), len(setups), 3))
     how: dict[str, Setting] = {}
     for i, (group, gait) in enumerate(trials):
-        for m, by_gait in enumerate(waters):
-            trial = _swim(robots[group.robot], gait, by_gait[gait.kind], settings.duration, options)
+        for m, setup in enumerate(setups):
+            trial = _swim(*setup[group.robot, gait.kind], gait, settings.duration, options)
             found[i, m] = trial.forward_velocity, trial.steady_velocity, trial.mechanical_power
             how |= trial.settings
         if progress is not None:
-            progress((i + 1) * len(waters), settings.n_runs)
+            progress((i + 1) * len(setups), settings.n_runs)
     return found, how
 
 
-def _swim(robot: Robot, gait: Gait, water: Water, duration: float, options: Mapping[str, Any]) -> Trial:
+def _swim(robot: Robot, water: Water, gait: Gait, duration: float, options: Mapping[str, Any]) -> Trial:
     try:
         return swim(robot, gait, duration, environment=water, throw=True, **options)
     except SimulationFailed as error:

@@ -154,7 +154,7 @@ def run_links(
         for n in settings.n_links:
             gait = settings.gait(kind, n, kept)
             robot = load_robot(settings.robot, n_links=n)
-            robot = replace(robot, name=f"{settings.robot} with {n} links")
+            robot = replace(settings.coefficients.robot(robot, kind), name=f"{settings.robot} with {n} links")
             trial = swim(
                 robot,
                 gait,

@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from laticauda.errors import one_of, positive
 from laticauda.gaits import Gait
-from laticauda.robot import Water, load_water
+from laticauda.robot import Parameters, Robot, Water, load_water
 from laticauda.trial.measured import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
@@ -30,6 +30,8 @@ class Coefficients:
     """What a legend says."""
     waters: Mapping[str, str | Water]
     """A water for every kind of gait: itself, or its name (`load_water`)."""
+    parameters: Parameters | None = None
+    """What they change about a robot, if they come from a parameter file."""
 
     def water(self, gait: str) -> Water:
         """The water for a kind of gait.
@@ -39,6 +41,15 @@ class Coefficients:
         """
         water = self.waters[gait]
         return water if isinstance(water, Water) else load_water(water)
+
+    def robot(self, robot: Robot, gait: str) -> Robot:
+        """A robot with what these parameters change about it.
+
+        Args:
+            robot: What swims.
+            gait: The gait's kind.
+        """
+        return robot if self.parameters is None else self.parameters.robot(robot, gait)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -200,9 +200,10 @@ class _Pool:
         until: Until | None = None,
     ) -> Trial:
         joints, bandwidth = way
+        kind, coefficients = controller.gait.kind, self.settings.coefficients
         body = plant(
-            load_robot(robot),
-            self.settings.coefficients.water(controller.gait.kind),
+            coefficients.robot(load_robot(robot), kind),
+            coefficients.water(kind),
             model=self.model,
             joints=joints,
             dt=self.dt if joints == self.joints else None,

@@ -98,7 +98,8 @@ def run_side_trials(
     def speed(gait: Gait, law: str, **changes: float) -> float:
         nonlocal n_done
         water = replace(settings.coefficients.water(gait.kind), **changes)
-        done = swim(load_robot(ROBOT), gait, settings.duration, environment=water, model=model, joints=law, throw=True)
+        robot = settings.coefficients.robot(load_robot(ROBOT), gait.kind)
+        done = swim(robot, gait, settings.duration, environment=water, model=model, joints=law, throw=True)
         n_done += 1
         if progress is not None:
             progress(n_done, n_trials)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -11,7 +11,7 @@ from laticauda.control import Path as FollowedPath
 from laticauda.errors import SimulationFailed, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Controller, Plant, Start
-from laticauda.robot import Water, load_robot
+from laticauda.robot import Parameters, Robot, Water, load_robot
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
 from laticauda.studies.paper import Coefficients, efficiency_settings, paper_coefficients
@@ -32,11 +32,19 @@ class Swimmer:
     """The robot's name (`load_robot`)."""
     water: Water
     """What it swims in."""
+    parameters: Parameters | None = field(default=None, compare=False)  # they cannot be hashed, the rest has to be
+    """What they change about the robot; None: nothing."""
+
+    @property
+    def body(self) -> Robot:
+        """The robot."""
+        robot = _robot(self.robot)
+        return robot if self.parameters is None else self.parameters.robot(robot, self.gait.kind)
 
     @property
     def has_fin(self) -> bool:
         """Whether it wears a caudal fin."""
-        return _robot(self.robot).caudal_fin is not None
+        return self.body.caudal_fin is not None
 
     @property
     def name(self) -> str:
@@ -46,7 +54,7 @@ class Swimmer:
     @property
     def length(self) -> float:
         """Of the straight robot, its fin included [m]."""
-        robot = _robot(self.robot)
+        robot = self.body
         return robot.length + (robot.caudal_fin.length if robot.caudal_fin is not None else 0.0)
 
 
@@ -87,12 +95,17 @@ def swimmers(coefficients: Coefficients | None = None) -> tuple[Swimmer, ...]:
     """The gaits of the paper's path-following trials, each without and with the fin.
 
     Args:
-        coefficients: The water of every gait; None takes the paper's.
+        coefficients: The water of every gait, and what they change about the robots; None takes the paper's.
     """
     coefficients = coefficients or paper_coefficients()
     robots = {group.has_fin: group.robot for group in efficiency_settings().groups}
     found = [
-        Swimmer(gait=row.gait, robot=robots[row.has_fin], water=coefficients.water(row.gait.kind))
+        Swimmer(
+            gait=row.gait,
+            robot=robots[row.has_fin],
+            water=coefficients.water(row.gait.kind),
+            parameters=coefficients.parameters,
+        )
         for row in path_following_trials()
     ]
     return tuple(dict.fromkeys(found))
@@ -116,7 +129,7 @@ def in_water(
         current: Velocity that the water moves to, world axes [m/s].
     """
     water = replace(swimmer.water, current=current)
-    return plant(_robot(swimmer.robot), water, model=model, joints=joints, offset_bandwidth=offset_bandwidth)
+    return plant(swimmer.body, water, model=model, joints=joints, offset_bandwidth=offset_bandwidth)
 
 
 def run_named(

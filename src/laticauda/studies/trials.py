@@ -24,7 +24,7 @@ QUANTITIES = {
     "steady_velocity": ("m/s", "the same over whole gait cycles after the transient"),
     "mechanical_power": ("W", "mechanical power, mean of sum |u phi'|"),
     "net_power": ("W", "mechanical power, net"),
-    "mean_power": ("W", "electrical power with servo joints, else the mechanical power"),
+    "mean_power": ("W", "electrical power where there is a power model, else the mechanical power"),
     "cost_of_transport": ("1", "cost of transport: mean power / (weight of the displaced water * forward velocity)"),
     "succeeded": ("", "whether the run reached its end"),
 }

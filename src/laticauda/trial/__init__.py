@@ -1,8 +1,10 @@
 """The `Trial`, the time-stamped log of one run: its figures, its files, comparisons, and what the paper measured."""
 
+from laticauda.trial.column_files import load_column_map
+from laticauda.trial.column_maps import ColumnMap
 from laticauda.trial.compare import ComparedFigure, compare
 from laticauda.trial.cycles import CycleMean
-from laticauda.trial.files import load_trial
+from laticauda.trial.files import FORMATS, load_trial
 from laticauda.trial.joining import joined
 from laticauda.trial.mcap import Recorder
 from laticauda.trial.measured import (
@@ -22,7 +24,9 @@ from laticauda.trial.trial import FORCE_COMPONENTS, Trial
 __all__ = [
     "FIGURES",
     "FORCE_COMPONENTS",
+    "FORMATS",
     "GAIT_WORDS",
+    "ColumnMap",
     "ComparedFigure",
     "CycleMean",
     "Figure",
@@ -36,6 +40,7 @@ __all__ = [
     "efficiency_trials",
     "group_name",
     "joined",
+    "load_column_map",
     "load_trial",
     "measured_counterpart",
     "measured_trial",

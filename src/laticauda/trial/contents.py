@@ -11,6 +11,7 @@ from jaxtyping import Float, Shaped
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 Plane: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
 Links: TypeAlias = Float[np.ndarray, "n_samples n_links"]
+FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
 Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints"]
 Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
 Work: TypeAlias = Float[np.ndarray, "n_samples 3"]

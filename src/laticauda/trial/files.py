@@ -25,6 +25,8 @@ from laticauda.trial.writing import write_whole
 if TYPE_CHECKING:
     import xarray
 
+    from laticauda.trial.column_maps import ColumnMap
+
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
@@ -72,11 +74,13 @@ def save_trial(trial: Trial, path: str | Path) -> None:
     write_whole(path, lambda beside: write(trial, beside))
 
 
-def load_trial(path: str | Path) -> Trial:
-    """Read a trial from a file that `save_trial` wrote.
+def load_trial(path: str | Path, columns: str | Path | ColumnMap | None = None) -> Trial:
+    """Read a trial from a file that `save_trial` wrote, or make one of somebody's log.
 
     Args:
         path: The file.
+        columns: What the columns of a log are: a column map or its TOML file, see `measuring.load_measured`; None for
+            a file that laticauda wrote.
 
     Returns:
         A trial that `equals` the saved one, bit for bit.
@@ -86,12 +90,16 @@ def load_trial(path: str | Path) -> Trial:
         MissingExtra: If the format needs a package that is not installed.
     """
     path = Path(path)
+    if columns is not None:
+        from laticauda.trial.measuring import load_measured
+
+        return load_measured(path, columns)
     form = _format(path)
     try:
         if form.read is None:
             raise TrialFileError(
-                f"Cannot load {path}: a {form.ending} file does not say what swam; give a column map, "
-                "as `load_measured` and `--columns` take it."
+                f"Cannot load {path}: a {form.ending} file does not say what swam; give a column map "
+                "(`columns`, on the command line --columns)."
             )
         read: Callable[[Path], Trial] = getattr(_module(form), form.read)
         return read(path)

@@ -187,8 +187,12 @@ def trial_from(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -
 
 
 def _gait(values: dict[str, Any]) -> Gait:
-    pitch = values.pop("pitch", None)  # trials of older versions have none
-    return Gait(**values, pitch=None if pitch is None else Wave(**pitch))
+    pitch, fin = values.pop("pitch", None), values.pop("fin", None)  # trials of older versions have none
+    return Gait(**values, pitch=_wave(pitch), fin=_wave(fin))
+
+
+def _wave(values: dict[str, Any] | None) -> Wave | None:
+    return None if values is None else Wave(**values)
 
 
 def _force(component: str) -> Variable:

@@ -32,6 +32,8 @@ class MeasuredTrial:
     """Equation (5); None where it was not available [m/s]."""
     mean_power: float | None
     """Electrical power above idle (4), not comparable with a mechanical power; None if not available [W]."""
+    is_maximum: bool = False
+    """Whether the table has a star here: the fastest of a sweep over amplitude, frequency or phase shift."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +65,7 @@ def efficiency_trials() -> tuple[MeasuredTrial, ...]:
             has_fin=row["config"] == "fin",
             forward_velocity=_number(row["v_m_s"]),
             mean_power=_number(row["P_avg_W"]),
+            is_maximum=row["maximum"] == "yes",
         )
         for row in _rows("table1.csv")
         if row["v_m_s"] or row["P_avg_W"]
@@ -141,4 +144,4 @@ def _gait(kind: str, amplitude: str | float, frequency: str | float, phase_shift
 def _alike(one: Gait, other: Gait) -> bool:
     names = ("amplitude", "frequency", "phase_shift", "offset")
     close = all(abs(getattr(one, name) - getattr(other, name)) <= _TOLERANCE for name in names)
-    return one.kind == other.kind and one.pitch == other.pitch and close
+    return one.kind == other.kind and one.pitch == other.pitch and one.fin == other.fin and close

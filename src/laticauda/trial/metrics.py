@@ -171,6 +171,7 @@ def strouhal_number(
     link_angle: Float[np.ndarray, "n_samples n_links"],
     robot: Robot,
     period: float,
+    fin_angle: Float[np.ndarray, "n_samples n_fin_joints"] | None = None,
 ) -> float:
     """Strouhal number f A / U of the tail.
 
@@ -186,12 +187,13 @@ def strouhal_number(
         link_angle: theta [rad].
         robot: The robot whose links these are.
         period: Of the gait [s].
+        fin_angle: Of the joints of its fin [rad]; None: straight.
 
     Raises:
         ValueError: If the run is too short, or the robot stands still.
     """
     part = steady_part(time, period)
-    edge = trailing_edge(robot, center_of_mass[:, :2], link_angle)
+    edge = trailing_edge(robot, center_of_mass[:, :2], link_angle, fin_angle=fin_angle)
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
     steps = np.diff(interpolated(time, center_of_mass, velocity, bounds), axis=0)
     excursion = 0.0

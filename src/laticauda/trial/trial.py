@@ -16,7 +16,7 @@ import numpy as np
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import contents, metrics
-from laticauda.trial.contents import AnyArray, Axes, Forces, Joints, Links, Plane, Samples, Setting, Work
+from laticauda.trial.contents import AnyArray, Axes, FinJoints, Forces, Joints, Links, Plane, Samples, Setting, Work
 from laticauda.trial.cycles import CycleMean, cycle_mean
 
 if TYPE_CHECKING:
@@ -190,13 +190,13 @@ class Trial:
     @property
     def net_power(self) -> float:
         """Mean of sum u phi': braking joints give their power back [W]."""
-        self.need("a net power", "work")
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 1])
 
     @property
     def positive_power(self) -> float:
         """Mean of sum max(u phi', 0): braking joints cost nothing [W]."""
-        self.need("a positive power", "work")
+        self.need("a mechanical power", "work")
         return metrics.mean_power(self.time, self.work[:, 2])
 
     @property
@@ -317,7 +317,23 @@ class Trial:
         """
         self.need("a Strouhal number", "link_angle")
         path = self.time, self.center_of_mass, self.center_of_mass_velocity
-        return metrics.strouhal_number(*path, self.link_angle, self._chain, self._known_period)
+        return metrics.strouhal_number(*path, self.link_angle, self._chain, self._known_period, self.fin_angle)
+
+    @property
+    def fin_angle(self) -> FinJoints:
+        """Angles of the joints of a fin that is driven or bends, from its root on; 0 where it lacks them [rad]."""
+        return self._of_fin("fin_angle")
+
+    @property
+    def fin_rate(self) -> FinJoints:
+        """Their rates [rad/s]."""
+        return self._of_fin("fin_rate")
+
+    def _of_fin(self, name: str) -> np.ndarray:
+        fin = self.robot.caudal_fin
+        joints = range(0 if fin.joint is not None else 1, fin.n_hinges + 1) if fin is not None else ()
+        nothing = np.zeros(self.time.size)
+        return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
 
     # ---- files and tables: late imports keep the libraries behind them out of a plain run -------------------------
 

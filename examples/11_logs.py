@@ -1,0 +1,45 @@
+"""A trial for other tools, and somebody's log as a trial.
+
+python examples/11_logs.py
+"""
+
+from math import degrees, radians
+from pathlib import Path
+
+import laticauda as lc
+
+gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+trial = lc.swim(lc.load_robot("mamba-fin"), gait, duration=30.0)
+
+# Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. All of them load back equal.
+for name in ("run.mcap", "run.mat", "run.parquet"):
+    trial.save(name)
+    print(f"{name}: {Path(name).stat().st_size / 1e6:.2f} MB, equal: {lc.load_trial(name).equals(trial)}")
+
+# In: a table of where the robot was, from any program, and a map that says what its columns are.
+rows = zip(1000.0 * trial.time, *trial.center_of_mass.T, [degrees(angle) for angle in trial.heading], strict=True)
+Path("log.csv").write_text("\n".join(["ms,x,y,heading", *(",".join(map(str, row)) for row in rows)]))
+Path("map.toml").write_text("""
+kind = "columns"
+robot = "mamba-fin"
+
+[gait]
+kind = "lateral-undulation"
+amplitude_deg = 30
+frequency_deg_s = 130
+phase_shift_deg = 40
+
+[time]
+column = "ms"
+unit = "ms"
+
+[center_of_mass]
+position = ["x", "y"]
+
+[heading]
+column = "heading"
+unit = "deg"
+""")
+log = lc.load_trial("log.csv", columns="map.toml")
+print(f"{log.status} {log.forward_velocity:.4f} m/s, turns {degrees(log.turning_rate):+.3f} deg/s")
+print(f"Not measured: {', '.join(log.not_measured)}")

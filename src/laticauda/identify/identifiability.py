@@ -1,0 +1,123 @@
+"""What the data do not see: directions in the space of the unknowns along which the predictions hardly change."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.identify.unknowns import Settled
+
+LIMIT = 0.5
+"""A combination whose standard deviation is more than this share of itself counts as not seen [-]."""
+_FLAT = 1e-13  # eigenvalues below this share of the greatest are rounding
+_PART = 0.25  # members of a combination below this share of its greatest one are left out of its name
+_ALIKE = 0.2  # exponents that differ by less than this share are called equal,
+_ABOUT = 0.5  # and about equal if none is less than this share of the greatest
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Direction:
+    """One eigenvector of the information: a combination of the unknowns."""
+
+    weights: Float[np.ndarray, " n_unknowns"]
+    """Of the unknowns, of length 1: of their logarithms, or in their sizes on a linear scale [-]."""
+    sigma: float
+    """Standard deviation of the combination as the data have it, inf if they do not see it at all [-]."""
+    is_seen: bool
+    """Whether no unknown is more uncertain than the limit for it."""
+    name: str
+    """The combination in words: what is multiplied and divided."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identifiability:
+    """What data can say about unknowns near some values of them, without any prior."""
+
+    directions: tuple[Direction, ...]
+    """From the one seen best to the one seen worst."""
+    sigma: Float[np.ndarray, " n_unknowns"]
+    """Of each unknown: its standard deviation, as a share of it or of its size; inf if unseen [-]."""
+    without_effect: tuple[str, ...]
+    """Unknowns that no number depends on."""
+    limit: float
+    """What counts as not seen [-]."""
+
+    @property
+    def unseen(self) -> tuple[Direction, ...]:
+        """The directions that the data do not see."""
+        return tuple(direction for direction in self.directions if not direction.is_seen)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """A sentence for each of them."""
+        return tuple(f"The data do not see {direction.name}." for direction in self.unseen)
+
+
+def identifiability(
+    information: Float[np.ndarray, "n n"], unknowns: Sequence[Settled], *, limit: float = LIMIT
+) -> Identifiability:
+    """Eigenvalues and eigenvectors of the information, in shares of the unknowns.
+
+    With the Jacobian J of the residuals (in standard deviations) to x = ln q, or to q in its size, the information is
+    F = J^T J. The eigenvector w with the eigenvalue e stands for a combination that the data know to 1/sqrt(e).
+
+    Args:
+        information: F, of the data alone.
+        unknowns: In its order.
+        limit: See `LIMIT`.
+    """
+    sizes = np.array([unknown.size for unknown in unknowns])
+    scaled = information * np.outer(sizes, sizes)
+    eigenvalues, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    strength = np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
+    with np.errstate(divide="ignore"):
+        sigma = 1.0 / np.sqrt(strength)
+    directions = tuple(
+        Direction(
+            weights=_oriented(vectors[:, j]),
+            sigma=float(sigma[j]),
+            is_seen=bool(sigma[j] * np.max(np.abs(vectors[:, j])) < limit),
+            name=_named(_oriented(vectors[:, j]), unknowns),
+        )
+        for j in reversed(range(len(unknowns)))
+    )
+    return Identifiability(
+        directions=directions,
+        sigma=deviations(strength, vectors),
+        without_effect=tuple(unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()),
+        limit=limit,
+    )
+
+
+def deviations(eigenvalues: Float[np.ndarray, " n"], vectors: Float[np.ndarray, "n n"]) -> Float[np.ndarray, " n"]:
+    """Square roots of the diagonal of the inverse; inf for what an eigenvalue of 0 takes part in."""
+    share = vectors**2
+    takes_part = share > 1e-8  # less is rounding of the eigenvectors
+    variance = np.zeros(len(eigenvalues))
+    for j, eigenvalue in enumerate(eigenvalues):
+        variance += share[:, j] / eigenvalue if eigenvalue > 0.0 else np.where(takes_part[:, j], np.inf, 0.0)
+    return np.sqrt(variance)
+
+
+def _oriented(vector: np.ndarray) -> np.ndarray:
+    """With its greatest member positive."""
+    return vector * np.sign(vector[np.argmax(np.abs(vector))])
+
+
+def _named(weights: np.ndarray, unknowns: Sequence[Settled]) -> str:
+    """A combination in words."""
+    greatest = np.max(np.abs(weights))
+    order: list[int] = np.argsort(-np.abs(weights), kind="stable").tolist()
+    members = [k for k in order if abs(weights[k]) >= _PART * greatest]
+    names = [f"`{unknowns[k].name}`" for k in members]
+    if len(members) == 1:
+        return names[0]
+    if not all(unknowns[k].is_log for k in members):
+        terms = " ".join(f"{weights[k]:+.2g} {name}" for k, name in zip(members, names, strict=True))
+        return f"the combination {terms}"
+    if min(weights[members]) > _ABOUT * greatest:
+        about = "" if np.ptp(weights[members]) < _ALIKE * greatest else "about "
+        return f"{about}the common scale of {', '.join(names[:-1])} and {names[-1]}"
+    powers = [f"{name}^{weights[k] / greatest:.2g}" for k, name in zip(members, names, strict=True)]
+    return f"the product {' '.join(powers)}"

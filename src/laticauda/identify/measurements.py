@@ -1,0 +1,266 @@
+"""What was measured: figures of a trial, or time series of it, each with the size of its noise."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import finite, instance, one_of, positive, whole
+from laticauda.gaits import Gait
+from laticauda.identify.selection import mean_of_the_greatest
+from laticauda.interfaces import Start
+from laticauda.robot import Environment, Ground, Robot, Water, load_robot
+from laticauda.simulate.sensitivities import UNITS
+from laticauda.trial import Trial
+from laticauda.trial.measured import GAIT_WORDS, efficiency_trials, group_name
+
+SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
+"""Time series that a trial can be compared with, and their units."""
+TABLE_SIGMA = 0.05
+"""Noise of the paper's Table 1 as a share of each value, unless one says otherwise; the paper states none [-]."""
+TABLE_SELECTED_FROM = 3
+"""Of how many settings as good as it a starred row of Table 1 is taken for the best [-]."""
+
+Numbers = Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measurement:
+    """What one trial of a robot gave, from straight and at rest: figures, time series, or both.
+
+    The noise of every number is taken as normal and independent of all others, with the standard deviation given.
+
+    Raises:
+        ValueError: If a field is out of its range, a number is not finite, or nothing was measured.
+    """
+
+    name: str
+    """What tables and messages call it; no two of a fit alike."""
+    gait: Gait
+    """What the joints were asked for."""
+    robot: Robot | None = None
+    """What swam; None: the robot that is identified."""
+    environment: Environment | None = None
+    """Where; None: the paper's coefficients for the gait, as far as they are not identified."""
+    group: str | None = None
+    """Which measurements it belongs with, to be left out together; None: those of its gait, with or without fin."""
+    start: Start = Start()  # noqa: RUF009 - frozen
+    """Where it began: straight, at rest."""
+    duration: float = 30.0
+    """How long it swam [s]."""
+    figures: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    """By name of the figure (of `Swims`; x, y, heading: at the end): value and standard deviation of its noise."""
+    time: Numbers | None = None
+    """When the series were sampled, from the begin of the trial; None without series [s]."""
+    series: Mapping[str, tuple[np.ndarray, float]] = field(default_factory=dict[str, tuple[np.ndarray, float]])
+    """By name, of `SERIES`: samples, time first, and standard deviation of the noise of each."""
+    selected_from: int = 1
+    """Of how many settings that are about as good it was taken for being the best; 1: it was not selected [-]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once, and freeze what it holds."""
+        if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ValueError(f"`name` must be a text that is not empty, got {self.name!r}.")
+        instance("gait", self.gait, Gait)
+        instance("robot", self.robot, Robot, type(None))
+        instance("environment", self.environment, Water, Ground, type(None))
+        instance("start", self.start, Start)
+        checked: dict[str, Any] = {
+            "duration": positive(f"duration` of `{self.name}", self.duration, "s"),
+            "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),
+            "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
+        }
+        if (self.time is None) != (not self.series):
+            raise ValueError(f"`time` of `{self.name}` must be given for series, and only for them.")
+        if self.time is not None:
+            checked["time"] = self._checked_time(self.time)
+            series = {name: self._one_series(name, pair, checked["time"].size) for name, pair in self.series.items()}
+            checked["series"] = MappingProxyType(series)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if not self.figures and not self.series:
+            raise ValueError(
+                f"`figures` or `series` of `{self.name}` must hold something that was measured, got nothing."
+            )
+
+    def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
+        known = one_of(f"figures` of `{self.name}", name, tuple(UNITS))
+        where = f"figures[{known!r}]` of `{self.name}"
+        value, sigma = _pair(where, pair)
+        return finite(where, value, UNITS[known]), positive(f"sigma of {where}", sigma, UNITS[known])
+
+    def _checked_time(self, given: object) -> Numbers:
+        time = _frozen(f"time` of `{self.name}", given)
+        if time.ndim != 1 or time.size == 0 or np.any(np.diff(time) <= 0.0):
+            raise ValueError(
+                f"`time` of `{self.name}` must be moments that increase, got an array of shape {time.shape}."
+            )
+        if time[0] < 0.0 or time[-1] > self.duration * (1.0 + 1e-9):
+            raise ValueError(
+                f"`time` of `{self.name}` must lie between 0 and its `duration` of {self.duration:g} s, "
+                f"got {time[0]:g} to {time[-1]:g} s."
+            )
+        return time
+
+    def _one_series(self, name: object, pair: Sequence[Any], n: int) -> tuple[np.ndarray, float]:
+        known = one_of(f"series` of `{self.name}", name, tuple(SERIES))
+        where = f"series[{known!r}]` of `{self.name}"
+        given, sigma = _pair(where, pair)
+        values = _frozen(where, given)
+        n_axes = 1 if known == "heading" else 2
+        if values.ndim != n_axes or len(values) != n or (known == "center_of_mass" and values.shape[1] != 2):
+            shape = {"center_of_mass": f"({n}, 2)", "heading": f"({n},)"}.get(known, f"({n}, n_joints)")
+            raise ValueError(f"`{where}` must have the shape {shape}, got {values.shape}.")
+        return values, positive(f"sigma of {where}", sigma, SERIES[known])
+
+    @property
+    def selection_bias(self) -> float:
+        """How many standard deviations of the noise its figures are too great for being selected, on average [-]."""
+        return mean_of_the_greatest(self.selected_from)
+
+    def without_bias(self, figure: str) -> float:
+        """A figure less what selection adds to it on average; power is not what a setting was selected for.
+
+        Args:
+            figure: Its name.
+        """
+        value, sigma = self.figures[figure]
+        return value - self.selection_bias * sigma if figure.endswith("_velocity") else value
+
+
+def group_of(measurement: Measurement, robot: Robot) -> str:
+    """The name of the group that a measurement of this robot belongs to."""
+    if measurement.group is not None:
+        return measurement.group
+    has_fin = robot.caudal_fin is not None
+    if measurement.gait.kind in GAIT_WORDS:
+        return group_name(measurement.gait.kind, has_fin)
+    return f"{measurement.gait.kind} gait, {'with' if has_fin else 'without'} fin"
+
+
+def from_trial(
+    trial: Trial,
+    *,
+    name: str,
+    figures: Mapping[str, float] | None = None,
+    series: Mapping[str, float] | None = None,
+    every: int = 1,
+    group: str | None = None,
+) -> Measurement:
+    """A trial, simulated or recorded, as a measurement. It must begin straight and at rest.
+
+    Args:
+        trial: With a gait.
+        name: What tables and messages call it.
+        figures: Names of figures, and the standard deviation of each one's noise in its own unit.
+        series: The same for series; of a path in space its x and y.
+        every: Which samples of the series count: every so many. Samples so close that their noise is the same
+            noise say nothing new, and a fit that counts them all is too sure of itself.
+        group: See `Measurement`.
+
+    Raises:
+        ValueError: If the trial has no gait, or an argument is out of its range.
+    """
+    instance("trial", trial, Trial)
+    if trial.gait is None:
+        raise ValueError("`trial` must have a gait to be identified from, got one without.")
+    step = whole("every", every, 1)
+    time = trial.time[::step] - trial.time[0]
+    at_end = {"x": trial.center_of_mass[-1, 0], "y": trial.center_of_mass[-1, 1], "heading": trial.heading[-1]}
+    chosen: dict[str, Any] = {
+        one_of("figures", figure, tuple(UNITS)): (at_end.get(figure, getattr(trial, figure, None)), sigma)
+        for figure, sigma in (figures or {}).items()
+    }
+    columns: dict[str, Any] = {}
+    for known, sigma in (series or {}).items():
+        values = getattr(trial, one_of("series", known, tuple(SERIES)))[::step]
+        columns[known] = (values[:, :2] if known == "center_of_mass" else values, sigma)
+    x, y = trial.center_of_mass[0, :2]
+    return Measurement(
+        name=name,
+        gait=trial.gait,
+        robot=trial.robot,
+        environment=trial.environment,
+        group=group,
+        start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0])),
+        duration=trial.duration,
+        figures=chosen,
+        time=time if columns else None,
+        series=columns,
+    )
+
+
+def from_table1(
+    figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, selected_from: int = TABLE_SELECTED_FROM
+) -> tuple[Measurement, ...]:
+    """The rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
+
+    The paper states no noise: each row has the same share of its value, which is best taken for a guess and estimated
+    from the residuals (`noise="estimated"`). Rows with a star are the maxima of sweeps.
+
+    Args:
+        figure: forward_velocity, or mean_power.
+        sigma: Standard deviation of the noise as a share of the value [-].
+        selected_from: See `Measurement`, of the rows with a star.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+    one_of("figure", figure, ("forward_velocity", "mean_power"))
+    positive("sigma", sigma)
+    robots = {False: load_robot("mamba"), True: load_robot("mamba-fin")}
+    found: list[Measurement] = []
+    for trial in efficiency_trials():
+        value = trial.forward_velocity if figure == "forward_velocity" else trial.mean_power
+        if value is None:
+            continue
+        setting = "/".join(
+            f"{np.degrees(number):.0f}"
+            for number in (trial.gait.amplitude, trial.gait.frequency, trial.gait.phase_shift)
+        )
+        found.append(
+            Measurement(
+                name=f"{group_name(trial.gait.kind, trial.has_fin)}, {setting}",
+                gait=trial.gait,
+                robot=robots[trial.has_fin],
+                figures={figure: (value, sigma * value)},
+                selected_from=selected_from if trial.is_maximum else 1,
+            )
+        )
+    return tuple(found)
+
+
+def with_noise(measurement: Measurement, rng: np.random.Generator) -> Measurement:
+    """The same measurement with other noise of the size that it states: for simulated measurements.
+
+    Args:
+        measurement: Without noise.
+        rng: Where it comes from.
+    """
+    figures = {
+        name: (value + sigma * rng.standard_normal(), sigma) for name, (value, sigma) in measurement.figures.items()
+    }
+    series = {
+        name: (values + sigma * rng.standard_normal(values.shape), sigma)
+        for name, (values, sigma) in measurement.series.items()
+    }
+    return replace(measurement, figures=figures, series=series)
+
+
+def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:
+    if not isinstance(pair, Sequence) or len(pair) != 2:  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"`{where}` must be a pair: what was measured, and the sigma of its noise, got {pair!r}.")
+    return pair[0], pair[1]
+
+
+def _frozen(name: str, given: object) -> np.ndarray:
+    """A copy of an array of finite numbers that nobody can write to."""
+    values = np.array(given, dtype=float)
+    if not np.all(np.isfinite(values)):
+        at = int(np.argwhere(~np.isfinite(values))[0][0]) if values.ndim else 0
+        raise ValueError(f"`{name}` must be finite numbers; sample {at} is {values[at] if values.ndim else values}.")
+    values.setflags(write=False)
+    return values

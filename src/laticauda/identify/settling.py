@@ -1,0 +1,161 @@
+"""Names of unknowns looked up in the measurements, and everything filled in that was left open."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from laticauda.errors import nearest
+from laticauda.gaits import Gait
+from laticauda.identify.unknowns import SIDE, Settled, Unknown, size_of
+from laticauda.robot import Environment, Robot
+from laticauda.simulate.parameters import Parameter, changed, look_up, value_of
+
+RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
+_HALVINGS = 60
+
+
+class Setting(NamedTuple):
+    """What a measurement is simulated with."""
+
+    robot: Robot
+    gait: Gait
+    environment: Environment
+
+
+def split_name(
+    unknown: Unknown, scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
+) -> tuple[str, str]:
+    """The scope of an unknown's name and the rest.
+
+    Raises:
+        ValueError: If no measurement has such a number.
+    """
+    name = unknown.name
+    if any(name in names for names in known):
+        return "", name
+    for scope in sorted({scope for some in scopes for scope in some}, key=len, reverse=True):
+        rest = name.removeprefix(f"{scope}.")
+        if rest != name:
+            mine = [names for some, names in zip(scopes, known, strict=True) if scope in some]
+            if not any(rest in names for names in mine):
+                _refuse(rest, mine, f"for `{scope}`")
+            return scope, rest
+    _refuse(name, known, "of the measurements' robot and water")
+    raise AssertionError
+
+
+def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> None:
+    every = {key: parameter for names in known for key, parameter in names.items()}
+    try:
+        look_up(name, every, "parameters")
+    except ValueError as err:
+        hint = str(err).partition("; the nearest are ")[2]
+        side = nearest(name, tuple(SIDE))
+        words = f"; the nearest are {hint}" if hint else side or "."
+        raise ValueError(f"`parameters` must name numbers {whose}, got {name!r}{words}") from None
+
+
+def applies(scope: str, name: str, scopes: set[str], known: Mapping[str, Parameter]) -> bool:
+    """Whether an unknown is one of a measurement's numbers."""
+    return name in known and (not scope or scope in scopes)
+
+
+def let_the_special_win(moves: np.ndarray, split: Sequence[tuple[str, str]]) -> None:
+    """Where a number is looked for in general and for some, the general one leaves those alone."""
+    for k, (scope, name) in enumerate(split):
+        for j, (other_scope, other) in enumerate(split):
+            if j != k and other == name and scope and not other_scope:
+                moves[:, j] &= ~moves[:, k]
+    for k, (scope, name) in enumerate(split):
+        twice = [
+            j for j, (_, other) in enumerate(split) if j != k and other == name and (moves[:, j] & moves[:, k]).any()
+        ]
+        if twice:
+            raise ValueError(
+                f"`parameters` must say once per measurement what `{name}` is for, got both `{scope}` and "
+                f"`{split[twice[0]][0]}`."
+            )
+
+
+def settled(
+    unknown: Unknown,
+    scope: str,
+    name: str,
+    settings: Sequence[Setting],
+    known: Sequence[Mapping[str, Parameter]],
+    applies: np.ndarray,
+) -> Settled:
+    """An unknown with everything filled in."""
+    if not applies.any():
+        raise ValueError(f"`parameters` must leave something to `{unknown.name}`: more special ones take all of it.")
+    first = int(np.argmax(applies))
+    setting, parameter = settings[first], known[first][name]
+    if name.startswith("gait."):
+        raise ValueError(
+            f"`parameters` must not be of the gait, which is what was asked for, got `{unknown.name}`; what the joints "
+            "make of it is the actuator's, `robot.joint.actuator`."
+        )
+    if parameter.is_whole:
+        raise ValueError(f"`parameters` must be numbers that may change a little, got `{unknown.name}`, a count.")
+    start = unknown.start
+    if start is None:
+        start = 0.0 if name in SIDE else value_of(name, *setting, argument="parameters")
+        start = start if unknown.lower is None else max(start, unknown.lower)
+        start = start if unknown.upper is None else min(start, unknown.upper)
+    is_allowed = _rule(name, setting)
+    for end, value in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
+        if value is not None:
+            is_allowed(value, f"`{end}` of `{unknown.name}` must be in the range of the field, got {value:g}")
+    may_be_less = name in SIDE or _is_fine(is_allowed, -1e-9 * max(1.0, abs(start)))
+    is_log = unknown.scale == "log" if unknown.scale else start > 0.0 and not may_be_less
+    if is_log and start <= 0.0:
+        raise ValueError(f"`start` of `{unknown.name}` must be > 0 on a log scale, got {start:g}.")
+    low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
+    lower = _end(is_allowed, start, low) if unknown.lower is None else unknown.lower
+    upper = _end(is_allowed, start, high) if unknown.upper is None else unknown.upper
+    return Settled(
+        name=unknown.name,
+        scope=scope,
+        parameter=parameter,
+        start=start,
+        lower=lower,
+        upper=upper,
+        prior=unknown.prior,
+        is_log=is_log,
+        size=1.0 if is_log else size_of(unknown, parameter.unit, start),
+    )
+
+
+def _rule(name: str, setting: Setting) -> Callable[[float, str], None]:
+    """What raises a ValueError if a value is out of the range of its field."""
+
+    def check(value: float, words: str) -> None:
+        if name not in SIDE:
+            try:
+                changed(*setting, {name: value})
+            except ValueError as err:
+                raise ValueError(f"{words}: {err}") from None
+
+    return check
+
+
+def _is_fine(check: Callable[[float, str], None], value: float) -> bool:
+    try:
+        check(value, "")
+    except ValueError:
+        return False
+    return True
+
+
+def _end(check: Callable[[float, str], None], inside: float, end: float) -> float:
+    """The farthest value towards `end` that the field allows."""
+    reach = math.copysign(1e6 * max(1.0, abs(inside)), end) if math.isinf(end) else end
+    if _is_fine(check, reach):
+        return end
+    good, bad = inside, reach
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if _is_fine(check, middle) else (good, middle)
+    return good

@@ -1,0 +1,179 @@
+"""Uncertainty beyond the covariance: intervals from profile likelihoods, and a sample of the posterior."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import one_of, whole
+from laticauda.identify import door
+from laticauda.identify.fitting import method_of
+from laticauda.identify.model import predict
+from laticauda.identify.result import Fit
+from laticauda.identify.searching import prior_rows, search
+from laticauda.simulate.runner import Progress
+
+_ROUNDS = 25
+_CLOSE = 1e-3
+_FIRST = 0.5  # a first step on a direction without curvature, in sizes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """A confidence interval from the likelihood itself, with all other unknowns fitted anew at its ends."""
+
+    name: str
+    """Of the unknown."""
+    low: float | None
+    """Lower end; None: every value down to the end of its range describes the data as well."""
+    high: float | None
+    """Upper end; None as for the lower one."""
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether both ends were found."""
+        return self.low is not None and self.high is not None
+
+
+def profile(found: Fit, name: str) -> Profile:
+    """The values of one unknown at which the sum of squares is less than q^2 above its minimum.
+
+    q is the quantile that the fit's own intervals use. Where the model is far from linear within the uncertainty, this
+    interval holds the truth more exactly than the one from the covariance; it costs some ten searches.
+
+    Args:
+        found: The fit.
+        name: Of the unknown.
+
+    Raises:
+        ValueError: If there is no such unknown.
+    """
+    names = found.problem.names
+    k = names.index(one_of("name", name, names))
+    low, high = (_end(found, k, sign) for sign in (-1.0, 1.0))
+    return Profile(name=name, low=low, high=high)
+
+
+def noise_factor(found: Fit) -> float:
+    """How many times the stated noise a fit takes the noise for."""
+    return found.noise_factor if found.noise == "estimated" else 1.0
+
+
+def _end(found: Fit, k: int, sign: float) -> float | None:
+    """One end of the interval."""
+    put, method, x = found.problem, method_of(found), found.x
+    unknown, factor = put.unknowns[k], noise_factor(found)
+    degrees = found.degrees_of_freedom if found.noise == "estimated" else math.inf
+    quantile = door.two_sided(found.confidence, degrees)
+    free = np.array([j for j in range(x.size) if j != k], dtype=int)
+    deviation = math.sqrt(found.covariance[k, k])
+    end = unknown.lower if sign < 0.0 else unknown.upper
+    most = abs(unknown.x(end) - x[k]) if math.isfinite(end) else math.inf
+    step = quantile * deviation if math.isfinite(deviation) and deviation > 0.0 else _FIRST * unknown.size
+    least = _cost(found, x)
+    inside, outside, at = 0.0, math.inf, x
+    for _ in range(_ROUNDS):
+        step = min(step, most)
+        moved = at.copy()
+        moved[k] = x[k] + sign * step
+        at = search(put, method, moved, factor, free).x if free.size else moved
+        cost = _cost(found, at)
+        height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
+        if abs(height - quantile) <= _CLOSE * quantile:
+            return unknown.value(x[k] + sign * step)
+        if height < quantile:
+            if step >= most:
+                return None
+            inside = step
+        else:
+            outside = step
+        step = _next(step, height, quantile, inside, outside)
+        if step > 1e3 * unknown.size:
+            return None
+    return unknown.value(x[k] + sign * step)
+
+
+def _next(step: float, height: float, quantile: float, inside: float, outside: float) -> float:
+    """The next step: as if the height grew in proportion, but between what is known to be inside and outside."""
+    guess = step * min(quantile / height, 3.0) if 0.0 < height < math.inf else 2.0 * step if height == 0.0 else 0.0
+    if inside < guess < outside:
+        return guess
+    return 0.5 * (inside + outside) if math.isfinite(outside) else 2.0 * step
+
+
+def _cost(found: Fit, x: np.ndarray) -> float:
+    """The sum of squares of data and priors."""
+    put, values = found.problem, found.problem.values_of(x)
+    off = (predict(put, values).values - put.observed) / (noise_factor(found) * put.sigma)
+    return door.sum_of(off, found.loss) + door.sum_of(prior_rows(put, values), found.loss)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Posterior:
+    """A sample of what the unknowns may be, given data, priors and ranges."""
+
+    names: tuple[str, ...]
+    """Of the unknowns."""
+    values: Float[np.ndarray, "n_samples n_unknowns"]
+    """One row per sample, in their units."""
+    acceptance: float
+    """Share of the proposals that were taken; between 0.2 and 0.5 is well [-]."""
+
+    def interval(self, name: str, confidence: float = 0.95) -> tuple[float, float]:
+        """What holds the middle share `confidence` of an unknown's samples.
+
+        Args:
+            name: Of the unknown.
+            confidence: [-].
+        """
+        column = self.values[:, self.names.index(one_of("name", name, self.names))]
+        low, high = np.quantile(column, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
+        return float(low), float(high)
+
+
+def posterior(
+    found: Fit, *, n_steps: int = 500, n_walkers: int | None = None, seed: int = 0, progress: Progress | None = None
+) -> Posterior:
+    """Sample the posterior with an ensemble of walkers (emcee), begun around the fit.
+
+    Without a prior of its own an unknown is taken as equally probable everywhere in its range, in its logarithm on a
+    log scale. The first half of the steps is left out. Each step of each walker simulates all measurements once.
+
+    Args:
+        found: The fit.
+        n_steps: Of each walker.
+        n_walkers: None: four per unknown, at least 8.
+        seed: Of all random numbers.
+        progress: Called now and then with the share that is finished.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        MissingExtra: If emcee is not installed.
+
+    References:
+        D. Foreman-Mackey et al., emcee: The MCMC Hammer, PASP 125 (2013) 306-312.
+    """
+    whole("n_steps", n_steps, 2)
+    put, n = found.problem, len(found.estimates)
+    walkers = max(4 * n, 8) if n_walkers is None else whole("n_walkers", n_walkers, 2 * n + 2)
+    lower = np.array([u.x(u.lower) if math.isfinite(u.lower) else u.lower for u in put.unknowns])
+    upper = np.array([u.x(u.upper) if math.isfinite(u.upper) else u.upper for u in put.unknowns])
+
+    def log_probability(points: np.ndarray) -> np.ndarray:
+        result = np.full(len(points), -math.inf)
+        for row, x in enumerate(points):
+            if np.all((x > lower) & (x < upper)):
+                cost = _cost(found, x)
+                result[row] = -0.5 * cost if math.isfinite(cost) else -math.inf
+        return result
+
+    rng = np.random.default_rng(seed)
+    sizes = np.array([unknown.size for unknown in put.unknowns])
+    spread = np.minimum(np.sqrt(np.diag(found.covariance)), 0.3 * sizes)
+    begin = found.x + 0.5 * np.where(spread > 0.0, spread, 1e-3 * sizes) * rng.standard_normal((walkers, n))
+    margin = 1e-9 * sizes
+    begin = np.clip(begin, lower + margin, upper - margin)
+    chain, acceptance = door.walk(begin, log_probability, n_steps, seed, progress)
+    kept = chain[n_steps // 2 :].reshape(-1, n)
+    return Posterior(names=put.names, values=np.array([put.values_of(x) for x in kept]), acceptance=acceptance)

@@ -1,0 +1,163 @@
+"""What is identified: a number of robot, water or measuring set-up, with its range and what is known of it before."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from laticauda.errors import finite, one_of, positive
+from laticauda.simulate.parameters import Parameter
+
+SCALES = ("log", "linear")
+SIDE: dict[str, Parameter] = {
+    parameter.name: parameter
+    for parameter in (
+        Parameter(name="measured.heading_offset", unit="rad", title="What the tracker adds to the heading"),
+        Parameter(name="measured.offset_x", unit="m", title="Tracked point ahead of the center of mass"),
+        Parameter(name="measured.offset_y", unit="m", title="Tracked point to the left of the center of mass"),
+        Parameter(name="measured.power_offset", unit="W", title="What the meter adds to the mean power"),
+        Parameter(name="start.x", unit="m", title="Where the trial begins: x"),
+        Parameter(name="start.y", unit="m", title="Where the trial begins: y"),
+        Parameter(name="start.heading", unit="rad", title="Heading at the begin"),
+    )
+}
+"""What a measurement brings besides robot and water."""
+
+_SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """A number to be identified.
+
+    What is None is filled in by the fit: the start from the robot and water of the measurements, the scale (log for a
+    number that is greater than 0 and can never be less), the range (a hundredth to a hundred times the start on a log
+    scale, as far as the field allows it).
+
+    Raises:
+        ValueError: If a field is out of its range, or they contradict each other.
+    """
+
+    name: str
+    """As in a sweep, `water.normal_drag`, or of `SIDE`; before it, with a dot, the kind of gait, the group or the
+    measurement that it is for, if it is not for all: `eel_like.water.tangential_friction`."""
+    start: float | None = None
+    """Where the search begins."""
+    lower: float | None = None
+    """Least value."""
+    upper: float | None = None
+    """Greatest value."""
+    prior: tuple[float, float] | None = None
+    """Mean and standard deviation of what is known of it without these measurements; None: nothing."""
+    scale: str | None = None
+    """log: errors and steps are shares of it; linear."""
+    size: float | None = None
+    """What is a large change of it on a linear scale; None: what it is, or a tenth of a meter, radian or m/s."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ValueError(f"`parameters` must be names or `Unknown`s, got {self.name!r}.")
+        for field in ("start", "lower", "upper"):
+            if getattr(self, field) is not None:
+                object.__setattr__(self, field, finite(f"{field}` of `{self.name}", getattr(self, field)))
+        if self.prior is not None:
+            mean, sd = self.prior
+            pair = finite(f"prior` of `{self.name}", mean), positive(f"sd of the prior` of `{self.name}", sd)
+            object.__setattr__(self, "prior", pair)
+        if self.scale is not None:
+            one_of(f"scale` of `{self.name}", self.scale, SCALES)
+        if self.size is not None:
+            object.__setattr__(self, "size", positive(f"size` of `{self.name}", self.size))
+        low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
+        if low >= high:
+            raise ValueError(f"`lower` of `{self.name}` must be < its `upper` of {high:g}, got {low:g}.")
+        if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
+            raise ValueError(f"`lower` of `{self.name}` must be > 0 on a log scale, got {self.lower:g}.")
+        if self.start is not None and not low <= self.start <= high:
+            raise ValueError(f"`start` of `{self.name}` must be between {low:g} and {high:g}, got {self.start:g}.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settled:
+    """An unknown with everything filled in, and what the search calls it: x = log q, or q itself."""
+
+    name: str
+    """In full, with what it is for."""
+    scope: str
+    """The gait, group or measurement that it is for; "" for all."""
+    parameter: Parameter
+    """Name without the scope, unit and title."""
+    start: float
+    """Where the search begins."""
+    lower: float
+    """Least value; may be -inf."""
+    upper: float
+    """Greatest value; may be inf."""
+    prior: tuple[float, float] | None
+    """Mean and standard deviation."""
+    is_log: bool
+    """Whether x is its logarithm."""
+    size: float
+    """What is a large change of x: 1 on a log scale."""
+
+    def x(self, value: float) -> float:
+        """The coordinate of a value."""
+        return math.log(value) if self.is_log else value
+
+    def value(self, x: float) -> float:
+        """The value of a coordinate, inside its range whatever rounding does."""
+        return min(max(math.exp(x) if self.is_log else x, self.lower), self.upper)
+
+    def slope(self, value: float) -> float:
+        """dq/dx."""
+        return value if self.is_log else 1.0
+
+
+def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]]) -> tuple[Unknown, ...]:
+    """Names, unknowns, or a mapping from names to ranges as unknowns.
+
+    Args:
+        parameters: At least one, no name twice.
+
+    Raises:
+        ValueError: If there is none, or a name twice.
+    """
+    if isinstance(parameters, str):
+        raise ValueError(f"`parameters` must be a list of names, got the text {parameters!r}.")
+    if isinstance(parameters, Mapping):
+        found = [Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()]
+    else:
+        found = [item if isinstance(item, Unknown) else Unknown(name=item) for item in parameters]
+    if not found:
+        raise ValueError("`parameters` must name at least one number to identify, got none.")
+    names = [unknown.name for unknown in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"`parameters` must name every number once, got `{name}` {names.count(name)} times.")
+    return tuple(found)
+
+
+def size_of(unknown: Unknown, unit: str, start: float) -> float:
+    """What a large change of a number on a linear scale is: its own size, if it is not 0.
+
+    Args:
+        unknown: That may say so itself.
+        unit: Of the number.
+        start: Where the search begins.
+    """
+    if unknown.size is not None:
+        return unknown.size
+    spread = unknown.prior[1] if unknown.prior else 0.0
+    return max(abs(start), spread) or _SIZES.get(unit, 1.0)
+
+
+def with_prior(unknown: "str | Unknown", mean: float, sd: float) -> Unknown:
+    """An unknown of which something is known before.
+
+    Args:
+        unknown: Or its name.
+        mean: What is expected.
+        sd: Standard deviation around it.
+    """
+    given = unknown if isinstance(unknown, Unknown) else Unknown(name=unknown)
+    return replace(given, prior=(mean, sd))

@@ -1,0 +1,101 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from identify.trials import ROBOT, WATER, gaits
+
+import laticauda as lc
+from laticauda.identify import Measurement, from_table1, from_trial
+from laticauda.identify.measurements import with_noise
+from laticauda.identify.selection import mean_of_the_greatest
+
+GAIT = gaits(1)[0]
+TIME = np.linspace(0.0, 2.0, 5)
+
+
+def one(**fields):
+    return Measurement(**({"name": "a", "gait": GAIT, "figures": {"x": (1.0, 0.1)}} | fields))
+
+
+@given(st.integers(1, 40))
+def test_the_greatest_of_more_numbers_is_greater(n):
+    assert mean_of_the_greatest(n) < mean_of_the_greatest(n + 1)
+
+
+def test_the_greatest_of_a_few_numbers_is_known():
+    known = {1: 0.0, 2: 1 / np.sqrt(np.pi), 3: 1.5 / np.sqrt(np.pi), 10: 1.53875}
+    assert {n: mean_of_the_greatest(n) for n in known} == pytest.approx(known, abs=1e-5)
+    with pytest.raises(ValueError, match="`n` must be a whole number >= 1"):
+        mean_of_the_greatest(0)
+
+
+def test_speeds_that_were_selected_lose_their_bias_and_powers_do_not():
+    chosen = one(figures={"forward_velocity": (0.2, 0.01), "mean_power": (90.0, 5.0)}, selected_from=2)
+    assert chosen.without_bias("forward_velocity") == pytest.approx(0.2 - 0.01 / np.sqrt(np.pi))
+    assert chosen.without_bias("mean_power") == 90.0
+
+
+def test_table_1_has_twenty_speeds_of_which_twelve_less_two_are_selected():
+    # Two of the twelve stars stand at settings whose numbers are not printed.
+    rows = from_table1()
+    assert len(rows) == 20 and len({row.name for row in rows}) == 20
+    assert sum(row.selected_from > 1 for row in rows) == 12
+    value, sigma = rows[0].figures["forward_velocity"]
+    assert (value, sigma) == (0.1514, pytest.approx(0.05 * 0.1514))
+    assert rows[0].name == "lateral undulation, without fin, 30/130/40"
+    powers = from_table1("mean_power", sigma=0.1)
+    assert len(powers) == 18
+    with pytest.raises(ValueError, match="`figure` must be one of"):
+        from_table1("heading")
+
+
+def test_a_trial_becomes_what_was_asked_for_of_it():
+    trial = lc.swim(ROBOT, GAIT, 4.0, environment=WATER, start=lc.Start(center_of_mass=(1.0, 2.0), heading=0.1))
+    figures = {"forward_velocity": 0.01, "y": 0.02}
+    seen = from_trial(trial, name="a", figures=figures, series={"center_of_mass": 0.01}, every=20)
+    assert seen.start.center_of_mass == pytest.approx((1.0, 2.0)) and seen.start.heading == pytest.approx(0.1)
+    assert seen.figures["y"] == (trial.center_of_mass[-1, 1], 0.02)
+    np.testing.assert_array_equal(seen.series["center_of_mass"][0], trial.center_of_mass[::20])
+    assert seen.duration == 4.0 and seen.gait is trial.gait and seen.environment is trial.environment
+    with pytest.raises(ValueError, match="`trial` must have a gait"):
+        from_trial(replace(trial, gait=None), name="a", figures=figures)
+    with pytest.raises(ValueError, match="`figures` must be one of"):
+        from_trial(trial, name="a", figures={"speed": 0.1})
+
+
+def test_noise_is_of_the_size_that_is_stated():
+    exact = one(duration=2.0, time=np.linspace(0, 2, 4000), series={"heading": (np.zeros(4000), 0.3)})
+    noisy = with_noise(exact, np.random.default_rng(1))
+    assert np.std(noisy.series["heading"][0]) == pytest.approx(0.3, rel=0.05)
+    assert noisy.figures["x"][0] != 1.0
+
+
+@pytest.mark.parametrize(
+    "fields, words",
+    [
+        ({"name": " "}, "`name` must be a text"),
+        ({"figures": {}}, "`figures` or `series` of `a` must hold something"),
+        ({"figures": {"x": (np.nan, 0.1)}}, r"`figures\['x'\]` of `a` must be a finite number in m, got nan"),
+        ({"figures": {"x": (1.0, 0.0)}}, "must be > 0 m"),
+        ({"figures": {"speed": (1.0, 0.1)}}, "`figures` of `a` must be one of"),
+        ({"duration": 0.0}, "`duration` of `a` must be > 0 s"),
+        ({"selected_from": 0}, "`selected_from` of `a` must be a whole number >= 1"),
+        ({"time": TIME}, "`time` of `a` must be given for series, and only for them"),
+        ({"time": TIME, "series": {"heading": (np.zeros(4), 0.1)}}, r"must have the shape \(5,\), got \(4,\)"),
+        ({"time": TIME, "series": {"center_of_mass": (np.zeros((5, 3)), 0.1)}}, r"must have the shape \(5, 2\)"),
+        ({"time": TIME, "series": {"heading": (np.full(5, np.nan), 0.1)}}, "must be finite numbers; sample 0 is nan"),
+        (
+            {"time": TIME[::-1], "series": {"heading": (np.zeros(5), 0.1)}},
+            "`time` of `a` must be moments",
+        ),
+        (
+            {"time": TIME + 29.0, "series": {"heading": (np.zeros(5), 0.1)}},
+            "between 0 and its `duration` of 30 s",
+        ),
+    ],
+)
+def test_bad_measurements_are_refused_by_name(fields, words):
+    with pytest.raises(ValueError, match=words):
+        one(**fields)

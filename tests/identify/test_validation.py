@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+from identify.trials import DRAG, FRICTION, speeds
+
+import laticauda as lc
+from laticauda.identify import (
+    compared_with_null_models,
+    fit,
+    from_table1,
+    leave_out,
+    linear_leave_one_out,
+    paper_procedure,
+)
+from laticauda.identify.model import predict
+from laticauda.identify.problem import problem
+
+MEASURED = speeds(6, noise=0.002)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return fit(MEASURED, parameters=[FRICTION], n_starts=1)
+
+
+def test_leaving_one_out_is_a_fit_to_the_others(found):
+    left = leave_out(found)
+    for i in (0, 4):
+        others = [m for k, m in enumerate(MEASURED) if k != i]
+        refit = fit(others, parameters=[FRICTION], n_starts=1)
+        assert left.values[i, 0] == pytest.approx(refit[FRICTION].value, rel=1e-6)
+        alone = predict(problem(MEASURED[i : i + 1], None, [FRICTION]), left.values[i])
+        assert left.predictions[i] == pytest.approx(alone.values[0], rel=1e-9)
+
+
+def test_the_hat_matrix_predicts_what_refits_do(found):
+    left, linear = leave_out(found).predictions, linear_leave_one_out(found)
+    change = left - found.predictions
+    np.testing.assert_allclose(linear - found.predictions, change, atol=0.1 * np.abs(change).max())
+    assert np.abs(change).max() > 1e-5
+
+
+def test_what_was_left_out_is_described_worse(found):
+    assert leave_out(found).percentage_error() > found.percentage_error()
+
+
+def test_a_group_whose_own_parameter_nothing_else_knows_cannot_be_predicted():
+    rows = from_table1()[::3]
+    own = fit(rows, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
+    assert np.isfinite(leave_out(own, "group").percentage_error())
+    common = [row for row in rows if not (row.gait.kind == "eel_like" and row.robot.caudal_fin)]
+    alone = fit(common, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
+    assert np.isnan(leave_out(alone, "group").percentage_error())
+
+
+def test_leaving_out_everything_is_refused(found):
+    with pytest.raises(ValueError, match="`by` must leave something to fit to, got `group`"):
+        leave_out(found, "group")
+    with pytest.raises(ValueError, match="`by` must be one of"):
+        leave_out(found, "week")
+
+
+def test_null_models_stand_beside_it():
+    rows = from_table1(selected_from=1)
+    beside = {null.name: null for null in compared_with_null_models(fit(rows, parameters=[FRICTION], n_starts=1))}
+    simple = beside["constant + fin + eel"]
+    assert simple.n_parameters == 3
+    assert (simple.fitted, simple.left_out, simple.group_left_out) == pytest.approx((6.2, 7.3, 9.1), abs=0.05)
+    assert np.isnan(beside["constant per group"].group_left_out)
+
+
+def test_null_models_know_no_gaits_of_ones_own(found):
+    assert len(compared_with_null_models(found)) == 4
+    gait = lc.custom_gait(envelope=[1.0] * 8, amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    own = [m.__class__(name=m.name, gait=gait, robot=m.robot, duration=8.0, figures=m.figures) for m in MEASURED[:2]]
+    assert compared_with_null_models(fit(own, parameters=[FRICTION], n_starts=1)) == ()
+
+
+def test_the_papers_procedure_fits_one_group_and_predicts_the_rest():
+    rows = from_table1()
+    for model in ("analytical-set", "vortex-set"):
+        result = paper_procedure(rows, model=model, parameters=[FRICTION], n_starts=1)
+        assert [group.was_fitted for group in result.groups] == [True, False, False, False]
+        assert sum(group.n_measurements for group in result.groups) == 20
+        assert len(result.fit.problem.measurements) == 4
+        assert result.fit.problem.settings[0].environment.linear_drag == (model == "analytical-set")
+        assert result.groups[0].error < result.error_of_the_rest
+    with pytest.raises(ValueError, match="`measurements` must hold speeds of gait `lateral_undulation` without fin"):
+        paper_procedure(MEASURED, parameters=[DRAG])
