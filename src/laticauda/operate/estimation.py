@@ -23,7 +23,7 @@ from laticauda.operate.noise import Noise
 from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.robot import Robot
 
-Vector = Float[np.ndarray, " n"]
+Vector = Float[np.ndarray, " _n"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
