@@ -31,6 +31,7 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("view",): ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
     ("export", "mjcf"): ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
     ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
+    ("replay",): ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
     ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
     ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
     ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),
