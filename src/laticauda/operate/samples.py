@@ -5,7 +5,7 @@ Every sample says when it was taken, on the one clock of the recording. They may
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -130,9 +130,9 @@ def as_plain(sample: object) -> dict[str, Any]:
 
 def _plain(value: object) -> Any:
     if isinstance(value, np.ndarray):
-        return [_plain(item) for item in value.tolist()]
+        return [_plain(item) for item in cast("list[object]", value.tolist())]
     if isinstance(value, list):
-        return [_plain(item) for item in value]  # pyright: ignore[reportUnknownVariableType]
+        return [_plain(item) for item in cast("list[object]", value)]
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
