@@ -111,7 +111,7 @@ def _header(texts: Mapping[str, str]) -> Header:
 def _entry(logged: Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
-        told = json.loads(content["msg"]) if content["msg"] else {}
+        told: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
         return Event(
             time=logged.time, kind=content["name"], message=told.get("message", ""), data=told.get("data") or {}
         )

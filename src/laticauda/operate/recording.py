@@ -8,11 +8,11 @@ import dataclasses
 import json
 import math
 from collections.abc import Mapping
+from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from laticauda import __version__
 from laticauda.errors import instance, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
@@ -61,7 +61,7 @@ class Header:
         """The header as texts by name."""
         return {
             "format": FORMAT,
-            "version": __version__,
+            "version": version("laticauda"),
             "robot": to_toml(self.robot),
             "environment": to_toml(self.environment),
             "gait": to_json(self.gait),
