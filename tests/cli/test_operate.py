@@ -13,7 +13,7 @@ TRIAL = """
 kind = "trial"
 name = "cli"
 duration = 1.0
-rate = 50
+rate = 20
 countdown = 0.1
 [gait]
 amplitude_deg = 20
@@ -23,7 +23,7 @@ phase_shift_deg = 40
 volume_x = [-1, 11]
 [calibration]
 joint_zeros = true
-idle_time = 0.3
+idle_time = 1
 still_time = 0.3
 [limits]
 max_lateness = 3
@@ -39,7 +39,7 @@ def lab():
     robot = lc.load_robot("mamba")
     world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"), lc.Start(heading=0.1))
     settings = LabSettings(seed=2, nodes=NodeSettings(startup_time=0.1, calibration_time=0.1))
-    return Lab(Tank(world, settings), bus=bus_address("virtual:cli-operate"), port=0, speed=2.0)
+    return Lab(Tank(world, settings), bus=bus_address("virtual:cli-operate"), port=0)
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def trial(tmp_path: Path) -> str:
 
 def words(addresses) -> list[str]:
     mocap = f"{addresses.mocap_host}:{addresses.mocap_port}"
-    return ["--can", "virtual:cli-operate", "--mocap", mocap, "--meter", addresses.meter, "--speed", "2"]
+    return ["--can", "virtual:cli-operate", "--mocap", mocap, "--meter", addresses.meter]
 
 
 def test_a_trial_file_becomes_a_trial_a_recording_and_one_json_object(lab, trial, tmp_path, capsys):
