@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from numpy.typing import NDArray
 
 from laticauda.errors import MissingExtra
 
@@ -19,17 +19,17 @@ except ImportError as error:
 class Gaussian:
     """What is known of a vector: its mean and covariance, in the units of its parts."""
 
-    mean: Float[np.ndarray, " n"]
+    mean: NDArray[np.float64]
     """Expected value."""
-    covariance: Float[np.ndarray, "n n"]
+    covariance: NDArray[np.float64]
     """Symmetric, positive semi-definite."""
 
 
 def predicted(
-    mean: Float[np.ndarray, " n"],
-    covariance: Float[np.ndarray, "n n"],
-    transition: Float[np.ndarray, "n n"],
-    noise: Float[np.ndarray, "n n"],
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    transition: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> Gaussian:
     """A step of time: the covariance becomes F P F' + Q.
 
@@ -46,9 +46,9 @@ def predicted(
 
 def corrected(
     known: Gaussian,
-    residual: Float[np.ndarray, " m"],
-    sensitivity: Float[np.ndarray, "m n"],
-    noise: Float[np.ndarray, "m m"],
+    residual: NDArray[np.float64],
+    sensitivity: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> Gaussian:
     """A measurement taken in, in Joseph's form of the covariance.
 
@@ -64,14 +64,14 @@ def corrected(
 
 def squared_distance(
     known: Gaussian,
-    residual: Float[np.ndarray, " m"],
-    sensitivity: Float[np.ndarray, "m n"],
-    noise: Float[np.ndarray, "m m"],
+    residual: NDArray[np.float64],
+    sensitivity: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> float:
     """How far off a measurement is, squared, in units of its expected spread (chi-squared, m degrees) [-]."""
     spread = sensitivity @ known.covariance @ sensitivity.T + noise
     return float(residual @ np.linalg.solve(spread, residual))
 
 
-def _symmetric(matrix: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+def _symmetric(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (matrix + matrix.T)

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -15,10 +15,11 @@ from laticauda.operate.operation_log import Decision, OperationLog
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample, Sample, yaw_joints
 from laticauda.trial import Trial
 
-Column = Float[np.ndarray, " n"]
-Table = Float[np.ndarray, "n columns"]
+Column = Float[np.ndarray, " _"]
+Table = Float[np.ndarray, "_ _"]
 
 
+@runtime_checkable
 class AnyEstimator(Protocol):
     """What `Estimator` and `KinematicEstimator` share."""
 

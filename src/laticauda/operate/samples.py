@@ -13,7 +13,7 @@ from jaxtyping import Float
 from laticauda.errors import finite, not_negative
 from laticauda.robot import Robot
 
-Vector: TypeAlias = Float[np.ndarray, " n"]
+Vector: TypeAlias = Float[np.ndarray, " _"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
