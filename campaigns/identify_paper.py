@@ -419,7 +419,7 @@ def null_results() -> list[dict[str, Any]]:
 def power_answers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
     """Electrical power of all 30 measured rows, with one model each, with and without an idle offset in Table 2.
 
-    The hypothesis: in Table 2 the idle 41.3 W was taken off twice, or off the rows without the fin only.
+    The hypothesis: of all rows only those of Table 2 without the fin had the idle 41.3 W taken off, or had it twice.
     """
     first = [row for row in efficiency_trials() if row.mean_power is not None]
     trials = [
