@@ -5,7 +5,7 @@ is left out, and what does it say of Table 2, which nothing was fitted to or cho
 and the last answer, are in `identify_paper.md`.
 
     python campaigns/identify_paper.py                  # all candidates, some ten minutes of one core
-    python campaigns/identify_paper.py --only geared    # those whose name holds a word
+    python campaigns/identify_paper.py --only geared    # those whose name holds a word; none is chosen
     python campaigns/identify_paper.py --table-1        # without Table 2
     python campaigns/identify_paper.py --output FILE    # keep what came out as JSON, for --fitted FILE next time
 """
@@ -522,7 +522,7 @@ def main() -> None:
         begin = time.perf_counter()
         results.append(known.get(candidate.name) or on_table_1(candidate))
         tell(f"{i + 1}/{len(candidates)} {line_1(results[-1]).strip()} [{time.perf_counter() - begin:.0f} s]")
-    best = chosen(results)
+    best = chosen(results) if len(candidates) == len(CANDIDATES) else None  # the rule is for all of them
     if not arguments.table_1:
         for i, (candidate, result) in enumerate(zip(candidates, results, strict=True)):
             result["table_2"] = on_table_2(candidate, result, arguments.bandwidth)
