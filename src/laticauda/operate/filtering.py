@@ -1,6 +1,7 @@
 """The door of filterpy: predict and correct one Gaussian estimate, as functions of values."""
 
 # pyright: reportMissingImports=false, reportUnknownMemberType=false, reportUnknownVariableType=false
+# pyright: reportUnknownArgumentType=false
 
 from dataclasses import dataclass
 
