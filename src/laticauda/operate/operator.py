@@ -320,8 +320,9 @@ class Operator:
             wrong = {}  # the checks say it better
         if not sent:
             wrong.pop("late_loop", None)
-        if state.error:
-            found["program_error"] = state.error
+        error = state.error or before.error  # the controller's is of the last tick
+        if error:
+            found["program_error"] = error
         if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
             state = replace(state, notes=(*state.notes, f"lost_meter: {wrong['lost_meter']}"))
         return replace(state, watch=watch), {**wrong, **found}
