@@ -29,7 +29,9 @@ _FORMAT = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 class WhatFlags:
     """What is identified, from what."""
 
-    parameters: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME[=LOW:HIGH|=MEAN+-SD] ..."), default("the file's")] = ()
+    parameters: Annotated[
+        ListOfWords, tyro.conf.arg(metavar="NAME[=LOW:HIGH|=MEAN+-SD] ..."), default("the file's")
+    ] = ()
     """Numbers of robot and water, with dots as in a sweep, each with its range or with what is known of it before; for
     one gait only: eel_like.water.tangential_friction."""
     measured: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME=SIGMA ..."), default("center_of_mass=0.005")] = ()
@@ -159,7 +161,9 @@ class Identify:
         for group in (self.what, self.fixed):
             for name, value in given(group).items():
                 if value:
-                    raise ValueError(f"{flag(name)} must not be given beside a file that says everything, got {value!r}.")
+                    raise ValueError(
+                        f"{flag(name)} must not be given beside a file that says everything, got {value!r}."
+                    )
 
     def _task_of_flags(self) -> "Task":
         from laticauda.identify.measurements import from_table1

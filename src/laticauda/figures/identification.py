@@ -78,9 +78,7 @@ def parity(groups: Sequence[Compared], ax: Axes, *, what: str) -> Axes:
     return ax
 
 
-def residuals(
-    names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str
-) -> Axes:
+def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str) -> Axes:
     """A bar per measurement: how far the prediction is off, colored by group.
 
     Args:

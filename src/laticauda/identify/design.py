@@ -11,13 +11,13 @@ exchanged for others as long as that raises it. Federov, Theory of Optimal Exper
 Optimum Experimental Designs, with SAS (2007).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import nearest, one_of, positive, whole
+from laticauda.errors import one_of, whole
 from laticauda.identify.candidates import Candidate, information_of
 from laticauda.identify.identifiability import LIMIT, deviations
 from laticauda.identify.problem import Problem

@@ -195,9 +195,7 @@ def _task(table: Table, file: Path) -> Task:
     options: dict[str, Any] = {OPTIONS[key]: table[key] for key in OPTIONS if key in table}
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    trials = [
-        read_trial_file(entry, file.parent, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))
-    ]
+    trials = [read_trial_file(entry, file.parent, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
     done = task_of_files(
         trials,
         _unknowns(table),

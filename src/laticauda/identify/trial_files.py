@@ -114,6 +114,8 @@ def read_trial_file(entry: object, folder: Path, where: str) -> TrialFile:
 
 def _sigmas(table: Mapping[str, Any], key: str, where: str) -> dict[str, float]:
     value: Any = table.get(key, {})
-    if not isinstance(value, dict) or not all(isinstance(s, int | float) for s in cast("dict[Any, Any]", value).values()):
+    if not isinstance(value, dict) or not all(
+        isinstance(s, int | float) for s in cast("dict[Any, Any]", value).values()
+    ):
         raise BadKey(f"{where}.{key}", f"must be a table of name = standard deviation, got {value!r}")
     return {str(name): float(sigma) for name, sigma in cast("dict[Any, Any]", value).items()}

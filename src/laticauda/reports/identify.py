@@ -283,7 +283,8 @@ def _left_out(done: Checked) -> Paragraph:
     words = "A model that interpolates is no model: each measurement predicted by " + how
     words += ", each group by a refit to the other groups" if done.by_group is not None else ""
     return Paragraph(
-        text=words + "; beside it, models without any physics on the same speeds. What does not beat them when something "
+        text=words
+        + "; beside it, models without any physics on the same speeds. What does not beat them when something "
         "is left out explains nothing."
     )
 

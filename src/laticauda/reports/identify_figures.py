@@ -62,7 +62,9 @@ def _parity(found: "Fit") -> "Figure":
     n = min(len(parts), 3)
     rows = -(-len(parts) // n)
     labels = list(dict.fromkeys(found.problem.groups))
-    figure = new_figure(style.DOUBLE_COLUMN if n > 1 else 4.6, 0.6 + (3.3 if n < 3 else 2.5) * rows + 0.18 * len(labels))
+    figure = new_figure(
+        style.DOUBLE_COLUMN if n > 1 else 4.6, 0.6 + (3.3 if n < 3 else 2.5) * rows + 0.18 * len(labels)
+    )
     panels = figure.subplots(rows, n, squeeze=False).ravel()
     for ax, (what, groups) in zip(panels, parts.items(), strict=False):
         unit = UNITS.get(what) or SERIES.get(what) or "-"
