@@ -175,6 +175,7 @@ def test_each_gait_may_have_its_own_water_and_a_special_name_wins():
     assert found[FRICTION].value == pytest.approx(0.2, rel=1e-6)
     assert found[f"eel_like.{FRICTION}"].value == pytest.approx(0.1, rel=1e-6)
     kept = found.parameters("tank", "in the tank")
+    assert kept.joints == "prescribed"
     assert kept.water("eel_like").tangential_friction == pytest.approx(0.1, rel=1e-6)
     assert kept.water("custom").tangential_friction == pytest.approx(0.2, rel=1e-6)
 

@@ -112,9 +112,9 @@ def test_the_twin_predicts_what_the_planar_model_does():
             gait=gait,
             robot=ROBOT,
             environment=WATER,
-            duration=2.0,
+            duration=1.0,
             figures={"forward_velocity": (0.1, 0.01)},
-            time=np.array([0.5, 1.7]),
+            time=np.array([0.5, 0.9]),
             series={"heading": (np.zeros(2), 0.01)},
         )
     ]

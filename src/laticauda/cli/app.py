@@ -28,6 +28,8 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("reproduce",): ("reproduce:Reproduce", "Repeat the paper's experiments, and write figures, tables and a report."),
     ("sweep",): ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
     ("optimize",): ("optimize:Optimize", "Search for the best gait, fin or number of links."),
+    ("identify",): ("identify:Identify", "Identify parameters with their uncertainty from measured trials."),
+    ("design-experiment",): ("design:DesignExperiment", "Find the next trials that would tell the most."),
     ("view",): ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
     ("export", "mjcf"): ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
     ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),

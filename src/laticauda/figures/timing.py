@@ -1,5 +1,8 @@
 """How punctual a control loop was: the distribution of its period and its latency."""
 
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,7 @@
 """`Fit`: what an identification found, with its uncertainty, and how well it describes the measurements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -9,13 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import one_of
+from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import Identifiability
 from laticauda.identify.measurements import SERIES
 from laticauda.identify.problem import Problem
 from laticauda.robot import Parameters, Robot, Water
-from laticauda.robot.parameters import GAITS
 from laticauda.simulate.sensitivities import UNITS
-from laticauda.simulate.swimming import preset_water
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,7 +202,7 @@ class Fit:
             robot: What to change; a fin's numbers are left out if it has none.
             gait_kind: For which gait.
         """
-        return self._applied(robot, preset_water("paper-lateral"), gait_kind)[0]
+        return applied(self, robot, self.problem.settings[0].environment, gait_kind)[0]
 
     def water(self, water: Water, gait_kind: str) -> Water:
         """A water with what was identified of it.
@@ -212,48 +211,20 @@ class Fit:
             water: What to change.
             gait_kind: For which gait.
         """
-        environment = self._applied(self.problem.settings[0].robot, water, gait_kind)[1]
+        environment = applied(self, self.problem.settings[0].robot, water, gait_kind)[1]
         assert isinstance(environment, Water)
         return environment
 
-    def _applied(self, robot: Robot, water: Water, gait_kind: str) -> tuple[Robot, Any]:
-        from laticauda.gaits import Gait
-        from laticauda.simulate.parameters import changed, parameters
-
-        gait = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.0)
-        known = parameters(robot, gait, water, each=True)
-        wanted = {
-            unknown.parameter.name: self.values[unknown.name]
-            for unknown in sorted(self.problem.unknowns, key=lambda u: u.scope == gait_kind)
-            if unknown.scope in ("", gait_kind) and unknown.parameter.name in known
-        }
-        changed_robot, _, environment = changed(robot, gait, water, wanted)
-        return changed_robot, environment
-
     def parameters(self, name: str, title: str) -> Parameters:
-        """What was identified of the water, as a parameter file has it.
+        """What was identified, as a parameter file has it: `.save(path)` writes it, `--parameters` takes it.
 
-        A gait gets a water of its own if it differs; what was not measured stays what it was in the measurements.
+        A gait gets numbers of its own where they differ; what was not identified stays what it was in the measurements.
 
         Args:
             name: What files and stored trials call them.
             title: What a legend says.
 
         Raises:
-            ValueError: If the measurements were not made in water.
+            ValueError: If the measurements were not made in water, or a parameter file cannot say what was identified.
         """
-        bases = {setting.gait.kind: setting.environment for setting in reversed(self.problem.settings)}
-        waters = {kind: base for kind, base in bases.items() if isinstance(base, Water)}
-        if not waters:
-            raise ValueError("`measurements` must be made in water for parameters of water, got ground.")
-        first = next(iter(reversed(waters.values())))
-        own = {
-            kind: replace(self.water(waters.get(kind, first), kind), name=f"{name}, {kind}")
-            for kind in GAITS
-            if kind in waters
-        }
-        common = replace(self.water(first, ""), name=name)
-        alike = {kind for kind, water in own.items() if replace(water, name=name) == common}
-        return Parameters(
-            name=name, title=title, every_gait=common, own={kind: own[kind] for kind in own if kind not in alike}
-        )
+        return as_parameters(self, name, title)

@@ -98,7 +98,7 @@ class QtmServer:
         loop.close()
 
     def publish(self, frame: MocapFrame) -> None:
-        """A new frame, for all who stream; may be called from any thread."""
+        """Send `frame` to all who stream; may be called from any thread."""
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._publish, frame)
 

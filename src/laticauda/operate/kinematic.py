@@ -15,7 +15,7 @@ from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.samples import JointSample, PoseSample, Sample, yaw_joints
 from laticauda.robot import Robot
 
-Vector = Float[np.ndarray, " _"]
+Vector = Float[np.ndarray, " _n"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

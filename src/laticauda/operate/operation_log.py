@@ -50,7 +50,7 @@ class OperationLog:
     """What is missing from the file: a sentence; "" if nothing is."""
 
     def of(self, *kinds: type[Any]) -> list[Any]:
-        """The entries of some classes, in their order."""
+        """The entries of some `kinds` of class, in their order."""
         return [entry for entry in self.entries if isinstance(entry, kinds)]
 
 

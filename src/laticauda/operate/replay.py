@@ -15,8 +15,8 @@ from laticauda.operate.operation_log import Decision, OperationLog
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample, Sample, yaw_joints
 from laticauda.trial import Trial
 
-Column = Float[np.ndarray, " _"]
-Table = Float[np.ndarray, "_ _"]
+Column = Float[np.ndarray, " _n"]
+Table = Float[np.ndarray, "_n _columns"]
 
 
 @runtime_checkable

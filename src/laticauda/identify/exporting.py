@@ -1,0 +1,104 @@
+"""What was identified, put into a robot, a water, or a parameter file."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from laticauda.gaits import Gait
+from laticauda.identify.settling import with_tied
+from laticauda.robot import Environment, Parameters, Robot, Water
+from laticauda.robot.adjustments import OF_ROBOT
+from laticauda.robot.parameters import GAITS, JOINT_LAWS
+from laticauda.simulate.parameters import changed, parameters
+
+if TYPE_CHECKING:
+    from laticauda.identify.result import Fit
+
+Changes = dict[str, dict[str, Any]]
+
+_STILL = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.0)
+_TABLES = {
+    "robot.joint.actuator": "actuator",
+    "robot.joint": "joint",
+    "robot.caudal_fin": "caudal_fin",
+    "robot.tether": "tether",
+    "robot": "robot",
+}
+
+
+def applied(found: "Fit", robot: Robot, environment: Environment, gait_kind: str) -> tuple[Robot, Environment]:
+    """A robot and an environment with what was identified for a kind of gait.
+
+    Args:
+        found: The fit.
+        robot: What to change; numbers of what it does not have are left out.
+        environment: What to change, likewise.
+        gait_kind: Whose own numbers win over the general ones; "": the general ones only.
+    """
+    known = parameters(robot, _STILL, environment, each=True)
+    wanted = {name: value for name, value in _for_gait(found, gait_kind).items() if name in known}
+    new_robot, _, new_environment = changed(robot, _STILL, environment, wanted)
+    return new_robot, new_environment
+
+
+def as_parameters(found: "Fit", name: str, title: str) -> Parameters:
+    """What was identified as a parameter file has it; see `Fit.parameters`."""
+    put = found.problem
+    bases = {s.gait.kind: s.environment for s in reversed(put.settings) if isinstance(s.environment, Water)}
+    if not bases:
+        raise ValueError("`measurements` must be made in water for a parameter file, got ground.")
+    first = put.settings[0].environment
+    first = first if isinstance(first, Water) else next(iter(bases.values()))
+    common = _water(found, first, "")
+    own = {kind: _water(found, bases.get(kind, first), kind) for kind in GAITS}
+    changes, own_changes = _changes(found, ""), {kind: _changes(found, kind) for kind in GAITS}
+    joints: Any = put.options.get("joints")
+    return Parameters(
+        name=name,
+        title=title,
+        joints=joints if joints in JOINT_LAWS else None,
+        every_gait=common,
+        own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
+        changes=changes,
+        own_changes={kind: mine for kind, mine in own_changes.items() if mine != changes},
+    )
+
+
+def _water(found: "Fit", water: Water, gait_kind: str) -> Water:
+    environment = applied(found, found.problem.settings[0].robot, water, gait_kind)[1]
+    assert isinstance(environment, Water)
+    return environment
+
+
+def _for_gait(found: "Fit", gait_kind: str) -> dict[str, float]:
+    """Values by name without scope: those for all, and over them those for a kind of gait."""
+    chosen = [unknown for unknown in found.problem.unknowns if unknown.scope in ("", gait_kind)]
+    chosen.sort(key=lambda unknown: unknown.scope != "")
+    result: dict[str, float] = {}
+    for unknown in chosen:
+        at = int(np.argmax(found.problem.moves[:, found.problem.unknowns.index(unknown)]))
+        base, name = found.problem.settings[at], unknown.parameter.name
+        result |= with_tied(base, name, found.values[unknown.name], unknown.tied)
+    return result
+
+
+def _changes(found: "Fit", gait_kind: str) -> Changes:
+    """What a parameter file can say about the robot.
+
+    Raises:
+        ValueError: If something was identified of the robot that it cannot say.
+    """
+    result: Changes = {}
+    for name, value in _for_gait(found, gait_kind).items():
+        if not name.startswith("robot."):
+            continue
+        way, _, last = name.rpartition(".")
+        table = _TABLES.get(way)
+        if table is None or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
+            raise ValueError(
+                f"`parameters` must be numbers that a parameter file has a table for, got `{name}`; `Fit.robot` "
+                "makes a robot with it."
+            )
+        result.setdefault(table, {})[last] = value
+    return result
