@@ -160,7 +160,9 @@ def _number(problem: Problem, setting: Setting, start: Start, i: int, k: int, va
             change=lambda _: setting,
             start=lambda other: moved_start(start, name, other - value),
         )
-    return Number(name=name, trial=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied))
+    return Number(
+        name=name, trial=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied)
+    )
 
 
 def _changed(setting: Setting, name: str, tied: Mapping[str, float], value: float) -> Any:
