@@ -16,8 +16,8 @@ SCALE = ("water.normal_drag", "water.added_mass")
 
 @pytest.fixture(scope="module")
 def done():
-    measured = speeds(5, duration=6.0, noise=0.002)
-    measured = [replace(m, group="slow" if i < 2 else "fast") for i, m in enumerate(measured)]
+    measured = speeds(6, duration=6.0, noise=0.002)
+    measured = [replace(m, group="slow" if i < 3 else "fast") for i, m in enumerate(measured)]
     wanted = (Unknown(name=FRICTION, prior=(0.3, 0.2)), Unknown(name=SCALE[0]), Unknown(name=SCALE[1]))
     options = {"n_starts": 2, "noise": "estimated"}
     task = Task(name="tank", title="in the tank", measurements=tuple(measured), unknowns=wanted, options=options)
@@ -63,6 +63,11 @@ def test_what_is_left_out_stands_beside_the_null_models(done):
     assert "null model: constant stride per group" in rows
 
 
+def test_groups_are_not_left_out_where_the_others_do_not_suffice(done):
+    few = replace(done.task, measurements=done.task.measurements[:4])
+    assert checked(few, few.run(threads=1)).by_group is None
+
+
 def test_names_are_short_where_that_leaves_them_different():
     assert short_names(["water.normal_drag", "robot.caudal_fin.length"]) == ["normal drag", "caudal fin.length"]
     both = ["water.normal_drag", "eel_like.water.normal_drag"]
@@ -73,7 +78,7 @@ def test_names_are_short_where_that_leaves_them_different():
 def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(done):
     table = tables_of(done)["residuals"]
     names = [column.name for column in table.columns]
-    assert len(table.rows) == 5
+    assert len(table.rows) == 6
     left_out = np.array([row[names.index("left out")] for row in table.rows], dtype=float)
     predicted = np.array([row[names.index("predicted")] for row in table.rows], dtype=float)
     measured = np.array([row[names.index("measured")] for row in table.rows], dtype=float)

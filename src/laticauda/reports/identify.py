@@ -39,7 +39,7 @@ class Checked:
     is_linearized: bool
     """Whether that is by the linearized model, without refits."""
     by_group: LeftOut | None
-    """The same by groups, always with refits; None if there is one group only, or it was not asked for."""
+    """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
     null_models: tuple[NullModel, ...]
     """Models without physics on the same speeds."""
     profiles: tuple[Profile, ...]
@@ -80,15 +80,15 @@ def checked(
     def told(what: str) -> Callable[[float], None]:
         return lambda share: None if progress is None else progress(what, share)
 
-    several = len(found.problem.measurements) > 1
+    exact = exact and _suffices(found, [m.name for m in found.problem.measurements])
     single = (
         leave_out(found, progress=told("measurements left out")).predictions
-        if exact and several
+        if exact
         else linear_leave_one_out(found)
     )
     groups = (
         leave_out(found, "group", progress=told("groups left out"))
-        if by_group and len(set(found.problem.groups)) > 1
+        if by_group and _suffices(found, found.problem.groups)
         else None
     )
     kept: list[Profile] = []
@@ -101,11 +101,20 @@ def checked(
         task=task,
         found=found,
         left_out=single,
-        is_linearized=not (exact and several),
+        is_linearized=not exact,
         by_group=groups,
         null_models=compared_with_null_models(found),
         profiles=tuple(kept),
     )
+
+
+def _suffices(found: Fit, names: Sequence[str]) -> bool:
+    """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
+    put = found.problem
+    n_free = sum(unknown.prior is None for unknown in put.unknowns) + (found.noise == "estimated")
+    sizes = np.bincount(put.owner, minlength=len(names))
+    most = max(sum(size for size, other in zip(sizes, names, strict=True) if other == name) for name in names)
+    return len(set(names)) > 1 and put.observed.size - int(most) >= n_free
 
 
 def write_identification(done: Checked, folder: str | Path, *, command: str = "") -> list[str]:
