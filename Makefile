@@ -13,7 +13,7 @@ DEV := $(VENV)/.dev
 DOCS := $(VENV)/.docs
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup swim test check lint types contracts pytest docs bench campaigns clean
+.PHONY: help setup swim lab test check lint types contracts pytest docs bench campaigns clean
 .DEFAULT_GOAL := help
 
 help:  ## Say what there is (the default)
@@ -43,6 +43,11 @@ setup: $(DEV)  ## Install the package and the developers' tools into .venv
 swim: $(PACKAGE)  ## Mamba's lateral undulation trial, beside what was measured
 	@$(BIN)/laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 \
 	--phase-shift-deg 40 --duration 30
+
+# Two processes that share nothing but a CAN bus, a network port and a serial line. LAB_FLAGS=--speed=2 goes faster.
+lab: $(PACKAGE)  ## A path-following trial of Table 2 in the virtual tank, operated like the robot
+	@$(PIP) install --editable '.[hardware]'
+	@$(BIN)/python examples/lab/run.py $(LAB_FLAGS)
 
 test: lint types contracts pytest  ## Everything that CI runs
 

@@ -1,7 +1,7 @@
 """How long does an identification take?
 
-Question: 4 parameters from the speeds of 20 trials of 30 s, prescribed joints, Mamba; 4 starts, and one. The reference is
-one batch of those 20 trials.
+Question: 4 parameters from the speeds of 20 trials of 30 s, prescribed joints, Mamba; 4 starts, and one. The reference
+is one batch of those 20 trials.
 """
 
 import time

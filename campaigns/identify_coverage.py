@@ -6,6 +6,21 @@ Which share of the intervals holds the true value, of all and by parameter, and 
 inertia of thin links, and the joints' skin, which prescribed joints hold against) reported as such?
 
     python campaigns/identify_coverage.py
+
+Last answer (2 shared cores, one thread, 2026-11-21; about 1 s per robot):
+                              hold the truth        not identified
+water.tangential_friction      111 of  118   94.1 %     2
+water.normal_drag              112 of  118   94.9 %     2
+water.added_mass               106 of  117   90.6 %     3
+water.current_x                116 of  120   96.7 %     0
+water.current_y                116 of  120   96.7 %     0
+measured.heading_offset        114 of  120   95.0 %     0
+water.added_inertia              0 of    0        -   120
+robot.joint.stiffness            0 of    0        -   120
+all                            675 of  713   94.7 %
+
+One parameter's share of 120 scatters by 2 points. That of the added mass is no bias: 120 other robots (`--seed 7`) gave
+97.5 % for it, and 96.5 % of all 718 intervals.
 """
 
 import argparse
@@ -75,9 +90,9 @@ def tracked(trial: Trial, name: str, twist: float, rng: np.random.Generator) -> 
     return replace(seen, start=lc.Start(), environment=lc.load_water("paper-lateral"))
 
 
-def case(number: int, threads: int | None = 1) -> Case:
+def case(number: int, seed: int = SEED, threads: int | None = 1) -> Case:
     """One random robot, identified; the same for the same number."""
-    rng = np.random.default_rng([SEED, number])
+    rng = np.random.default_rng([seed, number])
     robot = random_robot(rng)
     water = lc.load_water("paper-lateral")
     truth = {
@@ -120,10 +135,11 @@ def counts(cases: list[Case]) -> dict[str, tuple[int, int, int]]:
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--robots", type=int, default=ROBOTS)
+    parser.add_argument("--seed", type=int, default=SEED)
     options = parser.parse_args()
     cases: list[Case] = []
     for number in range(options.robots):
-        cases.append(case(number))
+        cases.append(case(number, options.seed))
         if (number + 1) % 20 == 0:
             print(f"{number + 1} robots", flush=True)
     table = counts(cases)

@@ -5,7 +5,7 @@ is left out, and what does it say of Table 2, which nothing was fitted to or cho
 and the last answer, are in `identify_paper.md`.
 
     python campaigns/identify_paper.py                  # all candidates, some ten minutes of one core
-    python campaigns/identify_paper.py --only geared    # those whose name holds a word
+    python campaigns/identify_paper.py --only geared    # those whose name holds a word; none is chosen
     python campaigns/identify_paper.py --table-1        # without Table 2
     python campaigns/identify_paper.py --output FILE    # keep what came out as JSON, for --fitted FILE next time
 """
@@ -419,7 +419,7 @@ def null_results() -> list[dict[str, Any]]:
 def power_answers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
     """Electrical power of all 30 measured rows, with one model each, with and without an idle offset in Table 2.
 
-    The hypothesis: in Table 2 the idle 41.3 W was taken off twice, or off the rows without the fin only.
+    The hypothesis: of all rows only those of Table 2 without the fin had the idle 41.3 W taken off, or had it twice.
     """
     first = [row for row in efficiency_trials() if row.mean_power is not None]
     trials = [
@@ -522,7 +522,7 @@ def main() -> None:
         begin = time.perf_counter()
         results.append(known.get(candidate.name) or on_table_1(candidate))
         tell(f"{i + 1}/{len(candidates)} {line_1(results[-1]).strip()} [{time.perf_counter() - begin:.0f} s]")
-    best = chosen(results)
+    best = chosen(results) if len(candidates) == len(CANDIDATES) else None  # the rule is for all of them
     if not arguments.table_1:
         for i, (candidate, result) in enumerate(zip(candidates, results, strict=True)):
             result["table_2"] = on_table_2(candidate, result, arguments.bandwidth)

@@ -33,7 +33,7 @@ found = fit(measured, parameters=names)
 print(found.status)
 for estimate in found.estimates:
     if estimate.interval is None:
-        print(f"  {estimate.name:<26} not identified: {estimate.note}")
+        print(f"  {estimate.name:<26} {estimate.note}")
     else:
         low, high = estimate.interval
         print(f"  {estimate.name:<26} {estimate.value:8.4f} [{low:.4f}, {high:.4f}] {estimate.unit}")

@@ -64,3 +64,29 @@ def test_the_planar_model_refuses_a_second_wave(run):
     done = run("swim --pitch-offset-deg 2")
     assert done.status == 2
     assert "must be None unless --model is `spatial`: the planar model has no pitch joints" in done.err
+
+
+DRIVEN = """
+kind = "robot"
+extends = "mamba"
+name = "driven"
+[caudal_fin]
+n_hinges = 1
+flexural_rigidity = 2.0
+[caudal_fin.joint]
+"""
+
+
+def test_a_driven_fin_has_a_wave_of_its_own(run, tmp_path):
+    (tmp_path / "driven.toml").write_text(DRIVEN)
+    own = "--fin-amplitude-deg 20 --fin-frequency-deg-s 100 --fin-phase-deg 30 --fin-offset-deg 5"
+    done = run(f"swim --robot {tmp_path / 'driven.toml'} {own} --duration 2 --json")
+    assert done.status == 0, done.err
+    wave = json.loads(done.out)["gait_parameters"]["fin"]
+    wanted = {"amplitude": 20.0, "frequency": 100.0, "phase": 30.0, "offset": 5.0}
+    assert {name: pytest.approx(np.rad2deg(wave[name])) for name in wanted} == wanted
+    text = " ".join(run(f"swim --robot {tmp_path / 'driven.toml'} {own} --duration 2").out.split())
+    assert "fin: amplitude 20 deg, frequency 100 deg/s, 30 deg ahead, offset 5 deg" in text
+    refused = run("swim --robot mamba-fin --fin-amplitude-deg 20")
+    assert refused.status == 2
+    assert "must be None unless the fin is driven (`caudal_fin.joint`)" in refused.err

@@ -21,9 +21,8 @@ def test_a_parameter_file_says_what_was_identified(found, tmp_path):
     assert kept.joints == "prescribed"
     assert kept.water("eel_like").tangential_friction == found[FRICTION].value
     assert kept.changes == {"actuator": {"tracking": found[TRACKING].value}}
-    assert (
-        kept.own_changes["lateral_undulation"]["tether"]["drag"] == found.values["lateral_undulation.robot.tether.drag"]
-    )
+    drag = found.values["lateral_undulation.robot.tether.drag"]
+    assert kept.own_changes["lateral_undulation"]["tether"]["drag"] == drag
     assert "eel_like" not in kept.own_changes
 
 
@@ -38,9 +37,7 @@ def test_a_trial_with_the_parameter_file_is_what_the_fit_predicts(found):
 
 def test_what_a_parameter_file_cannot_say_is_refused_but_a_robot_can_have_it():
     other = fit(speeds(2, duration=4.0), parameters=["robot.module.mass"], n_starts=1, threads=1)
-    with pytest.raises(
-        ValueError, match=r"must be numbers that a parameter file has a table for, got `robot.module.mass`"
-    ):
+    with pytest.raises(ValueError, match=r"a parameter file has a table for, got `robot.module.mass`"):
         other.parameters("tank", "in the tank")
     assert other.robot(FINNED, "eel_like").modules[0].mass == other["robot.module.mass"].value
 

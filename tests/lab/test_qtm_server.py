@@ -1,13 +1,12 @@
 import asyncio
 import socket
+import struct
 import threading
 import time
 
 import numpy as np
 import pytest
 import qtm_rt
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from laticauda.lab import BODY, LOOPBACK, QtmServer, ServerFailed
 from laticauda.protocol import BodyPose, MocapFrame
@@ -128,11 +127,18 @@ def test_versions_that_we_do_not_speak_are_refused(server):
     ]
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(data=st.lists(st.binary(max_size=100) | st.text(max_size=30).map(encode_text), max_size=5))
-def test_random_bytes_do_not_bring_the_server_down(server, data):
+@pytest.mark.parametrize("seed", range(20))
+def test_random_bytes_do_not_bring_the_server_down(server, seed):
+    random = np.random.default_rng(seed)  # not hypothesis: the other threads' checks of shapes disturb its chance
+    words = [b"streamframes", b"getparameters", b"version 1.25", b"allframes 6d", b"frequency:\xff", b"\0", b" "]
     with socket.create_connection((server.host, server.port), timeout=2) as wire:
-        for part in data:
+        for _ in range(10):
+            text = b"".join(random.choice(words) if random.random() < 0.7 else random.bytes(5) for _ in range(4))
+            part = (
+                struct.pack("<II", 8 + len(text), random.integers(0, 8)) + text
+                if random.random() < 0.8
+                else random.bytes(20)
+            )
             try:
                 wire.sendall(part)
             except OSError:  # we were hung up on

@@ -151,6 +151,7 @@ class Run:
     def until(self, phase: str, patience: float = 60.0) -> None:
         end = self.rig.time + patience
         while self.state.phase != phase:
+            assert phase == "done" or not self.state.is_done, self.state.failure or [e.message for e in self.events]
             assert self.rig.time < end, f"stays in {self.state.phase}: {[e.message for e in self.events]}"
             self.tick()
 

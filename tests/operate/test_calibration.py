@@ -88,7 +88,7 @@ def test_still_is_only_who_is_still_for_long_enough_and_noise_is_no_motion():
         seen, found = (), []
         for k in range(150):
             t = 0.01 * k
-            x, y, heading = noise.normal(0.0, [0.001, 0.001, 0.002])
+            x, y, heading = noise.normal(0.0, [0.001, 0.001, 0.002]).tolist()
             seen, is_still = still.step(seen, t, x + speed * t, y, heading + rate * t)
             found.append(is_still)
         return found

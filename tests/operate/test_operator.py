@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 import laticauda as lc
 from laticauda.gaits import Generator
@@ -15,7 +16,6 @@ from laticauda.operate.samples import ReferenceSample
 from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement, Tank
 from laticauda.operate.supervisor import BY_EVENT
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
-from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
 QUICK = Calibration(idle_time=0.2, still_time=0.3)
@@ -80,7 +80,7 @@ def test_the_references_of_the_run_are_those_of_the_one_generator():
     assert begun is not None
     run.tick(80)
     asked = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
-    generator = Generator(n_links=9)
+    generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
     state = generator.init(GAIT)
     for sample in asked:
         state = generator.step(state, GAIT, sample.time - begun - state.time)
@@ -220,7 +220,7 @@ SWITCHES = {
 
 @pytest.mark.parametrize("event", SWITCHES)
 def test_what_goes_wrong_in_a_run_stops_it_within_the_stated_time(event):
-    run = running(duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3))
+    run = running(duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3, max_joint_error=0.2))
     run.tick(40)
     for name, value in SWITCHES[event].items():
         setattr(run.rig, name, value)

@@ -11,7 +11,7 @@ from laticauda.reports import Experiments, paper_experiments, reproduce
 from laticauda.reports.chapter import Chapter
 from laticauda.reports.experiments import HALVES, RUNS
 from laticauda.reports.reproduce import CHAPTERS
-from laticauda.robot import Parameters, load_water
+from laticauda.robot import Parameters, load_robot, load_water
 from laticauda.studies import BeyondSettings, SideSettings, StabilitySettings
 
 module = sys.modules[reproduce.__module__]
@@ -125,9 +125,15 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_pat
 
 def test_other_coefficients_reach_every_study():
     water = load_water("published-2015")
-    mine = paper_experiments(Parameters(name="mine", title="my coefficients", every_gait=water))
+    changes = {"actuator": {"tracking": 0.5}}
+    mine = paper_experiments(Parameters(name="mine", title="my numbers", every_gait=water, changes=changes))
+    mamba = load_robot("mamba")
     assert [model.name for model in mine.efficiency.models] == ["mine", "analytical-set", "vortex-set"]
     for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
+        assert coefficients.robot(mamba, "eel_like").joints[0].actuator.tracking == 0.5
+    assert mine.efficiency.models[1].robot(mamba, "eel_like") is mamba  # the paper's stays beside it as it is
     swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)
-    assert {swimmer.water for swimmer in (*swimmers, *mine.beyond.turning.swimmers)} == {water}
+    swimmers = (*swimmers, *mine.beyond.turning.swimmers)
+    assert {swimmer.water for swimmer in swimmers} == {replace(water, name="mine")}
+    assert {swimmer.body.joints[0].actuator.tracking for swimmer in swimmers} == {0.5}

@@ -35,6 +35,7 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
     ("lab",): ("lab:LabCommand", "Run the virtual tank: the robot on a CAN bus, cameras and a power meter."),
     ("operate",): ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
+    ("replay",): ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
     ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
     ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
     ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),

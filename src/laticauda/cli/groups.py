@@ -64,6 +64,14 @@ class GaitFlags:
     """How far it is ahead of the first one; 90 makes a helix [deg]."""
     pitch_offset_deg: Annotated[Number, default("0")] = None
     """phi_0 of the pitch joints; positive turns down [deg]."""
+    fin_amplitude_deg: Annotated[Number, default("0")] = None
+    """alpha of a driven fin's own wave [deg]."""
+    fin_frequency_deg_s: Annotated[Number, default("that of the body")] = None
+    """Its omega [deg/s]."""
+    fin_phase_deg: Annotated[Number, default("0")] = None
+    """How far it is ahead of the tail-most joint, for equal frequencies [deg]."""
+    fin_offset_deg: Annotated[Number, default("0")] = None
+    """phi_0 of the fin [deg]."""
 
     def chosen(self) -> "Gait":
         """The gait that is asked for."""
@@ -79,6 +87,7 @@ class GaitFlags:
             offset=radians(self.offset_deg, 0.0),
             envelope=self.envelope,
             pitch=self._pitch(frequency, phase_shift),
+            fin=self._fin(frequency),
         )
 
     def _pitch(self, frequency: float, phase_shift: float) -> "Wave | None":
@@ -93,6 +102,20 @@ class GaitFlags:
             phase_shift=phase_shift,
             phase=radians(self.pitch_phase_deg, 0.0),
             offset=radians(self.pitch_offset_deg, 0.0),
+        )
+
+    def _fin(self, frequency: float) -> "Wave | None":
+        """The wave of a driven fin; None if no option asks for one."""
+        from laticauda.gaits import Wave
+
+        own = (self.fin_amplitude_deg, self.fin_frequency_deg_s, self.fin_phase_deg, self.fin_offset_deg)
+        if own == (None, None, None, None):
+            return None
+        return Wave(
+            amplitude=radians(self.fin_amplitude_deg, 0.0),
+            frequency=frequency if self.fin_frequency_deg_s is None else math.radians(self.fin_frequency_deg_s),
+            phase=radians(self.fin_phase_deg, 0.0),
+            offset=radians(self.fin_offset_deg, 0.0),
         )
 
 

@@ -3,6 +3,7 @@
 import json
 import sys
 import threading
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -162,9 +163,17 @@ def _listen(lab: "Lab") -> None:
     """Do what lines on the standard input say, until it ends."""
     from laticauda.lab import assist
 
-    for line in sys.stdin:
+    for line in _lines():
         if line.strip():
             try:
                 print(lab.ask(lambda tank, line=line: assist(tank, line)), file=sys.stderr, flush=True)
             except ValueError as error:
                 print(error, file=sys.stderr, flush=True)
+
+
+def _lines() -> Iterator[str]:
+    """The lines of the standard input, if there is one."""
+    try:
+        yield from sys.stdin or ()
+    except OSError:
+        return

@@ -173,6 +173,11 @@ def _gait(gait: Gait | None) -> str:
         amplitude, ahead = math.degrees(pitch.amplitude), math.degrees(pitch.phase)
         text += f", pitch wave: amplitude {amplitude:.4g} deg, {ahead:.4g} deg ahead"
         text += f", offset {math.degrees(pitch.offset):.4g} deg" if pitch.offset else ""
+    if gait.fin is not None:
+        fin = gait.fin
+        amplitude, frequency, ahead = (math.degrees(x) for x in (fin.amplitude, fin.frequency, fin.phase))
+        text += f", fin: amplitude {amplitude:.4g} deg, frequency {frequency:.4g} deg/s, {ahead:.4g} deg ahead"
+        text += f", offset {math.degrees(fin.offset):.4g} deg" if fin.offset else ""
     return text
 
 

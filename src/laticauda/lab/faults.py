@@ -91,7 +91,7 @@ class Faults:
         self._on: list[Fault] = []
 
     def add(self, fault: Fault) -> None:
-        """One more."""
+        """One more: `fault`."""
         self._all.append(fault)
 
     def clear(self) -> None:

@@ -66,8 +66,8 @@ class QtmServer:
         self.rate, self.host, self.port = rate, host, port
         self._latest: MocapFrame | None = None
         self._clients: set[_Client] = set()
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name="qtm-server", daemon=True)
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread: threading.Thread | None = None
         self._server: asyncio.Server | None = None
 
     def start(self) -> None:
@@ -76,11 +76,12 @@ class QtmServer:
         Raises:
             ServerFailed: If it cannot.
         """
+        loop = self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=loop.run_forever, name="qtm-server", daemon=True)
         self._thread.start()
+        opening = asyncio.start_server(self._serve, self.host, self.port)
         try:
-            self._server = asyncio.run_coroutine_threadsafe(
-                asyncio.start_server(self._serve, self.host, self.port), self._loop
-            ).result()
+            self._server = asyncio.run_coroutine_threadsafe(opening, loop).result()
         except OSError as error:
             self.stop()
             raise ServerFailed(f"The cameras' server cannot listen at {self.host}:{self.port}: {error}.") from error
@@ -88,16 +89,18 @@ class QtmServer:
 
     def stop(self) -> None:
         """End all connections and the thread."""
-        if not self._loop.is_running():
+        loop, self._loop = self._loop, None
+        if loop is None or self._thread is None:
             return
-        asyncio.run_coroutine_threadsafe(self._close(), self._loop).result(5.0)
-        self._loop.call_soon_threadsafe(self._loop.stop)
+        asyncio.run_coroutine_threadsafe(self._close(), loop).result(5.0)
+        loop.call_soon_threadsafe(loop.stop)
         self._thread.join(5.0)
-        self._loop.close()
+        loop.close()
 
     def publish(self, frame: MocapFrame) -> None:
-        """A new frame, for all who stream; may be called from any thread."""
-        self._loop.call_soon_threadsafe(self._publish, frame)
+        """Send `frame` to all who stream; may be called from any thread."""
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._publish, frame)
 
     def _publish(self, frame: MocapFrame) -> None:
         self._latest = frame

@@ -65,7 +65,7 @@ class Tank:
         return self.world.truth
 
     def inject(self, fault: Fault) -> None:
-        """Let something go wrong; a fault of the past never was."""
+        """Let a `fault` happen; one of the past never was."""
         self.faults.add(fault)
 
     def carry(self, start: Start) -> None:
@@ -85,7 +85,7 @@ class Tank:
         return seen
 
     def answer(self, line: str) -> bytes:
-        """What the meter says to a line; nothing while it is silent."""
+        """What the meter says to `line`; nothing while it is silent."""
         return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
 
     @property

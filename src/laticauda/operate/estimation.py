@@ -7,9 +7,10 @@ by up to `horizon`: then the filter goes back, takes the sample in where it belo
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
-from jaxtyping import Float
+from numpy.typing import NDArray
 
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import not_negative, positive, whole
@@ -18,12 +19,12 @@ from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
 from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
-from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, X, Y
+from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
 from laticauda.operate.noise import Noise
 from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.robot import Robot
 
-Vector = Float[np.ndarray, " n"]
+Vector: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -235,14 +236,9 @@ class Estimator:
         if not math.isfinite(dt):
             return replace(belief, time=time)
         width = self.model.reference_bandwidth
-        smooth, rate, _ = filter_step(
-            belief.smooth,
-            belief.smooth_rate,
-            belief.asked,
-            width,
-            math.exp(-width * dt),
-            dt,  # pyright: ignore
-        )
+        # The filter's formula holds for arrays too.
+        moved: Any = filter_step
+        smooth, rate, _ = moved(belief.smooth, belief.smooth_rate, belief.asked, width, math.exp(-width * dt), dt)
         known = belief.known
         if known is not None:
             n_steps = max(1, math.ceil(dt / LONGEST_STEP))
@@ -316,7 +312,7 @@ class Estimator:
         """The gate on a squared distance of n numbers: mean and spread of chi-squared are n and sqrt(2 n)."""
         return n + self.gate * math.sqrt(2.0 * n)
 
-    def _measured(self, frame: PoseSample) -> tuple[Vector, Float[np.ndarray, "m m"]]:
+    def _measured(self, frame: PoseSample) -> tuple[Vector, NDArray[np.float64]]:
         variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
         if frame.rotation is None or not np.isfinite(frame.rotation).all():
             return frame.position[:2].copy(), np.diag(variance[:2])
@@ -346,8 +342,8 @@ LONGEST_STEP = 0.05
 
 
 def _widened(known: Gaussian) -> Gaussian:
-    """The same, with the pose open again: for a filter that no frame fits any more."""
+    """The same, with pose and speeds open again: for a filter that no frame fits any more."""
     covariance = known.covariance.copy()
-    for at, variance in ((X, 1.0), (Y, 1.0), (H, 1.0)):
+    for at, variance in ((X, 1.0), (Y, 1.0), (H, 1.0), (U, 0.1), (S, 0.1), (R, 1.0)):
         covariance[at, at] += variance
     return Gaussian(mean=known.mean, covariance=covariance)

@@ -173,7 +173,7 @@ def _decode(kind: type[T], table: Table, path: str) -> T:
         if inner is not None:
             values[name] = _decode(inner, _table(value, where), where)
         else:
-            values[name] = _radians(value, where) if key in spelled else value
+            values[name] = _radians(value, where) if key in spelled else _fixed(value)
     for name, field in known.items():
         if field.default is MISSING and field.default_factory is MISSING and name not in values:
             raise _BadKey(f"{path}.{name}" if path else name, f"is missing; every {kind.__name__.lower()} needs it")
@@ -200,6 +200,11 @@ def _class_in(hint: Any) -> type[Any] | None:
     if typing.get_origin(hint) is types.UnionType:
         hint = next((part for part in typing.get_args(hint) if is_dataclass(part)), hint)
     return hint if is_dataclass(hint) and isinstance(hint, type) else None
+
+
+def _fixed(value: object) -> Any:
+    """Lists as tuples: what is read does not change any more."""
+    return tuple(_fixed(item) for item in cast("list[object]", value)) if isinstance(value, list) else value
 
 
 def _radians(value: object, where: str) -> float:

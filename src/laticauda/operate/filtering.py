@@ -1,35 +1,39 @@
 """The door of filterpy: predict and correct one Gaussian estimate, as functions of values."""
 
 # pyright: reportMissingImports=false, reportUnknownMemberType=false, reportUnknownVariableType=false
+# pyright: reportUnknownArgumentType=false
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from numpy.typing import NDArray
 
 from laticauda.errors import MissingExtra
 
 try:
-    from filterpy import kalman as _kalman
+    from filterpy import kalman
 except ImportError as error:
     raise MissingExtra("State estimation", "filterpy", "hardware") from error
+
+_kalman: Any = kalman  # its annotations are guesses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gaussian:
     """What is known of a vector: its mean and covariance, in the units of its parts."""
 
-    mean: Float[np.ndarray, " n"]
+    mean: NDArray[np.float64]
     """Expected value."""
-    covariance: Float[np.ndarray, "n n"]
+    covariance: NDArray[np.float64]
     """Symmetric, positive semi-definite."""
 
 
 def predicted(
-    mean: Float[np.ndarray, " n"],
-    covariance: Float[np.ndarray, "n n"],
-    transition: Float[np.ndarray, "n n"],
-    noise: Float[np.ndarray, "n n"],
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    transition: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> Gaussian:
     """A step of time: the covariance becomes F P F' + Q.
 
@@ -46,9 +50,9 @@ def predicted(
 
 def corrected(
     known: Gaussian,
-    residual: Float[np.ndarray, " m"],
-    sensitivity: Float[np.ndarray, "m n"],
-    noise: Float[np.ndarray, "m m"],
+    residual: NDArray[np.float64],
+    sensitivity: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> Gaussian:
     """A measurement taken in, in Joseph's form of the covariance.
 
@@ -64,14 +68,14 @@ def corrected(
 
 def squared_distance(
     known: Gaussian,
-    residual: Float[np.ndarray, " m"],
-    sensitivity: Float[np.ndarray, "m n"],
-    noise: Float[np.ndarray, "m m"],
+    residual: NDArray[np.float64],
+    sensitivity: NDArray[np.float64],
+    noise: NDArray[np.float64],
 ) -> float:
     """How far off a measurement is, squared, in units of its expected spread (chi-squared, m degrees) [-]."""
     spread = sensitivity @ known.covariance @ sensitivity.T + noise
     return float(residual @ np.linalg.solve(spread, residual))
 
 
-def _symmetric(matrix: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+def _symmetric(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (matrix + matrix.T)

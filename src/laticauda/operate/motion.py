@@ -6,9 +6,10 @@ the gait. Joint angles are what was asked for, smoothed, plus a deviation. See d
 
 import math
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
-from jaxtyping import Float
+from numpy.typing import NDArray
 
 from laticauda.kinematics import link_angles, link_centers
 from laticauda.operate.estimate import Mount
@@ -16,8 +17,9 @@ from laticauda.operate.filtering import Gaussian
 from laticauda.operate.noise import Noise
 from laticauda.robot import Robot
 
-Vector = Float[np.ndarray, " _n"]  # of any length, each its own
-Matrix = Float[np.ndarray, "_m _n"]
+# This runs hundreds of times a second: shapes are in the docstrings, and are not checked at run time.
+Vector: TypeAlias = NDArray[np.float64]
+Matrix: TypeAlias = NDArray[np.float64]
 
 # Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
 # rate of turning and the sideways speed per mean joint angle.

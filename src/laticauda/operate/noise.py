@@ -22,15 +22,15 @@ class Noise:
     """Of the marker body [rad]."""
     joint: float = math.radians(0.3)
     """Of a joint's sensor, with what is left of its backlash [rad]."""
-    joint_acceleration: float = 1.5
+    joint_acceleration: float = 0.5
     """How fast a joint's rate strays from the reference's [rad/s^2/sqrt(Hz)]."""
     position_walk: float = 0.001
     """How fast the center of mass strays [m/sqrt(s)]."""
-    surge: float = 0.02
+    surge: float = 0.0067
     """How fast the speed through the water changes [m/s/sqrt(s)]."""
-    sway: float = 0.03
+    sway: float = 0.01
     """Of the sideways speed through the water, which fades within `sway_time` [m/s]."""
-    sway_time: float = 2.0
+    sway_time: float = 6.0
     """[s]."""
     current: float = 0.1
     """Of the water's velocity, per axis, before anything was seen [m/s]."""
@@ -38,17 +38,17 @@ class Noise:
     """How fast it changes [m/s/sqrt(s)]."""
     turning: float = 0.03
     """How fast the smooth heading's rate changes [rad/s/sqrt(s)]."""
-    turn_gain: float = 0.02
+    turn_gain: float = 0.06
     """How fast the rate of turning per mean joint angle changes [1/s/sqrt(s)]."""
-    slip_gain: float = 0.005
+    slip_gain: float = 0.015
     """How fast the sideways speed per mean joint angle changes [m/s/sqrt(s)]."""
     heading_gain: float = 0.15
     """How fast a bending mode's share in the heading changes [1/sqrt(s)]."""
     across_gain: float = 0.005
     """How fast a bending mode's share in the center of mass's place changes [m/sqrt(s)]."""
-    heading_ripple: float = 0.01
+    heading_ripple: float = 0.0033
     """How fast the rest of the heading's ripple changes; harmonic k by 1/k of it [rad/sqrt(s)]."""
-    position_ripple: float = 0.002
+    position_ripple: float = 0.006
     """The same for the center of mass [m/sqrt(s)]."""
 
     def __post_init__(self) -> None:

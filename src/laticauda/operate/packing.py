@@ -14,7 +14,7 @@ from jaxtyping import Float
 from laticauda.operate.estimate import Estimate, Status
 from laticauda.operate.samples import JointSample, PoseSample, PowerReading, ReferenceSample
 
-Numbers = Float[np.ndarray, " n"]
+Numbers = Float[np.ndarray, " _"]
 Recorded = PoseSample | JointSample | ReferenceSample | PowerReading
 
 TOPICS: dict[type[Recorded], str] = {

@@ -96,7 +96,7 @@ def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Ans
     if not missing:
         return _next(state, now, "checking", f"{modules.n} modules and the motion capture are heard")
     if _gone(state, now) > CONNECT_TIME:
-        return _given_up(state, now, "; ".join(missing).capitalize() + ".")
+        return _given_up(state, now, _sentence("; ".join(missing)))
     return state, (), ()
 
 
@@ -110,7 +110,7 @@ def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answe
         message = f"all modules are well: at most {warm:.0f} degC, at least {low:.1f} V"
         return _next(state, now, "calibrating", message, temperature=warm, voltage=low)
     if _gone(state, now) > CONNECT_TIME / 2.0:
-        return _given_up(state, now, "; ".join(found or ("the modules do not go limp",)).capitalize() + ".")
+        return _given_up(state, now, _sentence("; ".join(found or ("the modules do not go limp",))))
     return state, (), ()
 
 
@@ -204,6 +204,10 @@ def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
 def _countdown(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     """Some seconds for everybody to step back."""
     return state, ("started",) if _gone(state, now) >= operator.operation.countdown else (), ()
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
 
 
 def _why(state: "OperatorState") -> str:

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -15,10 +15,11 @@ from laticauda.operate.operation_log import Decision, OperationLog
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample, Sample, yaw_joints
 from laticauda.trial import Trial
 
-Column = Float[np.ndarray, " n"]
-Table = Float[np.ndarray, "n columns"]
+Column = Float[np.ndarray, " _n"]
+Table = Float[np.ndarray, "_n _columns"]
 
 
+@runtime_checkable
 class AnyEstimator(Protocol):
     """What `Estimator` and `KinematicEstimator` share."""
 
@@ -209,7 +210,7 @@ def rerun_controller(log: OperationLog, controller: Any = None, estimates: list[
     Raises:
         ValueError: If there is no controller, or an instant has no estimate.
     """
-    chosen = log.header.controller if controller is None else controller
+    chosen: Any = log.header.controller if controller is None else controller
     if chosen is None:
         raise ValueError("`controller` must be given: the recording holds none, got None.")
     begin, end = run_span(log)
@@ -232,7 +233,7 @@ def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
     """Charge between two readings of a meter that averages since `since` [A s]; None if that does not say."""
     if one.average is None or two.average is None or one.since is None or one.since != two.since:
         return None
-    return two.average * (two.time - two.since) - one.average * (one.time - one.since)
+    return two.average * (two.time - one.since) - one.average * (one.time - one.since)
 
 
 def _torque(log: OperationLog, time: Column) -> Table | None:
@@ -249,7 +250,8 @@ def _at_times(time: Column, samples: list[JointSample], values: list[Column]) ->
     order = np.argsort(when, kind="stable")
     when, table = when[order], table[order]
     columns: list[Column] = []
-    for column in table.T:
+    for i in range(table.shape[1]):
+        column = table[:, i]
         known = np.isfinite(column)
         columns.append(np.interp(time, when[known], column[known]) if known.any() else np.zeros(time.size))
     return np.stack(columns, axis=1)

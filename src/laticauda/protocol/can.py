@@ -124,7 +124,7 @@ def decode(identifier: int, data: bytes) -> CanMessage | None:
 
 
 def from_node(identifier: int) -> bool:
-    """Whether a frame with this identifier comes from a node, if it is one of ours."""
+    """Whether a frame with this `identifier` comes from a node, if it is one of ours."""
     return identifier >= BASE["JointState"]
 
 

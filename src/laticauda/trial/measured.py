@@ -144,4 +144,4 @@ def _gait(kind: str, amplitude: str | float, frequency: str | float, phase_shift
 def _alike(one: Gait, other: Gait) -> bool:
     names = ("amplitude", "frequency", "phase_shift", "offset")
     close = all(abs(getattr(one, name) - getattr(other, name)) <= _TOLERANCE for name in names)
-    return one.kind == other.kind and one.pitch == other.pitch and close
+    return one.kind == other.kind and one.pitch == other.pitch and one.fin == other.fin and close

@@ -9,7 +9,7 @@ from typing import Any
 
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.worker import DeviceFailed, Worker
-from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, open_bus, to_frame
+from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, from_node, open_bus, to_frame
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # of the identifier of Linux' error frames
@@ -78,6 +78,8 @@ class CanDriver(Worker[Frame]):
                 raise DeviceFailed("the CAN controller is in its bus-off state")
             return
         self._is_off = False
+        if not from_node(frame.arbitration_id):
+            return  # our own, which udp_multicast brings back
         self._found.append(
             Frame(
                 time=self._clock.now(),

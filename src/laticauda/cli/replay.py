@@ -1,0 +1,90 @@
+"""`laticauda replay`: a recorded operation as a trial, and once more through the estimator and the controller."""
+
+import json
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from laticauda.cli.flags import Switch, Text
+from laticauda.cli.outputs import check_output
+
+if TYPE_CHECKING:
+    from laticauda.operate import Estimate, OperationLog, Rerun
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replay:
+    """Make a trial of a recorded operation, and print its figures.
+
+    The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
+    goes. --estimate and --control run the recorded estimator and controller again on what was recorded.
+
+    For example: laticauda replay run.mcap --save run.nc --estimate --control
+    """
+
+    file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE", help_behavior_hint="(required)")]
+    """The recording, as `laticauda operate` wrote it (.mcap)."""
+    save: Text = None
+    """Write the trial to this file (.nc)."""
+    estimate: Switch = False
+    """Estimate the motion again from the recorded samples; the trial is then of that."""
+    kinematics: Switch = False
+    """Estimate it by kinematics alone, without the filter."""
+    control: Switch = False
+    """Let the controller decide again, and compare its commands with the recorded ones."""
+    json: Switch = False
+    """Print one JSON object in SI units."""
+
+    def __call__(self) -> int:
+        """Read, run again, write, print, and return the exit status."""
+        check_output("save", self.save, (".nc",))
+        from laticauda.cli.report import as_json, as_text
+        from laticauda.operate import read_operation, rerun_controller, trial_of
+
+        log = read_operation(self.file)
+        estimates = self._estimates(log)
+        trial = trial_of(log, estimates)
+        rerun = rerun_controller(log, estimates=estimates) if self.control else None
+        if self.save is not None:
+            trial.save(self.save)
+        if log.lost:
+            print(f"laticauda: {log.lost}", file=sys.stderr)
+        if self.json:
+            found: dict[str, Any] = {**json.loads(as_json(trial)), "lost": log.lost}
+            if rerun is not None:
+                found["control"] = _compared(rerun)
+            print(json.dumps(found, indent=2, allow_nan=False))
+        else:
+            print(as_text(trial))
+            if rerun is not None:
+                print(f"\n{_sentence(rerun)}")
+        return 0 if trial.succeeded else 1
+
+    def _estimates(self, log: "OperationLog") -> "list[Estimate] | None":
+        from laticauda.operate import KinematicEstimator, rerun_estimator
+
+        if self.kinematics:
+            mount = getattr(log.header.estimator, "mount", None)
+            kwargs = {} if mount is None else {"mount": mount}
+            return rerun_estimator(log, KinematicEstimator(robot=log.header.robot, **kwargs))
+        return rerun_estimator(log) if self.estimate else None
+
+
+def _compared(rerun: "Rerun") -> dict[str, float]:
+    return {
+        "n_commands": len(rerun.recorded),
+        "n_different": rerun.n_different,
+        "largest_difference": rerun.largest_difference,
+    }
+
+
+def _sentence(rerun: "Rerun") -> str:
+    n = len(rerun.recorded)
+    if rerun.n_different == 0:
+        return f"The controller decided the same again, to the last bit, at all {n} control instants."
+    return (
+        f"The controller decided otherwise at {rerun.n_different} of {n} control instants, "
+        f"by up to {rerun.largest_difference:.3g} rad of the joints' offset."
+    )

@@ -1,0 +1,206 @@
+"""A series: every setting several times, the mean and the scatter, and the runs that were rejected, with the reason."""
+
+import csv
+import math
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from laticauda.errors import StorageFailed
+from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.operate.session import Result
+from laticauda.operate.settings import Operation
+from laticauda.robot import load_robot
+
+TABLE2 = Path(__file__).with_name("table2.toml")
+"""The paper's Table 2 as a series file: twelve settings, three runs each."""
+COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
+KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
+Run = Callable[[Operation, Path], Result]
+Place = Callable[[Operation, int], None]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Setting:
+    """All runs of one setting."""
+
+    operation: Operation
+    """What was asked for."""
+    results: tuple[Result, ...]
+    """In their order, the rejected ones too."""
+
+    @property
+    def accepted(self) -> tuple[Result, ...]:
+        """The runs that count."""
+        return tuple(result for result in self.results if result.accepted and result.trial is not None)
+
+    def figure(self, name: str) -> tuple[float, float | None] | None:
+        """Mean and standard deviation of a figure of the summary; one run has no deviation, and none gives None.
+
+        Args:
+            name: As in `Result.summary`.
+        """
+        known = [value for result in self.accepted if (value := result.summary().get(name)) is not None]
+        if not known:
+            return None
+        return statistics.fmean(known), statistics.stdev(known) if len(known) > 1 else None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Series:
+    """What became of a series."""
+
+    file: SeriesFile
+    """What was asked for."""
+    settings: tuple[Setting, ...]
+    """In the order of the file."""
+    folder: Path
+    """Trials, recordings and the table of repeats."""
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every setting has its repeats."""
+        return len(self.settings) == len(self.file.operations) and all(
+            len(setting.accepted) >= self.file.repeats for setting in self.settings
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """Everything by name, ready for JSON."""
+        return {
+            "name": self.file.name,
+            "complete": self.is_complete,
+            "repeats_file": str(self.folder / "repeats.csv"),
+            "settings": [
+                {
+                    "name": setting.operation.name,
+                    "accepted": len(setting.accepted),
+                    "rejected": [r.reason for r in setting.results if not r.accepted],
+                    "forward_velocity": setting.figure("forward_velocity"),
+                    "electrical_power": setting.figure("electrical_power"),
+                    "total_power": setting.figure("total_power"),
+                }
+                for setting in self.settings
+            ],
+        }
+
+    def table(self) -> str:
+        """Mean and scatter per setting, and why runs were rejected."""
+        lines = [f"{'setting':<34}{'runs':>5}{'v [m/s]':>20}{'P above idle [W]':>20}{'P total [W]':>18}"]
+        for setting in self.settings:
+            figures = [setting.figure(f) for f in ("forward_velocity", "electrical_power", "total_power")]
+            texts = [_shown(figure, digits) for figure, digits in zip(figures, (4, 2, 2), strict=True)]
+            runs = f"{len(setting.accepted)}/{self.file.repeats}"
+            lines.append(f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}")
+        for setting in self.settings:
+            for result in setting.results:
+                if not result.accepted:
+                    lines.append(f"rejected: {result.name}: {result.reason}")
+        lines.append(f"for `laticauda reproduce --repeats`: {self.folder / 'repeats.csv'}")
+        return "\n".join(lines)
+
+
+def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | None = None) -> Series:
+    """Run every setting until it has its repeats, or has been rejected too often.
+
+    The folder holds trials (``.nc``) and recordings (``.mcap``) run by run, and ``repeats.csv``, which is brought up to
+    date after every run. A series that was stopped goes on where it was: runs whose trial is there are not done again.
+
+    Args:
+        series: What to run.
+        folder: Where everything goes.
+        run: Operates once, into a folder.
+        place: Called before every run, with the setting and the number of the run, for somebody to put the robot there.
+
+    Returns:
+        What became of it. Once the operator stops a run by key, the series ends there.
+
+    Raises:
+        StorageFailed: If the table cannot be written.
+    """
+    settings: list[Setting] = []
+    for operation in series.operations:
+        results: list[Result] = []
+        stopped = False
+        for number in range(1, series.repeats + series.retries + 1):
+            if sum(result.accepted for result in results) >= series.repeats:
+                break
+            one = replace(operation, name=f"{operation.name}-{number}")
+            result = _stored(one, folder)
+            if result is None:
+                if place is not None:
+                    place(operation, number)
+                result = run(one, folder)
+            results.append(result)
+            done = [*settings, Setting(operation=operation, results=tuple(results))]
+            _write_repeats(folder, done)
+            stopped = not result.accepted and "the operator" in result.reason
+            if stopped:
+                break
+        settings.append(Setting(operation=operation, results=tuple(results)))
+        if stopped:
+            break
+    return Series(file=series, settings=tuple(settings), folder=folder)
+
+
+def table2() -> SeriesFile:
+    """The paper's Table 2 as a series."""
+    series = load_operation(TABLE2)
+    assert isinstance(series, SeriesFile)  # it is ours
+    return series
+
+
+def _stored(operation: Operation, folder: Path) -> Result | None:
+    """An accepted run of an earlier call; None if there is none."""
+    from laticauda.trial import load_trial
+
+    path = folder / f"{operation.name}.nc"
+    if not path.exists():
+        return None
+    trial = load_trial(path)
+    if not trial.succeeded:
+        return None
+    idle = trial.settings.get("idle_current")
+    return Result(
+        name=operation.name,
+        accepted=True,
+        reason="Taken from its file.",
+        trial=trial,
+        start=None,
+        idle_current=float(idle) if isinstance(idle, float | int) else None,
+        notes=(),
+        recording=None,
+        timing=None,
+    )
+
+
+def _write_repeats(folder: Path, settings: list[Setting]) -> None:
+    """The table that `laticauda reproduce --repeats` reads: one row per accepted run."""
+    rows: list[tuple[object, ...]] = []
+    for setting in settings:
+        gait = setting.operation.gait
+        if gait.kind not in KINDS:
+            continue
+        config = "fin" if load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
+        angles = [round(math.degrees(value), 9) for value in (gait.amplitude, gait.frequency, gait.phase_shift)]
+        for result in setting.accepted:
+            summary = result.summary()
+            power = summary.get("electrical_power")
+            velocity = summary["forward_velocity"]
+            rows.append((KINDS[gait.kind], config, *angles, velocity, "" if power is None else power))
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with (folder / "repeats.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(COLUMNS)
+            writer.writerows(rows)
+    except OSError as error:
+        raise StorageFailed(f"Cannot write {folder / 'repeats.csv'}: {error.strerror or error}.") from error
+
+
+def _shown(figure: tuple[float, float | None] | None, digits: int) -> str:
+    if figure is None:
+        return "-"
+    mean, deviation = figure
+    return f"{mean:.{digits}f}" + ("" if deviation is None else f" ± {deviation:.{digits}f}")

@@ -1,0 +1,141 @@
+"""From a recording to a trial with (4) and (5), and once more through estimator and controller."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from operate.tank import DRAWN, IDLE, follower, record
+
+from laticauda.errors import TrialFileError
+from laticauda.operate import (
+    Event,
+    KinematicEstimator,
+    PowerReading,
+    read_operation,
+    rerun_controller,
+    rerun_estimator,
+    trial_of,
+)
+from laticauda.operate.packing import packed_estimate
+from laticauda.trial import load_trial
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("replay") / "run.mcap"
+    truth = record(path)
+    return truth, read_operation(path), path
+
+
+def test_the_trial_is_the_run_between_start_and_stop(recorded):
+    truth, log, _ = recorded
+    trial = trial_of(log)
+    assert trial.time[0] == 0.0 and trial.duration == pytest.approx(1.5)
+    assert trial.succeeded and trial.status == "The end of the tank."
+    assert trial.gait == truth.gait and trial.environment == truth.environment
+    at = slice(100, 251)
+    assert np.abs(trial.center_of_mass - truth.center_of_mass[at]).max() < 0.03
+    assert trial.joint_angle_ref == pytest.approx(truth.joint_angle_ref[at])
+    assert np.abs(trial.joint_torque - truth.joint_torque[at]).mean() < 0.15  # the sensors' noise
+    assert trial.not_measured == ()
+
+
+def test_power_is_4_and_speed_is_5(recorded):
+    _, log, _ = recorded
+    trial = trial_of(log)
+    assert trial.electrical_power == pytest.approx(35.0 * DRAWN - 35.0 * IDLE)
+    moved = np.linalg.norm(trial.center_of_mass[-1] - trial.center_of_mass[0])
+    assert trial.forward_velocity == pytest.approx(moved / trial.duration)
+
+
+def test_without_averages_the_meters_readings_count(recorded):
+    _, log, _ = recorded
+    live = tuple(
+        PowerReading(time=entry.time, current=entry.current) if isinstance(entry, PowerReading) else entry
+        for entry in log.entries
+    )
+    assert trial_of(replace(log, entries=live)).electrical_power == pytest.approx(35.0 * (2.0 - IDLE))
+    without = tuple(entry for entry in log.entries if not isinstance(entry, PowerReading))
+    assert trial_of(replace(log, entries=without)).electrical_work is None
+
+
+def test_the_idle_current_is_the_robots_own_where_none_was_measured(recorded):
+    _, log, _ = recorded
+    trial = trial_of(replace(log, notes={}))
+    assert trial.electrical_power == pytest.approx(35.0 * DRAWN - log.header.robot.idle_power)
+
+
+def test_the_same_estimator_gives_the_same_estimates_to_the_last_bit(recorded):
+    _, log, _ = recorded
+    again = rerun_estimator(log)
+    before = [entry for entry in log.entries if type(entry).__name__ == "Estimate"]
+    assert len(again) == len(before) > 200
+    for one, two in zip(before, again, strict=True):
+        assert np.array_equal(packed_estimate(one), packed_estimate(two))
+
+
+def test_another_estimator_may_take_its_place(recorded):
+    truth, log, _ = recorded
+    estimates = rerun_estimator(log, KinematicEstimator(robot=truth.robot))
+    trial = trial_of(log, estimates)
+    assert np.abs(trial.center_of_mass - trial_of(log).center_of_mass).max() > 1e-3
+
+
+def test_the_same_controller_gives_the_same_commands_to_the_last_bit(recorded):
+    _, log, _ = recorded
+    rerun = rerun_controller(log)
+    assert len(rerun.recorded) == 31
+    assert rerun.n_different == 0 and rerun.largest_difference == 0.0
+    assert {decision.command.offset for decision in rerun.again} != {0.0}
+    assert rerun_controller(log, estimates=rerun_estimator(log)).n_different == 0
+
+
+def test_another_controller_decides_otherwise(recorded):
+    _, log, _ = recorded
+    other = replace(follower(), heading=replace(follower().heading, gain=0.5))
+    rerun = rerun_controller(log, other)
+    assert rerun.n_different > 20 and rerun.largest_difference > 1e-3
+
+
+def test_signals_are_held_between_control_instants(recorded):
+    _, log, _ = recorded
+    trial = trial_of(log)
+    error = trial.signals["cross_track_error"]
+    assert (error[:5] == error[0]).all() and error[5] != error[4]
+
+
+def test_a_run_without_an_end_is_a_failed_trial_that_says_so(recorded, tmp_path):
+    _, log, path = recorded
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(path.read_bytes()[: int(0.8 * path.stat().st_size)])
+    part = read_operation(cut)
+    trial = trial_of(part)
+    assert not trial.succeeded and trial.duration < 1.5
+    faulty = tuple(
+        Event(time=entry.time, kind="fault", message="A leak in module 3.")
+        if isinstance(entry, Event) and entry.kind == "stop"
+        else entry
+        for entry in log.entries
+    )
+    failed = trial_of(replace(log, entries=faulty))
+    assert not failed.succeeded and failed.status == "A leak in module 3."
+
+
+def test_torques_that_nobody_measured_are_not_made_up(tmp_path):
+    path = tmp_path / "bare.mcap"
+    record(path, torque=False)
+    trial = trial_of(read_operation(path))
+    assert set(trial.not_measured) == {"joint_torque", "work"}
+    trial.save(tmp_path / "bare.nc")
+    assert load_trial(tmp_path / "bare.nc").equals(trial)
+
+
+def test_a_recording_without_a_run_is_refused(recorded):
+    _, log, _ = recorded
+    with pytest.raises(TrialFileError, match=r"Cannot replay .*: it holds no run of at least two estimates\."):
+        trial_of(replace(log, entries=()))
+    bare = replace(log, header=replace(log.header, estimator=None, controller=None))
+    with pytest.raises(ValueError, match="`estimator` must be given: the recording holds none, got None"):
+        rerun_estimator(bare)
+    with pytest.raises(ValueError, match="`controller` must be given: the recording holds none, got None"):
+        rerun_controller(bare)
