@@ -4,7 +4,7 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -112,7 +112,10 @@ class DesignExperiment:
         from laticauda.errors import SimulationFailed
         from laticauda.identify.design import design
 
-        check_output("output", self.result.output, (".png", ".pdf"))
+        try:
+            check_output("output", self.result.output, (".png", ".pdf"))
+        except ValueError as error:
+            raise ValueError(str(error).replace("`output`", "--output")) from error
         show = _progress()
         try:
             put, known = self._problem()
@@ -134,16 +137,21 @@ class DesignExperiment:
 
     def _problem(self) -> "tuple[Problem, dict[str, Any]]":
         """The unknowns, and what is known of them."""
-        from laticauda.identify.design import known_from
+        from laticauda.identify.design import known_from, marginal
         from laticauda.identify.problem import problem
         from laticauda.identify.tasks import load_task
+        from laticauda.reports.identify_figures import of_interest
 
         if self.unknowns.after is not None:
-            for name in ("parameters",):
-                if getattr(self.unknowns, name):
-                    raise ValueError(f"`{name}` must not be given with --after, whose file says it.")
+            if self.unknowns.parameters:
+                raise ValueError("`parameters` must not be given with --after, whose file says them.")
             fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
-            return fit.problem, {"values": fit.problem.values_of(fit.x), "information": known_from(fit)}
+            keep = of_interest(fit)
+            put = replace(
+                fit.problem, unknowns=tuple(fit.problem.unknowns[k] for k in keep), moves=fit.problem.moves[:, keep]
+            )
+            values = fit.problem.values_of(fit.x)[keep]
+            return put, {"values": values, "information": marginal(known_from(fit), keep)}
         if not self.unknowns.parameters:
             raise ValueError("`parameters` must name at least one number to identify, as water.normal_drag, got none.")
         base = self._base()
@@ -302,8 +310,8 @@ def as_text(found: "Design") -> str:
     right = range(1, len(labels) + 1)
     return "\n\n".join(
         [
-            f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected standard "
-            "deviations (shares of the value; *: in the unit); -: not known.",
+            f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
+            "standard deviations (shares of the value; *: in the unit); -: not known.",
             aligned(rows, right=right),
             "\n".join(found.reasons).replace("`", ""),
             aligned(alone, right=right),

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import tyro
 
@@ -225,8 +225,11 @@ class Identify:
         for name, value in given(self).items():
             if name in ("files", "json") or value == ():
                 continue
-            values = [] if value is True else list(value) if isinstance(value, tuple) else [value]  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
-            words += [flag(name) if name != "output" else "--output", *map(str, values)]
+            words.append("--output" if name == "output" else flag(name))
+            if isinstance(value, tuple):
+                words += map(str, cast("tuple[object, ...]", value))
+            elif value is not True:
+                words.append(str(value))
         return shlex.join(words)
 
 
@@ -284,9 +287,12 @@ def as_text(done: "Checked", folder: Path) -> str:
         done: What was found.
         folder: Where it was written.
     """
+    from laticauda.reports.identify_figures import of_interest
+
     found = done.found
     rows = [["parameter", "value", "", "+-", f"{100 * found.confidence:g} % interval", "", ""]]
-    for estimate in found.estimates:
+    shown = of_interest(found)
+    for estimate in (found.estimates[k] for k in shown):
         if estimate.interval is None:
             cells = [MISSING, estimate.unit, MISSING, MISSING]
         else:
@@ -294,6 +300,8 @@ def as_text(done: "Checked", folder: Path) -> str:
             cells = [number(estimate.value), estimate.unit, number(estimate.sigma or 0.0), f"{low} to {high}"]
         rows.append([estimate.name, *cells, "", estimate.note])
     parts = [found.status, aligned(rows, right=(1, 3))]
+    if len(shown) < len(found.estimates):
+        parts[-1] += f"\nand {len(found.estimates) - len(shown)} numbers of where the trials began."
     if found.warnings:
         parts.append("\n".join(found.warnings))
     if done.error(found.predictions) is not None:

@@ -1,4 +1,4 @@
-"""An identification in pictures: measured against predicted, residuals, correlations, intervals, and what trials add."""
+"""An identification in pictures: measured against predicted, residuals, correlations, intervals; what trials add."""
 
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
 
@@ -73,8 +74,8 @@ def parity(groups: Sequence[Compared], ax: Axes, *, what: str) -> Axes:
     style.dress(ax, xlabel=f"measured {what}", ylabel=f"predicted {what}")
     ax.set(xlim=ends, ylim=ends)
     ax.set_aspect("equal")
-    ax.set_yticks(ax.get_xticks())
-    ax.set(xlim=ends, ylim=ends)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(5))
     return ax
 
 
@@ -109,7 +110,7 @@ def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence
 
 
 def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axes) -> Axes:
-    """Correlations of parameters as a matrix of numbers; a dash for what is not identified.
+    """Correlations of parameters as a matrix of numbers, without the diagonal; a dash for what is not identified.
 
     Args:
         names: Of the parameters.
@@ -119,15 +120,17 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
     Returns:
         `ax`.
     """
-    shown = np.where(np.isfinite(matrix), matrix, 0.0)
-    ax.imshow(shown, vmin=-1.0, vmax=1.0, cmap="RdBu_r")
+    shown = np.where(np.isfinite(matrix) & ~np.eye(len(names), dtype=bool), matrix, 0.0)
+    ax.imshow(shown, vmin=-1.0, vmax=1.0, cmap="RdBu_r", aspect="auto")
     for i, row in enumerate(matrix):
         for j, value in enumerate(row):
-            text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "–"
+            if i == j:
+                continue
+            text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "\N{EN DASH}"
             color = "white" if np.isfinite(value) and abs(value) > 0.6 else style.INK
             ax.text(j, i, text, ha="center", va="center", fontsize=style.TICK, color=color)
     style.dress(ax, xlabel="", ylabel="")
-    ax.set_xticks(range(len(names)), names, rotation=30, ha="right", rotation_mode="anchor")
+    ax.set_xticks(range(len(names)), [name.replace(" ", "\n") for name in names])
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(length=0)
     for spine in ax.spines.values():
@@ -151,12 +154,20 @@ def intervals(rows: Sequence[Interval], ax: Axes, *, confidence: float) -> Axes:
     for i, row in enumerate(rows):
         if row.plain is not None:
             ax.plot(row.plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
+            ax.plot(1.0, i, "o", color=style.INK, markersize=3.5)
         else:
-            ax.text(1.0, i - 0.12, "not identified", ha="center", va="bottom", fontsize=style.TICK, color=style.GRAY)
+            ax.annotate(
+                "not identified",
+                (1.0, i),
+                xytext=(4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=style.TICK,
+                color=style.GRAY,
+            )
         if row.profile is not None:
             shown = [end if end is not None else edge for end, edge in zip(row.profile, (low, high), strict=True)]
             ax.plot(shown, (i + 0.22, i + 0.22), color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
-        ax.plot(1.0, i, "o", color=style.INK, markersize=3.5)
     ax.plot([], [], color=style.BLUE, linewidth=3.0, label=f"{100 * confidence:g} % interval, from the covariance")
     if any(row.profile is not None for row in rows):
         ax.plot([], [], color=style.ORANGE, linewidth=1.6, label="from the profile likelihood (open ends: to the edge)")
@@ -165,7 +176,6 @@ def intervals(rows: Sequence[Interval], ax: Axes, *, confidence: float) -> Axes:
     ax.set_yticks(range(len(rows)), [row.label for row in rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(low, high)
-    style.legend(ax, loc="upper left", bbox_to_anchor=(0.0, -0.28 - 0.35 / max(len(rows), 1)), ncols=1)
     return ax
 
 
@@ -189,21 +199,25 @@ def shrinking(
     top = 3.0 * min(float(np.max(finite, initial=limit)), 10.0 * limit)
     for k, label in enumerate(labels):
         color, marker = MARKS[k % len(MARKS)]
-        dashes = _LINES[k // len(MARKS) % len(_LINES)]
+        dashes = _LINES[k % len(_LINES)]  # lines may lie on each other
         style_of = {"color": color, "marker": marker, "markersize": 4.0, "linewidth": style.LINE}
         ax.semilogy(n, np.minimum(sigma[:, k], top), linestyle=dashes, label=label, **style_of)
+        beyond = n[~(sigma[:, k] < top)]
+        ax.semilogy(beyond, np.full(beyond.size, top), marker, color=color, markerfacecolor="white", markersize=4.0)
     ax.axhline(limit, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
-    ax.annotate(
-        "not identified above",
-        (1.0, limit),
-        xycoords=("axes fraction", "data"),
-        xytext=(-2, 2),
-        textcoords="offset points",
-        ha="right",
-        va="bottom",
-        fontsize=style.TICK,
-        color=style.GRAY,
-    )
+    for text, level, offset, va in (("not identified above", limit, 2, "bottom"), ("open: not known", top, -4, "top")):
+        if level == limit or not np.all(sigma < top):
+            ax.annotate(
+                text,
+                (1.0, level),
+                xycoords=("axes fraction", "data"),
+                xytext=(-2, offset),
+                textcoords="offset points",
+                ha="right",
+                va=va,
+                fontsize=style.TICK,
+                color=style.GRAY,
+            )
     style.dress(ax, xlabel="further trials", ylabel=ylabel)
     ax.set_xticks(n)
     ax.set_ylim(top=1.15 * top)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import positive
+from laticauda.errors import not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict
@@ -36,6 +36,8 @@ SENSORS: Mapping[str, tuple[str, str, float]] = {
 """By word: whether it gives a figure or a series, which one, and the standard deviation of its noise."""
 FORCE_SIGMA = 0.05
 """Of a force that is measured in a tow [N]."""
+FORCE_SHARE = 0.02
+"""The same as a share of the force [-]."""
 INTERVAL = 0.5
 """Between samples of a series that count [s]."""
 _DIFFERENCE = 2.0**-12
@@ -49,10 +51,14 @@ class Tow:
     """Through the water [m/s]."""
     sigma: float = FORCE_SIGMA
     """Standard deviation of the noise of the force [N]."""
+    share: float = FORCE_SHARE
+    """The same as a share of the force: speed, alignment and calibration [-]."""
 
     def __post_init__(self) -> None:
+        """Check every field once."""
         positive("speed", self.speed, "m/s")
         positive("sigma", self.sigma, "N")
+        not_negative("share", self.share)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,7 +182,8 @@ def information_of(
             progress((begin + len(members)) / len(candidates))
     for i, one in enumerate(candidates):
         if one.tow is not None:
-            row = _tow_slopes(put, one, values) / one.tow.sigma * slope
+            force, slopes = _towed(put, one, values)
+            row = slopes / np.hypot(one.tow.sigma, one.tow.share * force) * slope
             found[i] = np.outer(row, row)
     if progress is not None:
         progress(1.0)
@@ -222,8 +229,8 @@ def _special(moves: np.ndarray, put: Problem) -> None:
                 moves[:, j] &= ~moves[:, k]
 
 
-def _tow_slopes(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
-    """Derivative of the force to every unknown; of order two, of a smooth function in closed form."""
+def _towed(put: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.ndarray]:
+    """The force, and its derivative to every unknown; of order two, of a smooth function in closed form."""
     part = _problem_of(put, [one.measurement])
     assert one.tow is not None
     (setting,) = part.apply(values)
@@ -236,7 +243,7 @@ def _tow_slopes(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
         ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
         low, high = (_force(setting, one.tow.speed, with_tied(setting, name, float(end), unknown.tied)) for end in ends)
         found[k] = (high - low) / (ends[1] - ends[0])
-    return found
+    return _force(setting, one.tow.speed, {}), found
 
 
 def _force(setting: Setting, speed: float, values: Mapping[str, float]) -> float:

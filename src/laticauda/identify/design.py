@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from laticauda.errors import one_of, whole
 from laticauda.identify.candidates import Candidate, information_of
-from laticauda.identify.identifiability import LIMIT, deviations
+from laticauda.identify.identifiability import LIMIT, combination_of, deviations
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import Settled
@@ -44,6 +44,8 @@ class Step:
     nothing is known [-]."""
     gain: float
     """By which factor it shrinks the volume of what is possible [-]."""
+    combination: str
+    """What it tells most about beyond what is known before, in words."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,6 +66,8 @@ class Design:
     """Of how many candidates."""
     alone: tuple[Step, ...]
     """What each candidate would say by itself, the best first; `gain` is over what was known before."""
+    swimming: Float[np.ndarray, " n_unknowns"] | None
+    """Standard deviations after as many trials, the best ones that swim; None if all candidates swim, or none [-]."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -81,9 +85,20 @@ class Design:
         found: list[str] = []
         before = self.before
         for i, step in enumerate(self.steps):
-            found.append(f"{i + 1}. {step.candidate.name}: {_reason(self.names, before, step.sigma)}.")
+            found.append(f"{i + 1}. {step.candidate.name} {_reason(self.names, before, step)}.")
             before = step.sigma
+        if self.swimming is not None:
+            found.append(self._what_swimming_misses(self.swimming))
         return tuple(found)
+
+    def _what_swimming_misses(self, swimming: np.ndarray) -> str:
+        """What straight trials are good for, in numbers."""
+        after = self.steps[-1].sigma
+        with np.errstate(invalid="ignore"):
+            k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
+        n = len(self.steps)
+        words = f"After the best {n} trials that swim, `{self.names[k]}` is {_share(swimming[k])}; after these {n}, "
+        return f"{words}{_share(after[k])}."
 
 
 def design(
@@ -126,7 +141,7 @@ def design(
     steps: list[Step] = []
     total = first
     for i in chosen:
-        steps.append(_step(candidates[i], total, added[i]))
+        steps.append(_step(candidates[i], total, added[i], put.unknowns))
         total = total + added[i]
     order = sorted(range(len(candidates)), key=lambda i: -score(first + added[i]))
     return Design(
@@ -136,8 +151,19 @@ def design(
         before=sigma_of(first),
         steps=tuple(steps),
         n_candidates=len(candidates),
-        alone=tuple(_step(candidates[i], first, added[i]) for i in order),
+        alone=tuple(_step(candidates[i], first, added[i], put.unknowns) for i in order),
+        swimming=_swimming_alone(candidates, added, first, n_trials, score),
     )
+
+
+def _swimming_alone(
+    candidates: Sequence[Candidate], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+) -> np.ndarray | None:
+    mine = [i for i, one in enumerate(candidates) if one.kind == "swim"]
+    if not mine or len(mine) == len(candidates):
+        return None
+    chosen = best_of(added[mine], known, n_trials, score)
+    return sigma_of(known + np.sum(added[mine][chosen], axis=0))
 
 
 def best_of(
@@ -209,6 +235,19 @@ def prior_information(put: Problem, values: Float[np.ndarray, " n_unknowns"]) ->
     return np.diag(diagonal)
 
 
+def marginal(information: Matrix, keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
+    """Information about some unknowns where all others stay unknown too: a Schur complement.
+
+    Args:
+        information: About all.
+        keep: Numbers of those that count.
+    """
+    rest = [k for k in range(len(information)) if k not in keep]
+    between = information[np.ix_(list(keep), rest)]
+    hidden = np.linalg.pinv(information[np.ix_(rest, rest)], hermitian=True)
+    return information[np.ix_(list(keep), list(keep))] - between @ hidden @ between.T
+
+
 def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
     """Standard deviations of all unknowns, inf where nothing is known [-].
 
@@ -238,31 +277,38 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
     return {"D": volume, "A": spread}.get(criterion, one)
 
 
-def _step(candidate: Candidate, total: Matrix, added: Matrix) -> Step:
+def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[Settled]) -> Step:
     volume = _score("D", ())
+    root = np.linalg.cholesky(total + _FAINT * np.eye(len(total)))
+    half = np.linalg.solve(root, added)
+    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
     return Step(
         candidate=candidate,
         sigma=sigma_of(total + added),
         gain=float(np.exp(min(volume(total + added) - volume(total), 700.0))),
+        combination=combination_of(root @ news, unknowns),
     )
 
 
-def _reason(names: Sequence[str], before: np.ndarray, after: np.ndarray) -> str:
-    """What became known by a trial, in words."""
+def _reason(names: Sequence[str], before: np.ndarray, step: Step) -> str:
+    """What becomes known by a trial, in words."""
+    after = step.sigma
     newly = [k for k in range(len(names)) if before[k] >= LIMIT > after[k]]
     if newly:
-        words = [f"`{names[k]}` ({_share(before[k])} to {_share(after[k])})" for k in newly]
+        words = [f"`{names[k]}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
         return f"makes identifiable {_listed(words)}"
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(np.isfinite(before) & (before > 0.0), after / before, np.where(np.isfinite(after), 0.0, 1.0))
+    finite = np.isfinite(before) & (before > 0.0)
+    ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
     k = int(np.argmin(ratio))
-    if ratio[k] > 0.999:
-        return "adds nothing that counts"
+    if ratio[k] > 0.9:
+        return f"tells about {step.combination}"
     return f"shrinks most `{names[k]}`, from {_share(before[k])} to {_share(after[k])}"
 
 
 def _share(sigma: float) -> str:
-    return "unknown" if not np.isfinite(sigma) or sigma > 10.0 else f"{100.0 * sigma:.2g} %"
+    if not np.isfinite(sigma) or sigma > 10.0:
+        return "unknown"
+    return f"{100.0 * sigma:.2g} %" if sigma < 0.99 else f"{100.0 * sigma:.0f} %"
 
 
 def _listed(words: Sequence[str]) -> str:

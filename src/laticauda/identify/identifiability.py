@@ -100,6 +100,16 @@ def deviations(eigenvalues: Float[np.ndarray, " n"], vectors: Float[np.ndarray, 
     return np.sqrt(variance)
 
 
+def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Settled]) -> str:
+    """A combination of unknowns in words.
+
+    Args:
+        weights: Of their coordinates, in their sizes; any length.
+        unknowns: In this order.
+    """
+    return _named(_oriented(weights / np.linalg.norm(weights)), unknowns)
+
+
 def _oriented(vector: np.ndarray) -> np.ndarray:
     """With its greatest member positive."""
     return vector * np.sign(vector[np.argmax(np.abs(vector))])

@@ -157,11 +157,13 @@ def _check_tied(
     if not unknown.tied:
         return
     where = f"`tied` of `{unknown.name}`"
-    for i in np.flatnonzero(applies):
+    for setting, numbers, is_one in zip(settings, known, applies, strict=True):
+        if not is_one:
+            continue
         for other in unknown.tied:
-            if other not in known[i] or other == name or other in SIDE or known[i][other].is_whole:
+            if other not in numbers or other == name or other in SIDE or numbers[other].is_whole:
                 raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
-        if name in SIDE or value_of(name, *settings[i], argument="parameters") <= 0.0:
+        if name in SIDE or value_of(name, *setting, argument="parameters") <= 0.0:
             raise ValueError(f"{where} must follow a number that is greater than 0.")
 
 

@@ -21,6 +21,7 @@
     figures = {forward_velocity = 0.005}   # name = standard deviation of its noise
     series = {center_of_mass = 0.003}
     interval = 0.5                         # between the samples of series that count [s]
+    free_start = true                      # identify where it began too, if the path counts
 
     [table1]                               # the paper's Table 1 too
     sigma = 0.05
@@ -42,7 +43,7 @@ from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import parsed, read_text
-from laticauda.robot.tables import BadKey
+from laticauda.robot.tables import BadKey, decode, encode
 from laticauda.simulate.runner import Progress
 from laticauda.simulate.swimming import default_water, preset_water
 
@@ -172,7 +173,7 @@ def task_of_files(
         name=name,
         title=title,
         measurements=tuple(measurements),
-        unknowns=tuple(unknowns),
+        unknowns=(*unknowns, *(start for file in files for start in file.starts)),
         robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=dict(options or {}),
@@ -228,19 +229,14 @@ def _base(table: Table, name: str) -> Parameters | None:
         return base
     fixed = _table(table["fixed"], "fixed")
     _known(fixed, ("water", *NAMES), "fixed")
-    water = base.every_gait if base is not None else Water(name=name, **_WATER)
-    try:
-        water = replace(water, **_table(fixed.get("water", {}), "fixed.water"))
-    except (TypeError, ValueError) as error:
-        raise BadKey("fixed.water", str(error)) from None
+    usual = preset_water("paper-lateral") if base is None else base.every_gait
+    own = _table(fixed.get("water", {}), "fixed.water")
+    water = decode(Water, {**encode(usual), **own, "name": usual.name}, "fixed.water")
     changes = read_adjustments({key: fixed[key] for key in NAMES if key in fixed}, "fixed")
     if base is None:
         return Parameters(name=name, title=name, every_gait=water, changes=changes)
     merged = {key: {**base.changes.get(key, {}), **changes.get(key, {})} for key in {*base.changes, *changes}}
     return replace(base, every_gait=water, changes=merged)
-
-
-_WATER = {"tangential_friction": 0.3, "normal_drag": 1.75, "added_mass": 1.5}  # the paper's, for lateral undulation
 
 
 def _unknowns(table: Table) -> list[Unknown]:

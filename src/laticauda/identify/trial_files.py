@@ -9,6 +9,7 @@ import numpy as np
 
 from laticauda.errors import nearest, one_of, positive
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
+from laticauda.identify.unknowns import Unknown
 from laticauda.robot.tables import BadKey
 from laticauda.simulate.sensitivities import UNITS
 from laticauda.trial import Trial, load_trial
@@ -17,7 +18,8 @@ INTERVAL = 0.5
 """Between the samples of a series that count: the noise of closer ones is hardly new [s]."""
 PATH = {"center_of_mass": 0.005}
 """What counts unless one says otherwise: the path, as a camera sees it [m]."""
-KEYS = ("file", "columns", "name", "group", "figures", "series", "interval")
+KEYS = ("file", "columns", "name", "group", "figures", "series", "interval", "free_start")
+STARTS = ("start.x", "start.y", "start.heading")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +40,26 @@ class TrialFile:
     """Series that count, likewise; neither figures nor series: `PATH`."""
     interval: float = INTERVAL
     """Between the samples of series that count [s]."""
+    is_start_free: bool = True
+    """Whether place and heading at the begin are identified too where the path counts: the first sample has noise as
+    all others have, and would push them all."""
+
+    @property
+    def label(self) -> str:
+        """What tables call it."""
+        return self.name or self.file.stem
+
+    @property
+    def counted_series(self) -> Mapping[str, float]:
+        """Series that count, the path if nothing else was asked for."""
+        return self.series if self.series or self.figures else PATH
+
+    @property
+    def starts(self) -> tuple[Unknown, ...]:
+        """What is identified of the begin."""
+        if not self.is_start_free or "center_of_mass" not in self.counted_series:
+            return ()
+        return tuple(Unknown(name=f"{self.label}.{name}") for name in STARTS)
 
 
 def as_measurement(given: TrialFile) -> Measurement:
@@ -51,8 +73,7 @@ def as_measurement(given: TrialFile) -> Measurement:
         ValueError: If it has no gait, or lacks what is to count.
     """
     trial = load_trial(given.file, given.columns)
-    name = given.name or given.file.stem
-    series = given.series if given.series or given.figures else PATH
+    name, series = given.label, given.counted_series
     _check_there(name, trial, [*given.figures, *series])
     positive("interval", given.interval, "s")
     step = float(np.median(np.diff(trial.time))) if trial.time.size > 1 else given.interval
@@ -96,6 +117,8 @@ def read_trial_file(entry: object, folder: Path, where: str) -> TrialFile:
         if key not in KEYS:
             hint = nearest(key, KEYS) or f"; the keys here are {', '.join(KEYS)}"
             raise BadKey(f"{where}.{key}", f"is not known{hint}")
+    if not isinstance(table.get("free_start", True), bool):
+        raise BadKey(f"{where}.free_start", f"must be true or false, got {table['free_start']!r}")
     for key in ("file", "columns", "name", "group"):
         if key in table and not isinstance(table[key], str):
             raise BadKey(f"{where}.{key}", f"must be a text, got {table[key]!r}")
@@ -109,6 +132,7 @@ def read_trial_file(entry: object, folder: Path, where: str) -> TrialFile:
         figures=_sigmas(table, "figures", where),
         series=_sigmas(table, "series", where),
         interval=table.get("interval", INTERVAL),
+        is_start_free=table.get("free_start", True),
     )
 
 

@@ -16,7 +16,7 @@ from laticauda.identify.tasks import Task
 from laticauda.identify.uncertainty import Profile
 from laticauda.identify.validation import LeftOut, NullModel, figure_places
 from laticauda.reports.chapter import Chapter, Pictures, write_chapter
-from laticauda.reports.identify_figures import figures_of
+from laticauda.reports.identify_figures import figures_of, of_interest
 from laticauda.reports.identify_tables import tables_of
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section, page
 from laticauda.reports.reproduce import writable_folder
@@ -39,7 +39,7 @@ class Checked:
     is_linearized: bool
     """Whether that is by the linearized model, without refits."""
     by_group: LeftOut | None
-    """The same by groups, always with refits; None if there is one group only, or it was not asked for."""
+    """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
     null_models: tuple[NullModel, ...]
     """Models without physics on the same speeds."""
     profiles: tuple[Profile, ...]
@@ -77,34 +77,44 @@ def checked(
         progress: Called now and then with what is going on, and the share of it that is finished.
     """
 
-    def told(what: str) -> Callable[[float], None] | None:
-        return None if progress is None else lambda share: progress(what, share)
+    def told(what: str) -> Callable[[float], None]:
+        return lambda share: None if progress is None else progress(what, share)
 
-    several = len(found.problem.measurements) > 1
+    exact = exact and _suffices(found, [m.name for m in found.problem.measurements])
     single = (
         leave_out(found, progress=told("measurements left out")).predictions
-        if exact and several
+        if exact
         else linear_leave_one_out(found)
     )
     groups = (
         leave_out(found, "group", progress=told("groups left out"))
-        if by_group and len(set(found.problem.groups)) > 1
+        if by_group and _suffices(found, found.problem.groups)
         else None
     )
     kept: list[Profile] = []
-    for k, estimate in enumerate(found.estimates if profiles else ()):
-        kept.append(profile(found, estimate.name))
+    shown = of_interest(found) if profiles else []
+    for done, k in enumerate(shown):
+        kept.append(profile(found, found.estimates[k].name))
         if progress is not None:
-            progress("profiles", (k + 1) / len(found.estimates))
+            progress("profiles", (done + 1) / len(shown))
     return Checked(
         task=task,
         found=found,
         left_out=single,
-        is_linearized=not (exact and several),
+        is_linearized=not exact,
         by_group=groups,
         null_models=compared_with_null_models(found),
         profiles=tuple(kept),
     )
+
+
+def _suffices(found: Fit, names: Sequence[str]) -> bool:
+    """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
+    put = found.problem
+    n_free = sum(unknown.prior is None for unknown in put.unknowns) + (found.noise == "estimated")
+    sizes = np.bincount(put.owner, minlength=len(names))
+    most = max(sum(size for size, other in zip(sizes, names, strict=True) if other == name) for name in names)
+    return len(set(names)) > 1 and put.observed.size - int(most) >= n_free
 
 
 def write_identification(done: Checked, folder: str | Path, *, command: str = "") -> list[str]:
@@ -211,17 +221,21 @@ def sources_of(task: Task) -> dict[str, str]:
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in task.sources}
 
 
+def _plain(text: str) -> str:
+    """A sentence without the marks around names."""
+    return text.replace("`", "")
+
+
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
 def _introduction(done: Checked, command: str) -> list[Part]:
     found, put = done.found, done.found.problem
-    words = "identified with" if len(put.unknowns) > 1 else "identified from"
     parts: list[Part] = [
         Paragraph(text=found.status),
         Paragraph(
-            text=f"Numbers {words} the {put.model} model, {put.options['joints']} joints; the noise is "
+            text=f"By the {put.model} model with {put.options['joints']} joints; the noise is "
             + (
                 "taken as stated."
                 if found.noise == "known"
@@ -230,7 +244,7 @@ def _introduction(done: Checked, command: str) -> list[Part]:
         ),
     ]
     if found.warnings:
-        parts.append(Points(texts=found.warnings))
+        parts.append(Points(texts=tuple(_plain(text) for text in found.warnings)))
     made = [f"Made with laticauda {__version__}."]
     if command:
         made.insert(0, f"Command: {command}")
@@ -244,8 +258,8 @@ def _sections(done: Checked, tables: dict[str, Table], pictures: Pictures) -> li
     identified: list[Part] = [
         Paragraph(
             text="parameters.toml beside this page holds these values and all that was fixed; swim, follow, sweep, "
-            "optimize and reproduce take it with --parameters. Where a parameter is not identified, it holds one of the "
-            "many values that describe the measurements as well."
+            "optimize and reproduce take it with --parameters. Where a parameter is not identified, it holds one of "
+            "the many values that describe the measurements as well."
         ),
         tables["parameters"],
         *_shown(pictures, "intervals"),
@@ -255,7 +269,7 @@ def _sections(done: Checked, tables: dict[str, Table], pictures: Pictures) -> li
         Paragraph(
             text="Combinations of the parameters from the one that the measurements see best to the one that they see "
             "worst: products of powers, each known to a share of itself. "
-            + (" ".join(found.identifiability.words) or "The measurements see all of them.")
+            + (_plain(" ".join(found.identifiability.words)) or "The measurements see all of them.")
         ),
         tables["directions"],
     ]
@@ -268,13 +282,14 @@ def _sections(done: Checked, tables: dict[str, Table], pictures: Pictures) -> li
     ]
     if "errors" in tables:
         sections.append(Section(name="left-out", title="What was left out", parts=(_left_out(done), tables["errors"])))
-    search = (
+    search: tuple[Part, ...] = (
         Paragraph(
             text=f"{found.n_agreeing} of {len(found.searches)} starts came to the same sum of squares. Starts that end "
             "elsewhere are other minima, or ranges that stopped them."
         ),
         tables["starts"],
     )
+    search += (tables["began"],) if "began" in tables else ()
     return [*sections, Section(name="starts", title="Where the search began and ended", parts=search)]
 
 

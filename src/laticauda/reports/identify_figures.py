@@ -34,8 +34,18 @@ def figures_of(done: "Checked") -> "Iterator[tuple[str, str, Figure]]":
         _residuals(found),
     )
     yield "intervals", "Uncertainty of every parameter as a share of its value.", _intervals(done)
-    if len(found.estimates) > 1:
+    if len(of_interest(found)) > 1:
         yield "correlations", "Correlations of the parameters' errors.", _correlations(found)
+
+
+def of_interest(found: "Fit") -> list[int]:
+    """Numbers of the unknowns that figures show: all but where single trials began.
+
+    Args:
+        found: The fit.
+    """
+    unknowns = found.problem.unknowns
+    return [k for k, unknown in enumerate(unknowns) if not unknown.parameter.name.startswith("start.")]
 
 
 def short_names(names: Sequence[str]) -> list[str]:
@@ -62,9 +72,8 @@ def _parity(found: "Fit") -> "Figure":
     n = min(len(parts), 3)
     rows = -(-len(parts) // n)
     labels = list(dict.fromkeys(found.problem.groups))
-    figure = new_figure(
-        style.DOUBLE_COLUMN if n > 1 else 4.6, 0.6 + (3.3 if n < 3 else 2.5) * rows + 0.18 * len(labels)
-    )
+    height = 3.2 if n == 1 else 0.35 + (3.1 if n == 2 else 2.3) * rows + 0.18 * len(labels)
+    figure = new_figure(style.DOUBLE_COLUMN, height)
     panels = figure.subplots(rows, n, squeeze=False).ravel()
     for ax, (what, groups) in zip(panels, parts.items(), strict=False):
         unit = UNITS.get(what) or SERIES.get(what) or "-"
@@ -72,8 +81,7 @@ def _parity(found: "Fit") -> "Figure":
     for ax in panels[len(parts) :]:
         ax.set_visible(False)
     most = max(panels[: len(parts)], key=lambda ax: len(ax.get_legend_handles_labels()[1]))
-    handles, words = most.get_legend_handles_labels()
-    figure.legend(handles, words, loc="outside lower left", fontsize=style.TICK, frameon=False, labelcolor=style.INK)
+    style.outside_legend(figure, most, "outside right upper" if n == 1 else "outside lower left")
     return figure
 
 
@@ -103,16 +111,20 @@ def _by_what(found: "Fit") -> dict[str, list[draw.Compared]]:
 def _residuals(found: "Fit") -> "Figure":
     rows = sorted(found.residuals, key=lambda one: found.problem.groups.index(one.group))[:_MOST_BARS]
     whats = {one.what for one in rows}
-    names = [one.measurement if len(whats) == 1 else f"{one.measurement}: {one.what.replace('_', ' ')}" for one in rows]
-    figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows))
-    ax = figure.subplots()
-    draw.residuals(
+    short = [one.measurement.removeprefix(f"{one.group}, ") for one in rows]
+    names = [
+        name if len(whats) == 1 else f"{name}: {one.what.replace('_', ' ')}"
+        for name, one in zip(short, rows, strict=True)
+    ]
+    figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups)))
+    ax = draw.residuals(
         names,
         [one.in_sigmas for one in rows],
         [one.group for one in rows],
-        ax,
+        figure.subplots(),
         label="predicted less measured, in standard deviations of the stated noise [-]",
     )
+    style.outside_legend(figure, ax, "outside lower left")
     return figure
 
 
@@ -120,7 +132,9 @@ def _intervals(done: "Checked") -> "Figure":
     found = done.found
     profiles = {one.name: one for one in done.profiles}
     rows: list[draw.Interval] = []
-    for estimate, label in zip(found.estimates, short_names(found.problem.names), strict=True):
+    shown = of_interest(found)
+    names = short_names([found.problem.names[k] for k in shown])
+    for estimate, label in zip([found.estimates[k] for k in shown], names, strict=True):
         best = estimate.value or 1.0
         one = profiles.get(estimate.name)
         pair = estimate.interval
@@ -128,13 +142,14 @@ def _intervals(done: "Checked") -> "Figure":
         ends = None if one is None else tuple(None if end is None else end / best for end in (one.low, one.high))
         rows.append(draw.Interval(label=label, plain=plain, profile=ends))  # pyright: ignore[reportArgumentType]
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
-    draw.intervals(rows, figure.subplots(), confidence=found.confidence)
+    ax = draw.intervals(rows, figure.subplots(), confidence=found.confidence)
+    style.outside_legend(figure, ax, "outside lower left")
     return figure
 
 
 def _correlations(found: "Fit") -> "Figure":
-    n = len(found.estimates)
-    size = min(1.8 + 0.62 * n, style.DOUBLE_COLUMN)
-    figure = new_figure(size, size - 0.3)
-    draw.correlations(short_names(found.problem.names), found.correlations, figure.subplots())
+    shown = of_interest(found)
+    figure = new_figure(style.DOUBLE_COLUMN, 0.7 + 0.42 * len(shown))
+    names = short_names([found.problem.names[k] for k in shown])
+    draw.correlations(names, found.correlations[np.ix_(shown, shown)], figure.subplots())
     return figure

@@ -5,10 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from laticauda.reports.identify_figures import of_interest
 from laticauda.reports.tables import Cell, Column, Table, in_digits
 
 if TYPE_CHECKING:
     from laticauda.reports.identify import Checked
+
+
+_PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
 
 def tables_of(done: "Checked") -> dict[str, Table]:
@@ -19,6 +23,8 @@ def tables_of(done: "Checked") -> dict[str, Table]:
     """
     tables = [parameters_table(done), directions_table(done), groups_table(done), residuals_table(done)]
     tables += [starts_table(done), correlations_table(done)]
+    if len(of_interest(done.found)) < len(done.found.estimates):
+        tables.append(began_table(done))
     if done.error(done.found.predictions) is not None:
         tables.append(errors_table(done))
     return {table.name: table for table in tables}
@@ -41,24 +47,46 @@ def parameters_table(done: "Checked") -> Table:
         columns += [Column(name="profile, low", form=".4g"), Column(name="profile, high", form=".4g")]
     columns += [Column(name="prior"), Column(name="range"), Column(name="note", wraps=True)]
     rows: list[tuple[Cell, ...]] = []
-    for unknown, estimate in zip(found.problem.unknowns, found.estimates, strict=True):
+    for k in of_interest(found):
+        unknown, estimate = found.problem.unknowns[k], found.estimates[k]
         low, high = estimate.interval or (None, None)
         value = estimate.value if estimate.is_identified else None
         row: list[Cell] = [estimate.name, value, estimate.unit or "-", estimate.sigma, low, high]
         if profiles:
             row += [profiles[estimate.name].low, profiles[estimate.name].high]
         prior = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
-        note = estimate.note
+        note = estimate.note.replace("`", "")
         if unknown.tied:
             tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
             note = "; ".join(part for part in (note, f"with it change: {tied}") if part)
         rows.append((*row, prior, f"{_end(unknown.lower)} to {_end(unknown.upper)}", note or "-"))
     return Table(
         name="parameters",
-        caption="What was identified; NA: not identified. Standard deviations and intervals are from the covariance, on a "
-        "log scale for numbers that are greater than 0.",
+        caption="What was identified; NA: not identified. Standard deviations and intervals are from the covariance, "
+        "on a log scale for numbers that are greater than 0.",
         columns=tuple(columns),
         rows=tuple(rows),
+    )
+
+
+def began_table(done: "Checked") -> Table:
+    """Where single trials began, as far as it was identified."""
+    found = done.found
+    shown = [k for k in range(len(found.estimates)) if k not in of_interest(found)]
+    return Table(
+        name="began",
+        caption="Where the trials began, to be added to what their files say: identified because a first sample has "
+        "noise as all others have.",
+        columns=(
+            Column(name="parameter"),
+            Column(name="value", form=".2g"),
+            Column(name="unit"),
+            Column(name="standard deviation", form=".2g"),
+        ),
+        rows=tuple(
+            (one.name, one.value if one.is_identified else None, one.unit, one.sigma)
+            for one in (found.estimates[k] for k in shown)
+        ),
     )
 
 
@@ -68,7 +96,10 @@ def _end(value: float) -> str:
 
 def directions_table(done: "Checked") -> Table:
     """What the measurements see of combinations."""
-    directions = done.found.identifiability.directions
+    shown = of_interest(done.found)
+    directions = [
+        one for one in done.found.identifiability.directions if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
+    ]
     return Table(
         name="directions",
         caption="Standard deviation of a combination as a share of itself, by the measurements alone, without priors.",
@@ -90,8 +121,8 @@ def residuals_table(done: "Checked") -> Table:
     return Table(
         name="residuals",
         grouped=True,
-        caption="Predicted less measured: of a figure, in its unit and in standard deviations of the noise as stated; of "
-        "a series, the root mean square.",
+        caption="Predicted less measured: of a figure, in its unit and in standard deviations of the noise as stated; "
+        "of a series, the root mean square.",
         columns=(
             Column(name="group"),
             Column(name="measurement"),
@@ -155,8 +186,8 @@ def groups_table(done: "Checked") -> Table:
             )
     return Table(
         name="groups",
-        caption="By group: mean of the relative errors of a figure, with and without their signs, and root mean square in "
-        "standard deviations of the noise as stated.",
+        caption="By group: mean of the relative errors of a figure, with and without their signs, and root mean square "
+        "in standard deviations of the noise as stated.",
         columns=(
             Column(name="group"),
             Column(name="what"),
@@ -186,8 +217,8 @@ def errors_table(done: "Checked") -> Table:
         rows.append((f"null model: {null.name}", null.n_parameters, null.fitted, *left))
     return Table(
         name="errors",
-        caption="Mean error of the forward velocity [%]: of what was fitted, with each measurement left out, and with each "
-        "group left out.",
+        caption="Mean error of the forward velocity [%]: of what was fitted, with each measurement left out, and with "
+        "each group left out.",
         columns=(
             Column(name="model"),
             Column(name="numbers fitted"),
@@ -201,7 +232,8 @@ def errors_table(done: "Checked") -> Table:
 
 def starts_table(done: "Checked") -> Table:
     """Where every search began and ended."""
-    names = done.found.problem.names
+    every = done.found.problem.names
+    names = [every[k] for k in of_interest(done.found)]
     columns = [Column(name="start"), Column(name="sum of squares", form=".5g"), Column(name="ended by itself")]
     columns += [Column(name=f"{name}, {word}", form=".4g") for name in names for word in ("from", "to")]
     return Table(
