@@ -8,7 +8,8 @@ from identify.trials import FINNED, ROBOT, WATER, gaits
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
 from laticauda.identify.candidates import Tow, coast_down, information_of, straight_tow, swims
-from laticauda.identify.design import best_of, design, known_from, marginal, prior_information, sigma_of
+from laticauda.identify.design import best_of, design, known_from, prior_information, sigma_of
+from laticauda.identify.identifiability import marginal
 from laticauda.identify.problem import problem
 from laticauda.interfaces import Start
 from laticauda.trial.metrics import towing_drag
@@ -111,6 +112,24 @@ def test_a_robot_that_coasts_slows_down_as_the_closed_form_says():
     way = np.interp(trial.time, time, way)
     np.testing.assert_allclose(trial.center_of_mass[:, 0], way * np.cos(0.3), atol=1e-6)
     np.testing.assert_allclose(trial.center_of_mass[:, 1], way * np.sin(0.3), atol=1e-6)
+
+
+def test_a_coast_down_says_less_where_its_first_speed_has_to_be_found_too():
+    one = coast_down(ROBOT, WATER, 0.4, duration=2.0)
+    put = put_of([one], WANTED[:1])
+    (unsure,) = information_of(put, [one], put.start, None)
+    (sure,) = information_of(put, [replace(one, kind="swim")], put.start, None)
+    assert 0.0 < unsure[0, 0] < 0.9 * sure[0, 0]
+
+
+def test_the_speed_at_the_begin_can_be_identified():
+    truth = coast_down(ROBOT, WATER, 0.37, duration=2.0).measurement
+    trial = lc.swim(ROBOT, truth.gait, 2.0, environment=WATER, start=truth.start, sample_interval=0.1)
+    path = trial.center_of_mass[1:]
+    measured = replace(truth, start=Start(velocity=0.3), time=trial.time[1:], series={"center_of_mass": (path, 0.002)})
+    found = fit([measured], parameters=["start.velocity", WANTED[0]], n_starts=1, threads=1)
+    assert found["start.velocity"].value == pytest.approx(0.07, abs=1e-5)
+    assert found[WANTED[0]].value == pytest.approx(WATER.tangential_friction, rel=1e-4)
 
 
 def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():

@@ -4,6 +4,7 @@ Besides swimming, with what sensors there are, a straight tow (the force that pu
 speed) and a coast-down (the path of the straight robot that is let go with a speed).
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,12 +14,13 @@ from jaxtyping import Float
 
 from laticauda.errors import not_negative, positive
 from laticauda.gaits import Gait
+from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem
 from laticauda.identify.searching import slopes_of
 from laticauda.identify.settling import Setting, with_tied
-from laticauda.identify.unknowns import SIDE
+from laticauda.identify.unknowns import SIDE, Settled
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot, Water
 from laticauda.simulate.parameters import changed, parameters
@@ -165,7 +167,7 @@ def information_of(
     """
     slope = slopes_of(put, values)
     found = np.zeros((len(candidates), values.size, values.size))
-    swimming = [i for i, one in enumerate(candidates) if one.tow is None]
+    swimming = [i for i, one in enumerate(candidates) if one.kind == "swim"]
     for begin in range(0, len(swimming), _AT_ONCE):
         members = swimming[begin : begin + _AT_ONCE]
         part = _problem_of(put, [candidates[i].measurement for i in members])
@@ -181,7 +183,9 @@ def information_of(
         if progress is not None:
             progress((begin + len(members)) / len(candidates))
     for i, one in enumerate(candidates):
-        if one.tow is not None:
+        if one.kind == "coast-down":
+            found[i] = _coasted(put, one, values)
+        elif one.tow is not None:
             force, slopes = _towed(put, one, values)
             row = slopes / np.hypot(one.tow.sigma, one.tow.share * force) * slope
             found[i] = np.outer(row, row)
@@ -192,6 +196,32 @@ def information_of(
 
 _AT_ONCE = 64
 _STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
+
+
+def _coasted(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
+    """What a coast-down says where nobody knows exactly where and how fast it began: its path has to say that too."""
+    part = _problem_of(put, [one.measurement])
+    unknown = [
+        Settled(
+            name=name,
+            scope="",
+            parameter=SIDE[name],
+            start=0.0,
+            lower=-math.inf,
+            upper=math.inf,
+            prior=None,
+            is_log=False,
+            size=0.1,
+        )
+        for name in ("start.x", "start.velocity")
+    ]
+    moves = np.concatenate([part.moves, np.ones((1, len(unknown)), dtype=bool)], axis=1)
+    part = replace(part, unknowns=(*part.unknowns, *unknown), moves=moves)
+    every = np.concatenate([values, np.zeros(len(unknown))])
+    jacobian = predict(part, every, jacobian=True).jacobian
+    assert jacobian is not None
+    rows = jacobian / part.sigma[:, np.newaxis] * slopes_of(part, every)
+    return marginal(rows.T @ rows, range(values.size))
 
 
 def _problem_of(put: Problem, measurements: Sequence[Measurement]) -> Problem:

@@ -235,19 +235,6 @@ def prior_information(put: Problem, values: Float[np.ndarray, " n_unknowns"]) ->
     return np.diag(diagonal)
 
 
-def marginal(information: Matrix, keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
-    """Information about some unknowns where all others stay unknown too: a Schur complement.
-
-    Args:
-        information: About all.
-        keep: Numbers of those that count.
-    """
-    rest = [k for k in range(len(information)) if k not in keep]
-    between = information[np.ix_(list(keep), rest)]
-    hidden = np.linalg.pinv(information[np.ix_(rest, rest)], hermitian=True)
-    return information[np.ix_(list(keep), list(keep))] - between @ hidden @ between.T
-
-
 def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
     """Standard deviations of all unknowns, inf where nothing is known [-].
 

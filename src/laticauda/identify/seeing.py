@@ -57,7 +57,7 @@ def starts_of(problem: Problem, values: Values) -> list[Start]:
     found: list[Start] = []
     for i, measurement in enumerate(problem.measurements):
         side, begin = problem.side(i, values), measurement.start
-        for name in ("start.x", "start.y", "start.heading"):
+        for name in ("start.x", "start.y", "start.heading", "start.velocity"):
             if name in side:
                 begin = moved_start(begin, name, float(side[name]))
         found.append(begin)
@@ -69,6 +69,8 @@ def moved_start(start: Start, name: str, value: float) -> Start:
     x, y = start.center_of_mass
     if name == "start.heading":
         return replace(start, heading=start.heading + value)
+    if name == "start.velocity":
+        return replace(start, velocity=start.velocity + value)
     return replace(start, center_of_mass=(x + value, y) if name == "start.x" else (x, y + value))
 
 

@@ -19,6 +19,7 @@ SIDE: dict[str, Parameter] = {
         Parameter(name="start.x", unit="m", title="Where the trial begins: x"),
         Parameter(name="start.y", unit="m", title="Where the trial begins: y"),
         Parameter(name="start.heading", unit="rad", title="Heading at the begin"),
+        Parameter(name="start.velocity", unit="m/s", title="Speed at the begin, along the heading"),
     )
 }
 """What a measurement brings besides robot and water."""

@@ -81,6 +81,8 @@ def _parity(found: "Fit") -> "Figure":
     for ax in panels[len(parts) :]:
         ax.set_visible(False)
     most = max(panels[: len(parts)], key=lambda ax: len(ax.get_legend_handles_labels()[1]))
+    if n == 1:
+        most.set_anchor("W")
     style.outside_legend(figure, most, "outside right upper" if n == 1 else "outside lower left")
     return figure
 
