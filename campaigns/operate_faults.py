@@ -74,7 +74,11 @@ class Computer(Tank):
 
     def advance_to(self, when: float) -> None:
         super().advance_to(when)
-        moving = any(node.state in (NodeState.ACTIVE, NodeState.HOLD) for node in self.nodes)
+        # A module without power is limp, whatever its memory held.
+        moving = any(
+            node.state in (NodeState.ACTIVE, NodeState.HOLD) and self.faults.on("dead_module", node.number) is None
+            for node in self.nodes
+        )
         self.limp_at = None if moving else self.limp_at if self.limp_at is not None else self.time
 
 
