@@ -10,8 +10,8 @@ complete up to the end. The tank is stepped, so a seed always gives the same run
 
 The tests run a slice of it.
 
-Last answer (2 shared cores, 2026-11-21; 978 s of CPU): 200 operations, 199 without complaint. The other one, seed 150, was
-the judge's mistake, who took a module without power for one that is on; judged anew, it is without complaint, too.
+Last answer (2 shared cores, 2026-11-21; 978 s of CPU): 200 operations, 199 without complaint. The other one, seed 150,
+was the judge's mistake, who took a module without power for one that is on; judged anew, it is without complaint, too.
     fault               tried  slowest stop [s]
     body_lost              29              2.04
     bus_off                23              2.00
