@@ -1,0 +1,150 @@
+"""The cockpit: one world on a clock, shown on any number of pages."""
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit import door
+from laticauda.cockpit.controls import Controls
+from laticauda.cockpit.figures import figures_text
+from laticauda.cockpit.live import Live
+from laticauda.cockpit.plots import Plots
+from laticauda.cockpit.scene import AHEAD, Scene, look_down
+
+FRAME = 0.05  # time between two pictures [s]
+SLOW = 5  # pictures between two updates of numbers and plots
+
+
+class Cockpit:
+    """A page's server with its world.
+
+    Args:
+        live: The world.
+        host: Address that it listens on.
+        port: Likewise; 0: any that is free.
+
+    Raises:
+        MissingExtra: If viser is not installed.
+        PortTaken: If it cannot listen there.
+    """
+
+    def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
+        self.live = live
+        self._server = door.server(host, port)
+        self._follows: dict[int, Any] = {}
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._frames = 0
+        self._new_trail = False
+        gui = self._server.gui
+        gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="large")
+        gui.set_panel_label("laticauda cockpit")
+        self._scene = Scene(self._server.scene)
+        camera = self._server.initial_camera
+        camera.position, camera.look_at = look_down()
+        self._figures = gui.add_markdown("")
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Swim"):
+            self._controls = Controls(gui, live, self._changed)
+            self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
+        with tabs.add_tab("Plots"):
+            self._plots = Plots(gui)
+        self._controls.reset.on_click(self._reset)
+        self._forces.on_update(self._show_forces)
+        self._server.on_client_connect(self._welcome)
+        self._server.on_client_disconnect(self._forget)
+        self._changed()
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds it."""
+        host = self._server.get_host()
+        return f"http://{f'[{host}]' if ':' in host else host}:{self._server.get_port()}"
+
+    @property
+    def pages(self) -> int:
+        """How many pages are open."""
+        return len(self._server.get_clients())
+
+    def open(self) -> None:
+        """Let the world live, in a thread of its own."""
+        self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
+        self._thread.start()
+
+    def wait(self) -> None:
+        """Until somebody closes it."""
+        while not self._stop.wait(0.2):
+            pass
+
+    def close(self) -> None:
+        """Stop the world and its server."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join(5.0)
+        self._server.stop()
+
+    def _run(self) -> None:
+        last = time.perf_counter()
+        while not self._stop.wait(max(FRAME - (time.perf_counter() - last), 0.0)):
+            now = time.perf_counter()
+            self.live.advance(now - last)
+            last = now
+            self.frame()
+
+    def frame(self) -> None:
+        """Bring all pages up to date."""
+        live, self._frames = self.live, self._frames + 1
+        sample, robot = live.latest(), live.world.plant.robot
+        with self._server.atomic():
+            if self._new_trail:
+                self._scene.forget_trail()
+                self._new_trail = False
+            self._scene.show(robot, sample, forces=live.link_forces)
+            if self._frames % SLOW == 0:
+                self._scene.trail(sample)
+                self._figures.content = figures_text(live)
+            if self._frames % (2 * SLOW) == 0:
+                self._plots.show(live)
+        self._follow(sample["center_of_mass"][:2])
+
+    def _follow(self, at: np.ndarray) -> None:
+        """Let the cameras that follow look at the robot, from where their page has put them around it."""
+        x, y = (float(value) for value in at)
+        for number, client in self._server.get_clients().items():
+            box = self._follows.get(number)
+            if box is not None and box.value:
+                # What a slow page reports is old, but its direction and distance are right; look_at goes along.
+                camera = client.camera
+                camera.position = np.array([x + AHEAD, y, 0.0]) + camera.position - camera.look_at
+
+    def _changed(self) -> None:
+        """After every change of the setting."""
+        self._scene.path(self.live.setting.path)
+
+    def _reset(self, event: Any) -> None:
+        self.live.reset()
+        self._new_trail = True
+
+    def _show_forces(self, event: Any) -> None:
+        self.live.link_forces = event.target.value
+
+    def _welcome(self, client: Any) -> None:
+        """What every page has for itself: its camera."""
+        with client.gui.add_folder("This page"):
+            box = client.gui.add_checkbox("camera follows", True)
+            home = client.gui.add_button("camera to the robot")
+
+        def bring(event: Any = None) -> None:
+            x, y = (float(value) for value in self.live.latest()["center_of_mass"][:2])
+            (px, py, pz), (lx, ly, lz) = look_down()
+            client.camera.position = (px + x, py + y, pz)
+            client.camera.look_at = (lx + x, ly + y, lz)
+
+        home.on_click(bring)
+        bring()
+        self._follows[client.client_id] = box
+
+    def _forget(self, client: Any) -> None:
+        self._follows.pop(client.client_id, None)
