@@ -51,6 +51,12 @@ def server(host: str, port: int) -> Any:
         return viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
 
 
+def stop(page: Any) -> None:
+    """Stop a page's server; it would say so on the standard output."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        page.stop()
+
+
 def time_scale() -> dict[str, Any]:
     """Of a plot whose x axis is seconds: uPlot would take it for dates."""
     return {"x": import_module("viser.uplot").Scale(time=False)}

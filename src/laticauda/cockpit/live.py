@@ -215,7 +215,7 @@ class Live:
         self._world, log = advance(self._world, link_forces=forces)
         if self._world.failure is not None:
             return
-        self._latest = {name: values[-1] for name, values in log.items()}
+        self._latest = {name: np.asarray(values[-1]) for name, values in log.items()}
         self._plots.append(self._plotted(before))
         if self._world.ticks % 2 == 0:
             self._keep()
@@ -242,7 +242,7 @@ class Live:
     def _look(self) -> None:
         """Take a first sample of a world that has just been made or changed, without letting time pass."""
         _, log = advance(self._world)
-        self._latest = {name: values[0] for name, values in log.items()}
+        self._latest = {name: np.asarray(values[0]) for name, values in log.items()}
         self._keep()
 
 

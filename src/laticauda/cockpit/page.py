@@ -1,5 +1,6 @@
 """The cockpit: one world on a clock, shown on any number of pages."""
 
+import math
 import threading
 import time
 from typing import Any
@@ -7,11 +8,15 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit import door
-from laticauda.cockpit.controls import Controls
+from laticauda.cockpit.board import Board
+from laticauda.cockpit.controls import Controls, refuse
 from laticauda.cockpit.figures import figures_text
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
+from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.control import StraightLine
+from laticauda.errors import LaticaudaError
 
 FRAME = 0.05  # time between two pictures [s]
 SLOW = 5  # pictures between two updates of numbers and plots
@@ -51,6 +56,14 @@ class Cockpit:
             self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
         with tabs.add_tab("Plots"):
             self._plots = Plots(gui)
+        with tabs.add_tab("Map"):
+            self._board = Board(gui, self._server.scene, live, self._show_setting)
+        with tabs.add_tab("Run"):
+            self._runs = Runs(gui, live, self._scene)
+        self._gizmo = self._server.scene.add_transform_controls(
+            "/handle", scale=0.35, active_axes=(True, True, False), visible=False
+        )
+        self._gizmo.on_update(self._drag)
         self._controls.reset.on_click(self._reset)
         self._forces.on_update(self._show_forces)
         self._server.on_client_connect(self._welcome)
@@ -83,7 +96,7 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
-        self._server.stop()
+        door.stop(self._server)
 
     def _run(self) -> None:
         last = time.perf_counter()
@@ -102,6 +115,8 @@ class Cockpit:
                 self._scene.forget_trail()
                 self._new_trail = False
             self._scene.show(robot, sample, forces=live.link_forces)
+            self._board.show(sample["center_of_mass"])
+            self._runs.show()
             if self._frames % SLOW == 0:
                 self._scene.trail(sample)
                 self._figures.content = figures_text(live)
@@ -121,7 +136,34 @@ class Cockpit:
 
     def _changed(self) -> None:
         """After every change of the setting."""
+        path = self.live.setting.path
+        self._scene.path(path)
+        self._gizmo.visible = path is not None
+        if path is not None:
+            half = 0.5 * path.angle
+            self._gizmo.position = (*path.point, 0.0)
+            self._gizmo.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+        self._runs.changed()
+
+    def _show_setting(self) -> None:
+        """After a change that did not come from the controls."""
+        self._controls.show(self.live.setting)
+        self._changed()
+
+    def _drag(self, event: Any) -> None:
+        """The path goes where its gizmo is dragged to."""
+        path = self.live.setting.path
+        if event.client is None or path is None:
+            return
+        (x, y, _), (w, _, _, z) = event.target.position, event.target.wxyz
+        moved = StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w)))
+        try:
+            self.live.alter(path=moved)
+        except (ValueError, LaticaudaError) as error:
+            refuse(event.client, error)
         self._scene.path(self.live.setting.path)
+        if event.phase == "end":
+            self._runs.changed()
 
     def _reset(self, event: Any) -> None:
         self.live.reset()

@@ -145,13 +145,17 @@ class Scene:
 
     def path(self, path: StraightLine | None) -> None:
         """Draw the path, or none."""
-        if self._path is not None:
-            self._path.remove()
-            self._path = None
-        if path is not None:
-            ends = path.points(np.array([-WIDE, WIDE]))
-            line = np.column_stack((ends, np.zeros(2)))[np.newaxis].astype(np.float32)
+        if path is None:
+            if self._path is not None:
+                self._path.remove()
+                self._path = None
+            return
+        ends = path.points(np.array([-WIDE, WIDE]))
+        line = np.column_stack((ends, np.zeros(2)))[np.newaxis].astype(np.float32)
+        if self._path is None:
             self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
+        else:
+            self._path.points = line
 
     def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
         """Draw a ghost as it is in a sample, or none."""
