@@ -61,8 +61,9 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(cockpit, tmp_path):
         before, speed = picture(page), live.numbers().cycle_velocity
 
         # A slider: the gait, the speed and the picture change.
+        thumb = page.get_by_role("slider").nth(1)
         for _ in range(10):
-            page.get_by_role("slider").nth(1).press("ArrowLeft")
+            thumb.press("ArrowLeft")
         assert until(lambda: math.degrees(live.setting.gait.frequency) == pytest.approx(80.0))
         assert until(lambda: live.numbers().time > 8.0)
         assert live.numbers().cycle_velocity < 0.8 * speed

@@ -19,6 +19,7 @@ from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
 
 FRAME = 0.05  # time between two pictures [s]
+PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 SLOW = 5  # pictures between two updates of numbers and plots
 
 
@@ -39,6 +40,7 @@ class Cockpit:
         self.live = live
         self._server = door.server(host, port)
         self._follows: dict[int, Any] = {}
+        self._until: dict[int, float] = {}
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -126,13 +128,20 @@ class Cockpit:
 
     def _follow(self, at: np.ndarray) -> None:
         """Let the cameras that follow look at the robot, from where their page has put them around it."""
-        x, y = (float(value) for value in at)
         for number, client in self._server.get_clients().items():
-            box = self._follows.get(number)
-            if box is not None and box.value:
+            if number in self._until and time.monotonic() < self._until[number]:
+                self._bring(client, at)
+            elif number in self._follows and self._follows[number].value:
                 # What a slow page reports is old, but its direction and distance are right; look_at goes along.
-                camera = client.camera
-                camera.position = np.array([x + AHEAD, y, 0.0]) + camera.position - camera.look_at
+                target = np.array([float(at[0]) + AHEAD, float(at[1]), 0.0])
+                client.camera.position = target + client.camera.position - client.camera.look_at
+
+    def _bring(self, client: Any, at: np.ndarray) -> None:
+        """Put a camera where it begins, beside the robot."""
+        position, look_at = look_down()
+        shift = np.array([float(at[0]), float(at[1]), 0.0])
+        client.camera.position = shift + position
+        client.camera.look_at = shift + look_at
 
     def _changed(self) -> None:
         """After every change of the setting."""
@@ -178,15 +187,22 @@ class Cockpit:
             box = client.gui.add_checkbox("camera follows", True)
             home = client.gui.add_button("camera to the robot")
 
+        position, look_at = look_down()
+        home_view = np.subtract(position, look_at)
+
         def bring(event: Any = None) -> None:
-            x, y = (float(value) for value in self.live.latest()["center_of_mass"][:2])
-            (px, py, pz), (lx, ly, lz) = look_down()
-            client.camera.position = (px + x, py + y, pz)
-            client.camera.look_at = (lx + x, ly + y, lz)
+            self._until[client.client_id] = time.monotonic() + PATIENCE
+
+        def seen(camera: Any) -> None:
+            # A page that has just been opened reports where its camera was before it was brought here.
+            if np.allclose(camera.position - camera.look_at, home_view, atol=0.02):
+                self._until.pop(client.client_id, None)
 
         home.on_click(bring)
-        bring()
+        client.camera.on_update(seen)
         self._follows[client.client_id] = box
+        bring()
 
     def _forget(self, client: Any) -> None:
         self._follows.pop(client.client_id, None)
+        self._until.pop(client.client_id, None)

@@ -39,8 +39,9 @@ class Ghost:
     def sample(self, time: float) -> Log:
         """The sample at a time since its begin; after its end it begins anew [s]."""
         trial = self._trial
-        within = trial.time[0] + (time % trial.duration if trial.duration > 0.0 else 0.0)
-        i = min(int(np.searchsorted(trial.time, within)), trial.time.size - 1)
+        within = float(trial.time[0]) + (time % trial.duration if trial.duration > 0.0 else 0.0)
+        before: int = np.searchsorted(trial.time, within).item()
+        i = min(before, trial.time.size - 1)
         names = ("center_of_mass", "heading", "link_angle", "joint_angle")
         found: Log = {name: np.asarray(getattr(trial, name)[i]) for name in names}
         return found | {f"signal_{name}": np.asarray(values[i]) for name, values in trial.signals.items()}
