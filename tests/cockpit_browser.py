@@ -5,12 +5,11 @@ import os
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 # Software rendering: some two pictures a second.
 FLAGS = ("--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-SIZE = {"width": 1280, "height": 800}
+SIZE = {"width": 800, "height": 500}
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
@@ -40,15 +39,3 @@ def shots(tmp_path):
     folder = Path(os.environ.get("LATICAUDA_SHOTS", tmp_path))
     folder.mkdir(parents=True, exist_ok=True)
     return folder
-
-
-def on_screen(camera, point):
-    """Where a point of the world is on the page [px]."""
-    position, look_at = np.array(camera.position), np.array(camera.look_at)
-    forward = (look_at - position) / np.linalg.norm(look_at - position)
-    right = np.cross(forward, (0.0, 0.0, 1.0))
-    right /= np.linalg.norm(right)
-    up = np.cross(right, forward)
-    ray = np.asarray(point) - position
-    scale = 0.5 * SIZE["height"] / np.tan(0.5 * camera.fov) / (ray @ forward)
-    return 0.5 * SIZE["width"] + scale * (ray @ right), 0.5 * SIZE["height"] - scale * (ray @ up)

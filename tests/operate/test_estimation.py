@@ -102,9 +102,7 @@ def test_samples_may_come_late_and_out_of_order(noisy):
     estimator = Estimator(robot=lc.load_robot("mamba"))
     chosen = [item for item in arrivals if item[0] <= 3.0]
     ordered = sorted(chosen, key=lambda item: (item[1].time, isinstance(item[1], PoseSample)))
-    mixed = sorted(
-        chosen, key=lambda item: _shuffled(item[1].time)
-    )
+    mixed = sorted(chosen, key=lambda item: _shuffled(item[1].time))
     (state, one), (other, two) = last(estimator, ordered), last(estimator, mixed)
     assert state.n_late == other.n_late == 0
     assert two.center_of_mass == pytest.approx(one.center_of_mass, abs=1e-9)

@@ -5,9 +5,12 @@
 import contextlib
 import io
 import socket
+import warnings
 from functools import cache
 from importlib import import_module
 from typing import Any
+
+import numpy as np
 
 from laticauda.errors import LaticaudaError, MissingExtra
 
@@ -55,6 +58,21 @@ def stop(page: Any) -> None:
     """Stop a page's server; it would say so on the standard output."""
     with contextlib.redirect_stdout(io.StringIO()):
         page.stop()
+
+
+def move(camera: Any, position: np.ndarray, look_at: np.ndarray | None = None) -> None:
+    """Move a page's camera; a page that has just vanished is no reason to say anything.
+
+    Args:
+        camera: Of a page.
+        position: Where to [m].
+        look_at: What it looks at then; None: it keeps its direction [m].
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        camera.position = position
+        if look_at is not None:
+            camera.look_at = look_at
 
 
 def time_scale() -> dict[str, Any]:

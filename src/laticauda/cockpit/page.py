@@ -134,14 +134,13 @@ class Cockpit:
             elif number in self._follows and self._follows[number].value:
                 # What a slow page reports is old, but its direction and distance are right; look_at goes along.
                 target = np.array([float(at[0]) + AHEAD, float(at[1]), 0.0])
-                client.camera.position = target + client.camera.position - client.camera.look_at
+                door.move(client.camera, target + client.camera.position - client.camera.look_at)
 
     def _bring(self, client: Any, at: np.ndarray) -> None:
         """Put a camera where it begins, beside the robot."""
         position, look_at = look_down()
         shift = np.array([float(at[0]), float(at[1]), 0.0])
-        client.camera.position = shift + position
-        client.camera.look_at = shift + look_at
+        door.move(client.camera, shift + position, shift + look_at)
 
     def _changed(self) -> None:
         """After every change of the setting."""
