@@ -11,7 +11,7 @@ from laticauda.interfaces import Log
 from laticauda.robot import Robot
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
-WIDE = 120.0  # of what has no end [m]
+WIDE = 60.0  # of what has no end [m]
 WATER: Color = (16, 58, 82)
 SAND: Color = (38, 92, 108)
 TRAIL: Color = (255, 190, 60)
