@@ -105,8 +105,8 @@ def _finite(digits: str) -> float:
     return number if math.isfinite(number) else _refuse(digits)
 
 
-def _plain(value: object) -> object:
-    if isinstance(value, np.ndarray | np.generic):
+def _plain(value: Any) -> Any:
+    if hasattr(value, "tolist"):  # numpy's arrays and numbers
         return value.tolist()
     raise TypeError(f"{type(value).__name__} has no place in JSON")
 

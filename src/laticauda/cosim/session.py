@@ -76,7 +76,7 @@ class Session:
     def _reset(self, message: Message) -> dict[str, Any]:
         known("`reset`", message, (*ALWAYS, *MADE_FROM))
         world = self._world = new_world(read_setup(message, self._own_robots))
-        return {"observation": _observation(world), **_about(world)}
+        return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
         known("`step`", message, (*ALWAYS, "duration", *HELD))
@@ -85,8 +85,7 @@ class Session:
         self._world = world
         if world.broken is not None:
             raise ValueError(world.broken)
-        last = world.log.last
-        return {"observation": _observation(world), **{name: last[name] for name in LOADS if name in last}}
+        return _seen(world)
 
     def _set(self, message: Message) -> dict[str, Any]:
         known("`set`", message, (*ALWAYS, *HELD))
@@ -97,7 +96,7 @@ class Session:
         known("`get`", message, (*ALWAYS, "series", "since"))
         world = self._there()
         if "series" not in message:
-            return {"observation": _observation(world), "command": _command(world), **_about(world)}
+            return {**_seen(world), "command": _command(world), **_about(world)}
         since = finite("since", message.get("since", -1.0), "s")
         return {"series": world.log.series(_names(message["series"]), since), "dropped": world.log.dropped}
 
@@ -119,15 +118,16 @@ class Session:
 
 
 def _names(value: object) -> list[str]:
-    names = cast("list[Any]", value) if isinstance(value, list) else [value]
+    names: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
     if not all(isinstance(name, str) for name in names):
         raise ValueError(f"`series` must be an array of names, got {value!r}.")
     return names
 
 
-def _observation(world: World) -> dict[str, Any]:
-    seen = world.plant.observe(world.state)
-    return {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
+def _seen(world: World) -> dict[str, Any]:
+    seen, last = world.plant.observe(world.state), world.log.last
+    observation = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
+    return {"observation": observation, **{name: last[name] for name in LOADS if name in last}}
 
 
 def _command(world: World) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 from laticauda.cosim.messages import Message, known, numbers, table
 from laticauda.errors import one_of, positive, whole, within
@@ -71,7 +71,7 @@ class Setup:
     sample_interval: float = 0.05
     """Between two samples of the log [s]."""
     command: Command = dataclasses.field(default_factory=lambda: Command(gait=FIRST_GAIT))
-    """What is asked of it at first: in messages the fields `gait`, `offset`, `pitch_offset`, `references`, `enabled`."""
+    """What is asked of it at first: in messages `gait`, `offset`, `pitch_offset`, `references`, `enabled`."""
     own_robots: Mapping[str, Robot] = dataclasses.field(default_factory=dict[str, Robot])
     """Robots that the server was started with, by name; no field of a message."""
 
@@ -192,7 +192,7 @@ def read_command(message: Message, held: Command) -> Command:
 def _read_switches(value: object) -> tuple[bool, ...] | None:
     if value is None or value == []:
         return None
-    switches: Any = value if isinstance(value, list) else [value]
+    switches: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
     if not all(isinstance(one, bool) for one in switches):
         raise ValueError(f"`enabled` must be an array of true and false, one per joint, or null, got {value!r}.")
     return tuple(switches)

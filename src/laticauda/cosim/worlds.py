@@ -15,7 +15,7 @@ import numpy as np
 from laticauda.cosim.messages import Message, known
 from laticauda.cosim.setup import Setup, read_command, read_current
 from laticauda.errors import positive, within
-from laticauda.interfaces import Command, Log, OpenLoop, Plant, Start
+from laticauda.interfaces import Command, Log, OpenLoop, Plant
 from laticauda.robot import Water
 from laticauda.simulate import run
 from laticauda.trial import Trial
@@ -67,8 +67,8 @@ class History:
 
     @property
     def last(self) -> Log:
-        """The last sample of every quantity, or nothing."""
-        return {name: values[-1] for name, values in self._parts[-1].items()} if self._parts else {}
+        """The last sample of every quantity."""
+        return {name: values[-1] for name, values in self._parts[-1].items()}
 
     def series(self, names: Sequence[str], since: float) -> Log:
         """The quantities of these names after a moment.
@@ -81,12 +81,11 @@ class History:
             ValueError: If there is no quantity of a name.
         """
         parts = [part for part in self._parts if part["time"][-1] > since]
-        if self._parts:
-            known("the log", names, self._parts[-1])
+        known("the log", names, self._parts[-1])
         found: Log = {}
         for name in names:
             pieces = [part[name][part["time"] > since] for part in parts]
-            found[name] = np.concatenate(pieces) if pieces else np.empty(0)
+            found[name] = np.concatenate(pieces) if pieces else self._parts[-1][name][:0]
         return found
 
 
@@ -101,9 +100,11 @@ def new_world(setup: Setup) -> World:
     """
     plant, command = setup.plant, setup.command
     with _alone(plant):
-        _try(plant, command)
         state = plant.init(setup.start, command)
-    return World(setup=setup, plant=plant, state=state, command=command, log=History())
+        log = _try(plant, state, command)
+    world = World(setup=setup, plant=plant, state=state, command=command, log=History())
+    world.log.add({name: np.array(values[:1]) for name, values in log.items()})
+    return world
 
 
 def changed(world: World, message: Message, *, tried: bool = True) -> World:
@@ -130,7 +131,7 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
                 moved: Plant[Any] = replace(body, environment=replace(water, current=current))
                 plant, state = moved, moved.unpack(plant.pack(state))
         if tried:
-            _try(plant, command)
+            _try(plant, state, command)
     return replace(world, plant=plant, state=state, command=command)
 
 
@@ -152,8 +153,7 @@ def stepped(world: World, duration: float) -> World:
         state, log, failure = world.plant.march(world.state, world.command, duration, interval)
     if failure is not None:
         return replace(world, broken=failure)
-    first = 0 if not world.log.last else 1
-    world.log.add({name: np.array(values[first:]) for name, values in log.items()})
+    world.log.add({name: np.array(values[1:]) for name, values in log.items()})
     return replace(world, state=state)
 
 
@@ -205,9 +205,9 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
         )
 
 
-def _try(plant: Plant[Any], command: Command) -> None:
-    """Refuse a command that the plant would refuse later, while nothing has changed yet."""
-    plant.march(plant.init(Start(), command), command, MOMENT, MOMENT)
+def _try(plant: Plant[Any], state: Any, command: Command) -> Log:
+    """Refuse a command that the plant would refuse later, while nothing has changed yet; the sample of now."""
+    return plant.march(state, command, MOMENT, MOMENT)[1]
 
 
 def _alone(plant: Plant[Any]) -> AbstractContextManager[Any]:
