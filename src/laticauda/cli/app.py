@@ -37,6 +37,7 @@ COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("operate",): ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
     ("replay",): ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
     ("cockpit",): ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
+    ("serve",): ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
     ("robots",): ("robots:Robots", "List the robots, waters and grounds there are, or show one."),
     ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
     ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),
