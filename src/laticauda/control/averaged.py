@@ -1,8 +1,8 @@
-"""The averaged model: how a swimming snake moves from gait cycle to gait cycle, in five states.
+"""The averaged model: how a swimming snake moves from gait cycle to gait cycle, in six states.
 
     x' = u cos(psi) - w sin(psi)        psi' = r = turning(frequency, b)        heading = psi + bend b
-    y' = u sin(psi) + w cos(psi)        b' = (offset - b) / bend_lag            w = sway r
-                                        u' = (speed(frequency, offset) - u) / speed_lag
+    y' = u sin(psi) + w cos(psi)        b' = (offset - b) / bend_lag
+    u' = (speed(frequency, offset) - u) / speed_lag                w' = (sway turning(frequency, offset) - w) / sway_lag
 
 A robot that bends turns its links at once, by `bend` per offset, and its direction of motion slowly: so psi is not the
 heading (6). The model knows neither links nor water. Its numbers come out of trials (`fit_averaged`), simulated or
@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from laticauda.errors import finite, not_negative, positive
 
-State: TypeAlias = tuple[Any, Any, Any, Any, Any]
+State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 
 # Units of what may have any sign, as the messages and the table of the theory have them.
 _UNITS = {
@@ -41,7 +41,7 @@ class AveragedModel:
     Example:
         >>> model = AveragedModel(
         ...     turn_0=0.2, turn_1=0.4, bend=1.4, bend_lag=0.2, speed_0=0.0, speed_1=0.08, speed_offset=0.0, speed_lag=2.0,
-        ...     sway=0.05, power_0=0.0, power_1=4.0, power_exponent=2.2, power_offset=0.0,
+        ...     sway=0.25, sway_lag=1.0, power_0=0.0, power_1=4.0, power_exponent=2.2, power_offset=0.0,
         ... )
         >>> model.speed(1.5, 0.0)
         0.12
@@ -64,7 +64,9 @@ class AveragedModel:
     speed_lag: float
     """Time constant of the speed [s]."""
     sway: float
-    """Speed to the left of the heading per turning rate [m]."""
+    """Speed to the left of psi per turning rate [m]."""
+    sway_lag: float
+    """Time constant of that speed [s]."""
     power_0: float
     """Power at frequency 0 [W]."""
     power_1: float
@@ -78,7 +80,7 @@ class AveragedModel:
         """Check every field once."""
         for name, unit in _UNITS.items():
             object.__setattr__(self, name, finite(name, getattr(self, name), unit))
-        for name in ("bend_lag", "speed_lag"):
+        for name in ("bend_lag", "speed_lag", "sway_lag"):
             object.__setattr__(self, name, positive(name, getattr(self, name), "s"))
         object.__setattr__(self, "power_1", not_negative("power_1", self.power_1, "W (s/rad)^k"))
         object.__setattr__(self, "power_exponent", positive("power_exponent", self.power_exponent))
@@ -105,25 +107,25 @@ class AveragedModel:
         The lags and psi are exact; the way is an integral over three points of them (Simpson).
 
         Args:
-            state: x and y [m], psi [rad], b [rad], u [m/s].
+            state: x and y [m], psi and b [rad], u and w [m/s].
             frequency: Of the gait [rad/s].
             offset: Of all joints [rad].
             dt: That time [s].
             sin: The sine of whatever kind the arguments are.
             cos: Their cosine.
         """
-        x, y, psi, bent, speed = state
-        steady = self.speed(frequency, offset)
+        x, y, psi, bent, speed, sway = state
+        steady, aside = self.speed(frequency, offset), self.sway * self.turning(frequency, offset)
         rate = self.turn_0 + self.turn_1 * frequency
         dx: Any = 0.0
         dy: Any = 0.0
-        angle, b, u = psi, bent, speed
+        angle, b, u, w = psi, bent, speed, sway
         for t, weight in ((0.0, dt / 6.0), (0.5 * dt, dt * 2.0 / 3.0), (dt, dt / 6.0)):
             left = math.exp(-t / self.bend_lag)
             b = offset + (bent - offset) * left
             u = steady + (speed - steady) * math.exp(-t / self.speed_lag)
             angle = psi + rate * (offset * t + (bent - offset) * (self.bend_lag * (1.0 - left)))
-            w = self.sway * rate * b
+            w = aside + (sway - aside) * math.exp(-t / self.sway_lag)
             dx = dx + weight * (u * cos(angle) - w * sin(angle))
             dy = dy + weight * (u * sin(angle) + w * cos(angle))
-        return x + dx, y + dy, angle, b, u
+        return x + dx, y + dy, angle, b, u, w

@@ -1,7 +1,7 @@
 """The averaged model out of trials: least squares over whole gait cycles.
 
 What is compared are differences over one period, (q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the
-gait's ripple and exact, with nothing differentiated. All but three numbers enter linearly; those three, two time
+gait's ripple and exact, with nothing differentiated. All but four numbers enter linearly; those four, three time
 constants and an exponent, are each searched along a line with the others solved for.
 """
 
@@ -77,8 +77,11 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
 
     bend_lag, (turn_0, turn_1, bend) = _searched(turn_basis, every([part.turning for part in cycles]), LAGS)
     motion = [part.motion(bend, bend_lag) for part in cycles]
-    surge, sway = (every([pair[i] for pair in motion]) for i in range(2))
-    rate = turn_basis(bend_lag)[:, :2] @ (turn_0, turn_1)
+    surge, aside = (every([pair[i] for pair in motion]) for i in range(2))
+
+    def sway_basis(lag: float) -> Array:
+        late = [part.mean(_late(part.time, part.offset, lag)) * (turn_0 + turn_1 * part.frequency) for part in cycles]
+        return every(late)[:, np.newaxis]
 
     def speed_basis(lag: float) -> Array:
         late = [[part.mean(_late(part.time, part.offset**n, lag)) for part in cycles] for n in (0, 2)]
@@ -92,6 +95,7 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
         return np.stack([np.ones_like(f), f**exponent, f**exponent * square, bending], axis=1)
 
     speed_lag, speed = _searched(speed_basis, surge, LAGS)
+    sway_lag, (sway,) = _searched(sway_basis, aside, LAGS)
     exponent, power = _searched(power_basis, every([part.power for part in cycles]), EXPONENTS)
     return AveragedModel(
         turn_0=turn_0,
@@ -102,7 +106,8 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
         speed_1=speed[1],
         speed_offset=speed[2],
         speed_lag=speed_lag,
-        sway=float(rate @ sway / (rate @ rate)),
+        sway=sway,
+        sway_lag=sway_lag,
         power_0=power[0],
         power_1=max(power[1], 0.0),
         power_exponent=exponent,

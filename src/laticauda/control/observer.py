@@ -14,10 +14,12 @@ from laticauda.control.averaged import AveragedModel
 from laticauda.interfaces import Observation
 
 Array = np.ndarray
-X, Y, PSI, BEND, SPEED, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(9)
+X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)
+N_MOTION = 6  # states of the averaged model, the first ones
+_N = 10
 # Spectral densities' square roots, of the same order for any snake that swims some cm/s with cycles of seconds.
-_NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
-_START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.05, 0.05, 0.2, 0.2])
+_NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
+_START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
 _SEEN = np.array([0.02, 0.02, 0.03])  # the swing of the center of mass [m], what is left of the ripple [rad]
 _COMPLEX_STEP = 1e-30
 
@@ -29,7 +31,7 @@ class ObserverState:
     time: float
     """Of the last observation [s]."""
     mean: Array
-    """x, y [m], psi, b [rad], u [m/s], drift x, y [m/s], ripple and its quadrature [rad]."""
+    """x, y [m], psi, b [rad], u, w [m/s], drift x, y [m/s], ripple and its quadrature [rad]."""
     covariance: Array
     """Of these."""
 
@@ -48,7 +50,7 @@ class AveragedObserver:
 
     def init(self, observation: Observation) -> ObserverState:
         """What one `observation` tells: a place and about a heading, at rest, no drift."""
-        mean = np.zeros(9)
+        mean = np.zeros(_N)
         mean[[X, Y]], mean[PSI] = observation.center_of_mass[:2], observation.heading
         return ObserverState(time=observation.time, mean=mean, covariance=np.diag(_START**2))
 
@@ -64,14 +66,14 @@ class AveragedObserver:
         dt = observation.time - state.time
         if dt <= 0.0:
             return state
-        steps = np.eye(9) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, and no formula to keep in step
+        steps = np.eye(_N) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, and no formula to keep in step
         moved = self._after(state.mean[:, np.newaxis] + steps, frequency, offset, dt)
         slope, mean = moved.imag / _COMPLEX_STEP, moved.real[:, 0]
         covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
         return _corrected(observation, mean, covariance, self.model.bend)
 
     def _after(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
-        moved = self.model.after(tuple(mean[:5]), frequency, offset, dt, np.sin, np.cos)
+        moved = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)
         drift, c, s = mean[[DRIFT_X, DRIFT_Y]], math.cos(frequency * dt), math.sin(frequency * dt)
         ripple, quadrature = mean[RIPPLE], mean[QUADRATURE]
         turned = [c * ripple - s * quadrature, s * ripple + c * quadrature]
@@ -79,13 +81,13 @@ class AveragedObserver:
 
 
 def _corrected(observation: Observation, mean: Array, covariance: Array, bend: float) -> ObserverState:
-    sees = np.zeros((3, 9))
+    sees = np.zeros((3, _N))
     sees[0, X] = sees[1, Y] = 1.0
     sees[2, [PSI, BEND, RIPPLE]] = 1.0, bend, 1.0
     x, y = observation.center_of_mass[:2]
     surprise = np.array([x, y, observation.heading]) - sees @ mean
     spread = sees @ covariance @ sees.T + np.diag(_SEEN**2)
     gain = np.linalg.solve(spread, sees @ covariance).T
-    left = np.eye(9) - gain @ sees
+    left = np.eye(_N) - gain @ sees
     kept = left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T  # this form stays symmetric and positive
     return ObserverState(time=observation.time, mean=mean + gain @ surprise, covariance=kept)
