@@ -125,7 +125,9 @@ def _check(trials: Sequence[Trial]) -> None:
             raise ValueError(f"`trials[{i}]` must have a gait that moves, got {gait}.")
         least = 2.0 * (2.0 * math.pi / gait.frequency)
         if trial.duration < least:
-            raise ValueError(f"`trials[{i}]` must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s.")
+            raise ValueError(
+                f"`trials[{i}]` must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s."
+            )
         shapes.add((gait.kind, gait.amplitude, gait.phase_shift, gait.envelope))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:

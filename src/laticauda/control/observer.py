@@ -20,7 +20,7 @@ _N = 10
 # Spectral densities' square roots, of the same order for any snake that swims some cm/s with cycles of seconds.
 _NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
 _START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
-_SEEN = np.array([0.02, 0.02, 0.03])  # the swing of the center of mass [m], what is left of the ripple [rad]
+_SEEN = np.array([0.05, 0.05, 0.03])  # the swing of the center of mass [m], what is left of the ripple [rad]
 _COMPLEX_STEP = 1e-30
 
 
@@ -68,7 +68,7 @@ class AveragedObserver:
             return state
         steps = np.eye(_N) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, and no formula to keep in step
         moved = self._after(state.mean[:, np.newaxis] + steps, frequency, offset, dt)
-        slope, mean = moved.imag / _COMPLEX_STEP, moved.real[:, 0]
+        slope, mean = np.imag(moved) / _COMPLEX_STEP, np.real(moved[:, 0])
         covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
         return _corrected(observation, mean, covariance, self.model.bend)
 

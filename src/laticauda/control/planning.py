@@ -132,7 +132,9 @@ def _solver(problem: Problem) -> tuple[Any, Array, Array, Array, Array]:
     quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "show_eval_warnings": False}
     effort = {"ipopt.max_iter": problem.iterations, "ipopt.tol": 1e-4, "ipopt.mu_init": 1e-2}
     warm = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_strategy": "monotone"}
-    solver = casadi.nlpsol("plan", "ipopt", {"x": unknowns, "p": parameters, "f": cost, "g": rules}, quiet | effort | warm)
+    solver = casadi.nlpsol(
+        "plan", "ipopt", {"x": unknowns, "p": parameters, "f": cost, "g": rules}, quiet | effort | warm
+    )
     free = np.full(_N_STATES * n, np.inf)
     low = np.concatenate([-free, np.tile([problem.frequency[0], -problem.offset], n)])
     high = np.concatenate([free, np.tile([problem.frequency[1], problem.offset], n)])

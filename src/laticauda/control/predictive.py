@@ -13,7 +13,7 @@ from laticauda.control.averaged import AveragedModel
 from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import LineOfSight
 from laticauda.control.heading import HeadingController
-from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState
+from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
 from laticauda.control.path_following import refuse_offset
 from laticauda.control.planning import Given, Plan, Problem, plan
 from laticauda.errors import finite, instance, positive, whole
@@ -51,7 +51,8 @@ class ModelPredictive:
 
     The cost of a second is that of the distance from the path, of the course across it, of the speed along it and of
     the power, each over its tolerance. The offset, its rate, the frequency and the mean power stay within their limits.
-    Where the solver finds no plan, line of sight steers at the gait's own frequency, within the same limits.
+    Where the solver finds no plan, line of sight steers on the way to the least frequency, within the limits of offset
+    and rates, and the signal ``is_fallback`` says so.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -109,6 +110,8 @@ class ModelPredictive:
             object.__setattr__(self, name, whole(name, getattr(self, name), 1))
         if finite("interval", self.interval, "s") < _LEAST_INTERVAL:
             raise ValueError(f"`interval` must be >= {_LEAST_INTERVAL} s, got {self.interval}.")
+        if len(self.frequencies) != 2:
+            raise ValueError(f"`frequency_limits` must be two numbers in rad/s, got {len(self.frequencies)}.")
         low, high = self.frequencies
         positive("frequency_limits[0]", low, "rad/s")
         if not low <= self.gait.frequency <= finite("frequency_limits[1]", high, "rad/s"):
@@ -130,7 +133,7 @@ class ModelPredictive:
 
     @cached_property
     def _problem(self) -> Problem:
-        spent = (self.cross_track_tolerance, self.course_tolerance, self.speed_tolerance, self.power_tolerance)
+        tolerances = (self.cross_track_tolerance, self.course_tolerance, self.speed_tolerance, self.power_tolerance)
         return Problem(
             model=self.model,
             stages=(self.interval, *(self.stage,) * self.horizon),
@@ -140,7 +143,7 @@ class ModelPredictive:
             frequency_rate=self.frequency_rate,
             power=self.power_limit,
             speed=self.speed,
-            tolerances=spent,
+            tolerances=tolerances,
             iterations=self.iterations,
         )
 
@@ -155,7 +158,9 @@ class ModelPredictive:
             seen = observer.init(observation)
         else:
             seen = observer.step(state.seen, *state.command, observation)
-        progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
+        # Planned with is where the filter has the robot: the center of mass swings across its course with the gait.
+        progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
+        _, raw = self.path.locate(progress, observation.center_of_mass[:2])
         found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
         is_fallback = not found.is_solved
         wanted = self._line_of_sight(seen, frame) if is_fallback else self._first(found)
@@ -165,7 +170,7 @@ class ModelPredictive:
             seen=seen,
             unknowns=None if is_fallback else found.unknowns,
             command=(frequency, offset),
-            frame=frame,
+            frame=raw,
             iterations=found.iterations,
             is_fallback=is_fallback,
         )
@@ -175,7 +180,7 @@ class ModelPredictive:
         """The numbers of a plan, in axes at the robot along the path there: the same wherever the path is."""
         chi = frame.path_tangential_angle
         drift, mean = _turned(np.array(seen.drift), -chi), seen.mean
-        psi = wrap_to_pi(mean[PSI] - chi)
+        psi = wrap_to_pi(float(mean[PSI]) - chi)
         pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
         ahead = frame.along_track_distance + pace * np.cumsum(self._problem.stages)
         # Ends of a short piece around each point: where they are and where they go.
