@@ -150,9 +150,7 @@ def test_without_casadi_the_message_says_what_to_install(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(planning, "import_module", absent)
     fresh = replace(MPC, speed=0.1234)  # no solver of another test is kept for it
-    with pytest.raises(
-        MissingExtra, match=r'Model-predictive control needs CasADi; run `pip install "laticauda\[mpc\]"`'
-    ):
+    with pytest.raises(MissingExtra, match=r'control needs CasADi; run `pip install "laticauda\[mpc\]"`'):
         fresh.step(fresh.init(), seen(0.5, 0.0))
 
 
