@@ -60,7 +60,7 @@ def swum(frequency, model=MODEL):
         robot=robot,
         gait=replace(GAIT, frequency=frequency),
         environment=lc.load_water("paper-lateral"),
-        version="0",
+        version=lc.__version__,
     )
 
 
