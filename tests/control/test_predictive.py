@@ -48,6 +48,8 @@ def test_the_robot_comes_to_the_path_and_no_current_keeps_it_away(current):
     assert np.abs(mean_error(trial)).max() < 0.02
     drift = [trial.signals[f"drift_{axis}"][-200:].mean() for axis in "xy"]
     np.testing.assert_allclose(drift, current, atol=0.01)
+    lag = trial.signals["heading_ref"] - trial.signals["heading_used"]
+    assert np.abs(lag[trial.time > 40.0]).max() < 0.1
     assert trial.signals["is_fallback"].max() == 0.0
 
 

@@ -69,6 +69,8 @@ class Plan(NamedTuple):
 
     commands: Array
     """Frequency [rad/s] and offset [rad] of every stage."""
+    states: Array
+    """Those of the model at the end of every stage."""
     unknowns: Array
     """All, to begin the next plan with."""
     is_solved: bool
@@ -97,7 +99,10 @@ def plan(problem: Problem, given: Given, begin: Array | None) -> Plan:
     unknowns = np.asarray(found["x"]).ravel()
     stats = solver.stats()
     is_solved = bool(stats["success"]) and bool(np.all(np.isfinite(unknowns)))
-    return Plan(unknowns[_N_STATES * n :].reshape(n, _N_COMMANDS), unknowns, is_solved, int(stats["iter_count"]))
+    states, commands = np.split(unknowns, [_N_STATES * n])
+    return Plan(
+        commands.reshape(n, _N_COMMANDS), states.reshape(n, _N_STATES), unknowns, is_solved, int(stats["iter_count"])
+    )
 
 
 @cache

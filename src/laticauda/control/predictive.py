@@ -39,6 +39,8 @@ class PredictiveState:
     """Frequency [rad/s] and offset [rad] of the last command."""
     frame: PathFrame | None = None
     """Where it was beside the path."""
+    heading_ref: float = 0.0
+    """Mean heading that is asked for: the plan's after its first step, or that of line of sight [rad]."""
     iterations: int = 0
     """What the last plan took."""
     is_fallback: bool = False
@@ -163,7 +165,7 @@ class ModelPredictive:
         _, raw = self.path.locate(progress, observation.center_of_mass[:2])
         found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
         is_fallback = not found.is_solved
-        wanted = self._line_of_sight(seen, frame) if is_fallback else self._first(found)
+        heading_ref, wanted = self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
         frequency, offset = self._limited(wanted, state.command)
         after = PredictiveState(
             progress=progress,
@@ -171,6 +173,7 @@ class ModelPredictive:
             unknowns=None if is_fallback else found.unknowns,
             command=(frequency, offset),
             frame=raw,
+            heading_ref=heading_ref,
             iterations=found.iterations,
             is_fallback=is_fallback,
         )
@@ -197,15 +200,24 @@ class ModelPredictive:
             path=np.column_stack([place, np.unwrap(np.concatenate(([0.0], direction)))[1:]]),
         )
 
-    def _first(self, found: Plan) -> tuple[float, float]:
-        return float(found.commands[0, 0]), float(found.commands[0, 1])
+    def _first(self, seen: ObserverState, frame: PathFrame, found: Plan) -> tuple[float, tuple[float, float]]:
+        """The heading at the end of the first whole stage, and the command until the next instant."""
+        now, psi = self._heading(seen), float(seen.mean[PSI])
+        ahead = float(found.states[1, PSI] + self.model.bend * found.states[1, BEND])
+        turn = ahead - wrap_to_pi(psi - frame.path_tangential_angle) - (now - psi)
+        return now + turn, (float(found.commands[0, 0]), float(found.commands[0, 1]))
 
-    def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, float]:
+    def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, tuple[float, float]]:
+        """The same, of the law that takes over."""
         heading = float(seen.mean[PSI])
         law = LineOfSight(look_ahead_distance=self.look_ahead_distance)
         _, asked = law.step(None, frame, heading, 0.0, False)
         turns = HeadingController(gain=self.gain, max_offset=self.max_offset)
-        return self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0]
+        return asked, (self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0])
+
+    def _heading(self, seen: ObserverState) -> float:
+        """The mean heading, without the ripple [rad]."""
+        return float(seen.mean[PSI] + self.model.bend * seen.mean[BEND])
 
     def _limited(self, wanted: tuple[float, float], last: tuple[float, float]) -> tuple[float, float]:
         """Within the limits to the last digit, which a solver keeps to its tolerance only."""
@@ -217,9 +229,10 @@ class ModelPredictive:
     def signals(self, state: PredictiveState) -> dict[str, float]:
         """The signals of the last control instant, out of `state`, for the log."""
         assert state.seen is not None and state.frame is not None
-        frame, mean = state.frame, state.seen.mean
+        frame = state.frame
         return {
-            "heading_used": float(mean[PSI] + self.model.bend * mean[BEND]),
+            "heading_ref": state.heading_ref,
+            "heading_used": self._heading(state.seen),
             "cross_track_error": frame.cross_track_error,
             "along_track_distance": frame.along_track_distance,
             "path_tangential_angle": frame.path_tangential_angle,
