@@ -152,11 +152,25 @@ class PathFollowing:
         Raises:
             ValueError: If the largest offset could take a joint beyond its limit.
         """
-        chain = robot.planar()
-        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
-            room = joint.limit - self.gait.amplitude * abs(g) - abs(self.gait.offset)
-            if self.heading.max_offset > room:
-                raise ValueError(
-                    f"`max_offset` must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
-                    f"{joint.limit:.4g} rad with this gait; got {self.heading.max_offset}."
-                )
+        refuse_offset(robot, self.gait, self.heading.max_offset)
+
+
+def refuse_offset(robot: Robot, gait: Gait, max_offset: float) -> None:
+    """Refuse an offset that could take a joint beyond its limit.
+
+    Args:
+        robot: What is to follow a path.
+        gait: What swims.
+        max_offset: What steering may add to either side [rad].
+
+    Raises:
+        ValueError: If it could.
+    """
+    chain = robot.planar()
+    for i, (joint, g) in enumerate(zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)):
+        room = joint.limit - gait.amplitude * abs(g) - abs(gait.offset)
+        if max_offset > room:
+            raise ValueError(
+                f"`max_offset` must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
+                f"{joint.limit:.4g} rad with this gait; got {max_offset}."
+            )

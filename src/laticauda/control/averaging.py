@@ -1,0 +1,197 @@
+"""The averaged model out of trials: least squares over whole gait cycles.
+
+What is compared are differences over one period, (q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the
+gait's ripple and exact, with nothing differentiated. All but four numbers enter linearly; those four, three time
+constants and an exponent, are each searched along a line with the others solved for.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from laticauda.control.averaged import AveragedModel
+from laticauda.robot import Water
+from laticauda.trial import Trial
+
+Array = np.ndarray
+LAGS = (0.05, 20.0)  # where a time constant is searched [s]
+EXPONENTS = (1.0, 4.0)
+_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+class _Cycles(NamedTuple):
+    """One trial, at the begin of every whole cycle in it, a tenth of a period apart."""
+
+    time: Array
+    offset: Array
+    frequency: float
+    begin: Array
+    turning: Array
+    heading: Array
+    velocity: tuple[Array, Array]
+    power: Array
+
+    def mean(self, values: Array) -> Array:
+        """Mean over each cycle of a signal that is given at the samples, held until the next."""
+        total = np.concatenate(([0.0], np.cumsum(values[:-1] * np.diff(self.time))))
+        return _over_cycle(self.time, total, self.begin, 2.0 * math.pi / self.frequency)
+
+    def change(self, values: Array) -> Array:
+        """Mean rate over each cycle of a signal at the samples."""
+        return _over_cycle(self.time, values, self.begin, 2.0 * math.pi / self.frequency)
+
+    def motion(self, bend: float, lag: float) -> tuple[Array, Array]:
+        """Mean velocity over each cycle, along psi and to its left [m/s]."""
+        psi = self.heading - bend * self.mean(_late(self.time, self.offset, lag))
+        (vx, vy), c, s = self.velocity, np.cos(psi), np.sin(psi)
+        return vx * c + vy * s, vy * c - vx * s
+
+
+def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
+    """Fit the averaged model to trials of one gait at several frequencies, with offsets that turn the robot.
+
+    A trial tells its offset by the signal ``offset``, as every steered run has it, or by its gait. `OffsetSteps` makes
+    trials that will do. A current is taken from the trial's water.
+
+    Args:
+        trials: At least three frequencies, each held all along.
+
+    Returns:
+        The model with the least sum of squares, of turning rate, speeds and power each on their own.
+
+    Raises:
+        ValueError: If the trials do not tell: too few frequencies, no turn, no whole cycle, another shape of gait.
+    """
+    _check(trials)
+    cycles = [_cycles(trial) for trial in trials]
+    every = np.concatenate
+    f = every([np.full(part.begin.size, part.frequency) for part in cycles])
+
+    def turn_basis(lag: float) -> Array:
+        bent = [_late(part.time, part.offset, lag) for part in cycles]
+        mean = every([part.mean(values) for part, values in zip(cycles, bent, strict=True)])
+        jump = every([part.change(values) for part, values in zip(cycles, bent, strict=True)])
+        return np.stack([mean, f * mean, jump], axis=1)
+
+    bend_lag, (turn_0, turn_1, bend) = _searched(turn_basis, every([part.turning for part in cycles]), LAGS)
+    motion = [part.motion(bend, bend_lag) for part in cycles]
+    surge, aside = (every([pair[i] for pair in motion]) for i in range(2))
+
+    def sway_basis(lag: float) -> Array:
+        late = [part.mean(_late(part.time, part.offset, lag)) * (turn_0 + turn_1 * part.frequency) for part in cycles]
+        return every(late)[:, np.newaxis]
+
+    def speed_basis(lag: float) -> Array:
+        late = [[part.mean(_late(part.time, part.offset**n, lag)) for part in cycles] for n in (0, 2)]
+        one, square = every(late[0]), every(late[1])
+        return np.stack([one, f * one, f * square], axis=1)
+
+    def power_basis(exponent: float) -> Array:
+        square = every([part.mean(part.offset**2) for part in cycles])
+        # Bending takes work too, which a plan that limits the offset's rate can leave out: solved for, and let go.
+        bending = every([part.mean((part.offset - _late(part.time, part.offset, bend_lag)) ** 2) for part in cycles])
+        return np.stack([np.ones_like(f), f**exponent, f**exponent * square, bending], axis=1)
+
+    speed_lag, speed = _searched(speed_basis, surge, LAGS)
+    sway_lag, (sway,) = _searched(sway_basis, aside, LAGS)
+    exponent, power = _searched(power_basis, every([part.power for part in cycles]), EXPONENTS)
+    return AveragedModel(
+        turn_0=turn_0,
+        turn_1=turn_1,
+        bend=bend,
+        bend_lag=bend_lag,
+        speed_0=speed[0],
+        speed_1=speed[1],
+        speed_offset=speed[2],
+        speed_lag=speed_lag,
+        sway=sway,
+        sway_lag=sway_lag,
+        power_0=power[0],
+        power_1=max(power[1], 0.0),
+        power_exponent=exponent,
+        power_offset=power[2],
+    )
+
+
+def _check(trials: Sequence[Trial]) -> None:
+    shapes: set[tuple[object, ...]] = set()
+    frequencies: set[float] = set()
+    for i, trial in enumerate(trials):
+        trial.need("an averaged model", "heading", "work")
+        gait = trial.gait
+        if gait is None or gait.frequency <= 0.0:
+            raise ValueError(f"`trials[{i}]` must have a gait that moves, got {gait}.")
+        least = 2.0 * (2.0 * math.pi / gait.frequency)
+        if trial.duration < least:
+            raise ValueError(
+                f"`trials[{i}]` must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s."
+            )
+        shapes.add((gait.kind, gait.amplitude, gait.phase_shift, gait.envelope))
+        frequencies.add(round(gait.frequency, 6))
+    if len(frequencies) < 3:
+        raise ValueError(f"`trials` must have at least 3 different frequencies, got {len(frequencies)}.")
+    if len(shapes) > 1:
+        raise ValueError(f"`trials` must be of one gait but for its frequency and offset, got {len(shapes)} gaits.")
+    if not any(np.ptp(_offset(trial)) > 0.0 or _offset(trial)[0] != 0.0 for trial in trials):
+        raise ValueError("`trials` must have an offset that turns the robot in at least one of them, got none.")
+
+
+def _offset(trial: Trial) -> Array:
+    """phi_0 at the samples [rad]."""
+    assert trial.gait is not None
+    return trial.signals.get("offset", np.zeros_like(trial.time)) + trial.gait.offset
+
+
+def _cycles(trial: Trial) -> _Cycles:
+    assert trial.gait is not None
+    time, period = trial.time - trial.time[0], 2.0 * math.pi / trial.gait.frequency
+    begin = np.arange(0.0, time[-1] - period + 1e-9, 0.1 * period)
+    current = trial.environment.current if isinstance(trial.environment, Water) else (0.0, 0.0)
+    vx, vy = (_over_cycle(time, trial.center_of_mass[:, i], begin, period) - current[i] for i in range(2))
+    steps = 0.5 * (trial.heading[1:] + trial.heading[:-1]) * np.diff(time)
+    heading = _over_cycle(time, np.concatenate(([0.0], np.cumsum(steps))), begin, period)
+    spent = trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work
+    return _Cycles(
+        time=time,
+        offset=_offset(trial),
+        frequency=trial.gait.frequency,
+        begin=begin,
+        turning=_over_cycle(time, trial.heading, begin, period),
+        heading=heading,
+        velocity=(vx, vy),
+        power=_over_cycle(time, spent, begin, period),
+    )
+
+
+def _over_cycle(time: Array, values: Array, begin: Array, period: float) -> Array:
+    """(q(t + T) - q(t)) / T."""
+    return (np.interp(begin + period, time, values) - np.interp(begin, time, values)) / period
+
+
+def _late(time: Array, values: Array, lag: float) -> Array:
+    """What a first-order lag makes of a signal that is held from sample to sample, from 0 at the start."""
+    late = np.empty_like(values)
+    now = 0.0
+    for k, (value, keep) in enumerate(zip(values, np.exp(-np.diff(time, append=time[-1]) / lag), strict=True)):
+        late[k] = now
+        now = value + (now - value) * keep
+    return late
+
+
+def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, float]) -> tuple[float, list[float]]:
+    """The nonlinear number and the linear ones with the least sum of squares."""
+
+    def misfit(at: float) -> float:
+        matrix = basis(math.exp(at))
+        return float(np.sum((data - matrix @ np.linalg.lstsq(matrix, data, rcond=None)[0]) ** 2))
+
+    grid = np.linspace(math.log(ends[0]), math.log(ends[1]), 25)
+    best = int(np.argmin([misfit(float(at)) for at in grid]))
+    low, high = float(grid[max(best - 1, 0)]), float(grid[min(best + 1, grid.size - 1)])
+    while high - low > 1e-5:  # the golden section
+        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+        low, high = (low, right) if misfit(left) < misfit(right) else (left, high)
+    found = math.exp(0.5 * (low + high))
+    return found, [float(value) for value in np.linalg.lstsq(basis(found), data, rcond=None)[0]]

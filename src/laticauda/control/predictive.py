@@ -1,0 +1,278 @@
+"""Model-predictive path following: at every instant the best plan over the next seconds, of which the begin is done."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from laticauda.angles import wrap_to_pi
+from laticauda.control.averaged import AveragedModel
+from laticauda.control.frames import Path, PathFrame
+from laticauda.control.guidance import LineOfSight
+from laticauda.control.heading import HeadingController
+from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
+from laticauda.control.path_following import refuse_offset
+from laticauda.control.planning import Given, Plan, Problem, plan
+from laticauda.errors import finite, instance, positive, whole
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Observation
+from laticauda.robot import Robot
+
+_LEAST_INTERVAL = 0.2  # a solver needs its time [s]
+_SLOWEST = 0.2  # share of the asked speed that a look at the path ahead reckons with at least
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PredictiveState:
+    """What the controller remembers, and its last signals."""
+
+    progress: Any
+    """How far along the path."""
+    seen: ObserverState | None = None
+    """What is believed of the robot; None before the first instant."""
+    unknowns: np.ndarray | None = None
+    """Of the last plan that was found; the next begins there."""
+    command: tuple[float, float] = (0.0, 0.0)
+    """Frequency [rad/s] and offset [rad] of the last command."""
+    frame: PathFrame | None = None
+    """Where it was beside the path."""
+    heading_ref: float = 0.0
+    """Mean heading that is asked for: the plan's after its first step, or that of line of sight [rad]."""
+    iterations: int = 0
+    """What the last plan took."""
+    is_fallback: bool = False
+    """Whether there was none, and line of sight took over."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelPredictive:
+    """A controller that plans offset and frequency with the averaged model, and so takes a current into account.
+
+    The cost of a second is that of the distance from the path, of the course across it, of the speed along it and of
+    the power, each over its tolerance. The offset, its rate, the frequency and the mean power stay within their limits.
+    Where the solver finds no plan, line of sight steers on the way to the least frequency, within the limits of offset
+    and rates, and the signal ``is_fallback`` says so.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    gait: Gait
+    """What swims; its frequency is what a run starts with."""
+    path: Path[Any]
+    """Where to go."""
+    model: AveragedModel
+    """How this gait moves this robot: `fit_averaged`."""
+    speed: float
+    """Speed along the path that is asked for [m/s]."""
+    frequency_limits: tuple[float, float] | None = None
+    """Least and greatest frequency; None: that of the gait, always [rad/s]."""
+    power_limit: float = math.inf
+    """Most that the gait may take, mean over its cycle, as the model has it [W]."""
+    max_offset: float = math.radians(20.0)
+    """Largest offset to either side [rad]."""
+    offset_rate: float = math.radians(20.0)
+    """Largest change of it [rad/s]."""
+    frequency_rate: float = 0.2
+    """Largest change of the frequency [rad/s^2]."""
+    cross_track_tolerance: float = 0.1
+    """Distance from the path that costs 1 per second; far off the cost grows in proportion [m]."""
+    course_tolerance: float = 0.5
+    """Angle of the course across the path that costs 1 per second [rad]."""
+    speed_tolerance: float = 0.05
+    """What is missing in speed that costs 1 per second [m/s]."""
+    power_tolerance: float = 1000.0
+    """Power that costs 1 per second [W]."""
+    horizon: int = 15
+    """How many steps a plan looks ahead, behind the first of one interval [-]."""
+    stage: float = 1.0
+    """How long each of them is [s]."""
+    iterations: int = 40
+    """Most that the solver may take for a plan [-]."""
+    look_ahead_distance: float = 1.62
+    """Of the line of sight that takes over [m]."""
+    gain: float = 0.25
+    """Of its heading law [-]."""
+    interval: float = 0.2
+    """Time between two control instants, 0.2 s or more [s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        instance("model", self.model, AveragedModel)
+        lengths = ("cross_track_tolerance", "look_ahead_distance")
+        units = dict.fromkeys(lengths, "m") | dict.fromkeys(("speed", "speed_tolerance"), "m/s")
+        units |= {"max_offset": "rad", "offset_rate": "rad/s", "frequency_rate": "rad/s^2", "course_tolerance": "rad"}
+        units |= {"power_tolerance": "W", "stage": "s", "gain": ""}
+        for name, unit in units.items():
+            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
+        for name in ("horizon", "iterations"):
+            object.__setattr__(self, name, whole(name, getattr(self, name), 1))
+        if finite("interval", self.interval, "s") < _LEAST_INTERVAL:
+            raise ValueError(f"`interval` must be >= {_LEAST_INTERVAL} s, got {self.interval}.")
+        if len(self.frequencies) != 2:
+            raise ValueError(f"`frequency_limits` must be two numbers in rad/s, got {len(self.frequencies)}.")
+        low, high = self.frequencies
+        positive("frequency_limits[0]", low, "rad/s")
+        if not low <= self.gait.frequency <= finite("frequency_limits[1]", high, "rad/s"):
+            raise ValueError(
+                f"`frequency_limits` must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them, "
+                f"got {low:.4g} and {high:.4g}."
+            )
+        least = max(self.model.power(low, offset) for offset in (0.0, self.max_offset))
+        if not self.power_limit >= least:
+            raise ValueError(
+                f"`power_limit` must be >= {least:.4g} W, what the least frequency takes with the largest offset, "
+                f"got {self.power_limit}."
+            )
+
+    @property
+    def frequencies(self) -> tuple[float, float]:
+        """Least and greatest frequency [rad/s]."""
+        return self.frequency_limits or (self.gait.frequency, self.gait.frequency)
+
+    @cached_property
+    def _problem(self) -> Problem:
+        tolerances = (self.cross_track_tolerance, self.course_tolerance, self.speed_tolerance, self.power_tolerance)
+        return Problem(
+            model=self.model,
+            stages=(self.interval, *(self.stage,) * self.horizon),
+            offset=self.max_offset,
+            offset_rate=self.offset_rate,
+            frequency=self.frequencies,
+            frequency_rate=self.frequency_rate,
+            power=self.power_limit,
+            speed=self.speed,
+            tolerances=tolerances,
+            iterations=self.iterations,
+        )
+
+    def init(self) -> PredictiveState:
+        """Before the first control instant."""
+        return PredictiveState(progress=self.path.init(), command=(self.gait.frequency, 0.0))
+
+    def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
+        """One control instant: the `state` after the `observation`, and the command until the next one."""
+        observer = AveragedObserver(model=self.model)
+        if state.seen is None:
+            seen = observer.init(observation)
+        else:
+            seen = observer.step(state.seen, *state.command, observation)
+        # Planned with is where the filter has the robot: the center of mass swings across its course with the gait.
+        progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
+        _, raw = self.path.locate(progress, observation.center_of_mass[:2])
+        found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
+        is_fallback = not found.is_solved
+        heading_ref, wanted = self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
+        frequency, offset = self._limited(wanted, state.command)
+        after = PredictiveState(
+            progress=progress,
+            seen=seen,
+            unknowns=None if is_fallback else found.unknowns,
+            command=(frequency, offset),
+            frame=raw,
+            heading_ref=heading_ref,
+            iterations=found.iterations,
+            is_fallback=is_fallback,
+        )
+        return after, Command(gait=replace(self.gait, frequency=frequency), offset=offset)
+
+    def _given(self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]) -> Given:
+        """The numbers of a plan, in axes at the robot along the path there: the same wherever the path is."""
+        chi = frame.path_tangential_angle
+        drift, mean = _turned(np.array(seen.drift), -chi), seen.mean
+        psi = wrap_to_pi(float(mean[PSI]) - chi)
+        pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
+        ahead = frame.along_track_distance + pace * np.cumsum(self._problem.stages)
+        # Ends of a short piece around each point: where they are and where they go.
+        piece = 0.01
+        before, after = (self.path.points(ahead + sign * piece) for sign in (-1.0, 1.0))
+        foot = self.path.points(np.array([frame.along_track_distance]))[0]
+        tangent = _turned(after - before, -chi)
+        place = _turned(0.5 * (after + before) - foot, -chi)
+        direction = np.arctan2(tangent[:, 1], tangent[:, 0])
+        return Given(
+            state=np.array([0.0, frame.cross_track_error, psi, mean[BEND], mean[SPEED], mean[SWAY]]),
+            drift=drift,
+            command=np.array(last),
+            path=np.column_stack([place, np.unwrap(np.concatenate(([0.0], direction)))[1:]]),
+        )
+
+    def _first(self, seen: ObserverState, frame: PathFrame, found: Plan) -> tuple[float, tuple[float, float]]:
+        """The heading at the end of the first whole stage, and the command until the next instant."""
+        now, psi = self._heading(seen), float(seen.mean[PSI])
+        ahead = float(found.states[1, PSI] + self.model.bend * found.states[1, BEND])
+        turn = ahead - wrap_to_pi(psi - frame.path_tangential_angle) - (now - psi)
+        return now + turn, (float(found.commands[0, 0]), float(found.commands[0, 1]))
+
+    def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, tuple[float, float]]:
+        """The same, of the law that takes over."""
+        heading = float(seen.mean[PSI])
+        law = LineOfSight(look_ahead_distance=self.look_ahead_distance)
+        _, asked = law.step(None, frame, heading, 0.0, False)
+        turns = HeadingController(gain=self.gain, max_offset=self.max_offset)
+        return asked, (self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0])
+
+    def _heading(self, seen: ObserverState) -> float:
+        """The mean heading, without the ripple [rad]."""
+        return float(seen.mean[PSI] + self.model.bend * seen.mean[BEND])
+
+    def _limited(self, wanted: tuple[float, float], last: tuple[float, float]) -> tuple[float, float]:
+        """Within the limits to the last digit, which a solver keeps to its tolerance only."""
+        low, high = self.frequencies
+        pace = self.frequency_rate * self.interval, self.offset_rate * self.interval
+        f, offset = (min(max(w, b - p), b + p) for w, b, p in zip(wanted, last, pace, strict=True))
+        return min(max(f, low), high), min(max(offset, -self.max_offset), self.max_offset)
+
+    def signals(self, state: PredictiveState) -> dict[str, float]:
+        """The signals of the last control instant, out of `state`, for the log."""
+        assert state.seen is not None and state.frame is not None
+        frame = state.frame
+        return {
+            "heading_ref": state.heading_ref,
+            "heading_used": self._heading(state.seen),
+            "cross_track_error": frame.cross_track_error,
+            "along_track_distance": frame.along_track_distance,
+            "path_tangential_angle": frame.path_tangential_angle,
+            "drift_x": state.seen.drift[0],
+            "drift_y": state.seen.drift[1],
+            "frequency": state.command[0],
+            "offset": state.command[1],
+            "is_saturated": float(abs(state.command[1]) >= self.max_offset - 1e-9),
+            "solver_iterations": float(state.iterations),
+            "is_fallback": float(state.is_fallback),
+        }
+
+    @property
+    def settings(self) -> Mapping[str, str | float]:
+        """How it was made, for the trial's record."""
+        numbers = ("speed", "max_offset", "offset_rate", "frequency_rate", "stage")
+        return {
+            "path": repr(self.path),
+            "guidance": "ModelPredictive",
+            "averaged_model": repr(self.model),
+            "frequency_limits": repr(self.frequencies),
+            "power_limit": repr(self.power_limit),
+            "horizon": float(self.horizon),
+            "control_interval": self.interval,
+            **{name: getattr(self, name) for name in numbers},
+        }
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
+
+        Args:
+            robot: What is to follow the path.
+
+        Raises:
+            ValueError: If the largest offset could take a joint beyond its limit.
+        """
+        refuse_offset(robot, self.gait, self.max_offset)
+
+
+def _turned(points: np.ndarray, angle: float) -> np.ndarray:
+    """Points, or one, rotated by `angle` [rad]."""
+    c, s = math.cos(angle), math.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
