@@ -82,9 +82,7 @@ def checked(
 
     exact = exact and _suffices(found, [m.name for m in found.problem.measurements])
     single = (
-        leave_out(found, progress=told("measurements left out")).predictions
-        if exact
-        else linear_leave_one_out(found)
+        leave_out(found, progress=told("measurements left out")).predictions if exact else linear_leave_one_out(found)
     )
     groups = (
         leave_out(found, "group", progress=told("groups left out"))
