@@ -87,12 +87,14 @@ class Observation:
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """Where a run begins: straight, at rest."""
+    """Where a run begins: straight, and at rest unless it is to coast."""
 
     center_of_mass: tuple[float, float] = (0.0, 0.0)
     """[m]."""
     heading: float = 0.0
     """[rad]."""
+    velocity: float = 0.0
+    """Forward, along the heading [m/s]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -101,6 +103,7 @@ class Start:
         at = (within("center_of_mass[0]", x, -far, far, "m"), within("center_of_mass[1]", y, -far, far, "m"))
         object.__setattr__(self, "center_of_mass", at)
         object.__setattr__(self, "heading", within("heading", self.heading, -far, far, "rad"))
+        object.__setattr__(self, "velocity", within("velocity", self.velocity, -100.0, 100.0, "m/s"))
 
 
 class Controller(Protocol[State]):

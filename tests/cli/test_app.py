@@ -66,6 +66,10 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run,
         assert run(f"swim --robot {robot} --duration 3 --save {name}").status == 0
     if words == ("view",):
         skip_without_rendering()
+    if words == ("replay",):
+        from operate.tank import record
+
+        record(Path("run.mcap"))
     text = run(f"{' '.join(words)} --help").out
     assert "--json" in text
     (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 import laticauda as lc
 from laticauda.gaits import Generator
@@ -15,7 +16,6 @@ from laticauda.operate.samples import ReferenceSample
 from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement, Tank
 from laticauda.operate.supervisor import BY_EVENT
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
-from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
 QUICK = Calibration(idle_time=0.2, still_time=0.3)

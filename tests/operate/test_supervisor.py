@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -157,6 +158,12 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
     table = safety_table()
     assert all(len(row) == 5 and row[1] for row in table)
     assert ("leak", "a module reports water inside", "emergency stop", "1.5 s", "fault") in table
+
+
+def test_the_table_of_the_docs_is_that_of_the_code():
+    page = (Path(__file__).parents[2] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
+    for event, says, action, within, then in safety_table():
+        assert f"| `{event}` | {says} | {action} | {within or '-'} | {then or '-'} |" in page
 
 
 def test_an_event_that_is_not_in_the_table_is_refused():

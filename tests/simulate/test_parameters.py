@@ -5,7 +5,7 @@ import pytest
 import laticauda as lc
 from laticauda.robot import Water
 from laticauda.simulate import parameters
-from laticauda.simulate.parameters import changed, look_up
+from laticauda.simulate.parameters import changed, look_up, value_of
 
 FIN = replace(lc.load_robot("mamba-fin").caudal_fin, flexural_rigidity=2.0)
 ROBOT = replace(lc.load_robot("mamba-fin"), caudal_fin=FIN)
@@ -97,3 +97,14 @@ def test_on_the_ground_its_friction_can_be_swept():
     assert known["ground.normal"].title.startswith("Coefficient across a link")
     with pytest.raises(ValueError, match="numbers of gait, ground or robot"):
         look_up("water.normal_drag", known)
+
+
+def test_one_of_several_modules_goes_by_its_number_from_the_tail():
+    robot, name = lc.load_robot("mamba"), "robot.module[3].normal_drag"
+    assert name in parameters(robot, GAIT, WATER, each=True) and name not in parameters(robot, GAIT, WATER)
+    other, _, _ = changed(robot, GAIT, WATER, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1})
+    assert [module.normal_drag for module in other.modules] == [2.5 if i == 3 else None for i in range(9)]
+    assert {module.mass for module in other.modules} == {0.7}
+    assert [joint.stiffness for joint in other.joints] == [0.1] + [0.0] * 7
+    assert value_of(name, other, GAIT, WATER) == 2.5
+    assert value_of(name, robot, GAIT, WATER) == WATER.normal_drag

@@ -72,3 +72,9 @@ def test_table_2_has_twelve_cases_of_path_following():
     assert case.initial_heading == pytest.approx(math.radians(49.51))
     assert (case.initial_cross_track_error, case.forward_velocity, case.mean_power) == (1.4722, 0.1510, 96.99)
     assert case.gait.amplitude == pytest.approx(math.radians(40.0))
+
+
+def test_table_1_has_twelve_stars_three_in_each_group():
+    stars = [trial for trial in efficiency_trials() if trial.is_maximum]
+    groups = [(trial.gait.kind, trial.has_fin) for trial in stars]
+    assert len(stars) == 12 and {groups.count(group) for group in groups} == {3}

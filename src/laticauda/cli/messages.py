@@ -10,6 +10,7 @@ OTHERWISE = {
     "kind": "gait",
     "trial": "resume",
     "trials": "files",
+    "measurements": "files",
     "points": "vary",
     "bounds": "vary",
     "objectives": "objective",

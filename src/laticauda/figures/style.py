@@ -8,7 +8,7 @@ beside those of the user.
 # pyright: reportUnknownMemberType=false
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -85,6 +85,12 @@ def head(figure: Figure, title: str, note: str = "") -> None:
 def legend(ax: Axes, **settings: Any) -> None:
     """A legend without a frame."""
     ax.legend(fontsize=TICK, labelcolor=INK, frameon=False, handlelength=1.6, borderaxespad=0.2, **settings)
+
+
+def outside_legend(figure: Figure, ax: Axes, place: Literal["outside lower left", "outside right upper"]) -> None:
+    """A legend of one panel's lines outside of all panels."""
+    handles, words = ax.get_legend_handles_labels()
+    figure.legend(handles, words, loc=place, fontsize=TICK, labelcolor=INK, frameon=False)
 
 
 def joint_colors(n_joints: int) -> tuple[LinearSegmentedColormap, BoundaryNorm]:

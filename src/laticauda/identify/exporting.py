@@ -3,7 +3,10 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from laticauda.gaits import Gait
+from laticauda.identify.settling import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS, JOINT_LAWS
@@ -72,7 +75,12 @@ def _for_gait(found: "Fit", gait_kind: str) -> dict[str, float]:
     """Values by name without scope: those for all, and over them those for a kind of gait."""
     chosen = [unknown for unknown in found.problem.unknowns if unknown.scope in ("", gait_kind)]
     chosen.sort(key=lambda unknown: unknown.scope != "")
-    return {unknown.parameter.name: found.values[unknown.name] for unknown in chosen}
+    result: dict[str, float] = {}
+    for unknown in chosen:
+        at = int(np.argmax(found.problem.moves[:, found.problem.unknowns.index(unknown)]))
+        base, name = found.problem.settings[at], unknown.parameter.name
+        result |= with_tied(base, name, found.values[unknown.name], unknown.tied)
+    return result
 
 
 def _changes(found: "Fit", gait_kind: str) -> Changes:

@@ -100,6 +100,29 @@ def deviations(eigenvalues: Float[np.ndarray, " n"], vectors: Float[np.ndarray, 
     return np.sqrt(variance)
 
 
+def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
+    """Information about some unknowns where all others stay unknown too: a Schur complement.
+
+    Args:
+        information: About all.
+        keep: Numbers of those that count.
+    """
+    rest = [k for k in range(len(information)) if k not in keep]
+    between = information[np.ix_(list(keep), rest)]
+    hidden = np.linalg.pinv(information[np.ix_(rest, rest)], hermitian=True)
+    return information[np.ix_(list(keep), list(keep))] - between @ hidden @ between.T
+
+
+def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Settled]) -> str:
+    """A combination of unknowns in words.
+
+    Args:
+        weights: Of their coordinates, in their sizes; any length.
+        unknowns: In this order.
+    """
+    return _named(_oriented(weights / np.linalg.norm(weights)), unknowns)
+
+
 def _oriented(vector: np.ndarray) -> np.ndarray:
     """With its greatest member positive."""
     return vector * np.sign(vector[np.argmax(np.abs(vector))])

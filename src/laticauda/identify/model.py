@@ -15,7 +15,7 @@ from jaxtyping import Float
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.seeing import SAMPLE_INTERVAL, Raw, Values, interpolated, moved_start, seen, starts_of
-from laticauda.identify.settling import Setting
+from laticauda.identify.settling import Setting, with_tied
 from laticauda.identify.twin import by_differences
 from laticauda.identify.unknowns import SIDE
 from laticauda.interfaces import Start
@@ -160,11 +160,14 @@ def _number(problem: Problem, setting: Setting, start: Start, i: int, k: int, va
             change=lambda _: setting,
             start=lambda other: moved_start(start, name, other - value),
         )
-    return Number(name=name, trial=setting, value=value, change=partial(_changed, setting, name))
+    return Number(
+        name=name, trial=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied)
+    )
 
 
-def _changed(setting: Setting, name: str, value: float) -> Any:
-    return changed(*setting, {name: value})
+def _changed(setting: Setting, name: str, tied: Mapping[str, float], value: float) -> Any:
+    # Where the search has come to, what is tied is in proportion already.
+    return changed(*setting, with_tied(setting, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:

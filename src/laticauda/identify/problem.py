@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import instance
 from laticauda.identify.measurements import Measurement, group_of
-from laticauda.identify.settling import Setting, applies, let_the_special_win, settled, split_name
+from laticauda.identify.settling import Setting, applies, let_the_special_win, settled, split_name, with_tied
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, as_unknowns
 from laticauda.robot import Robot
 from laticauda.simulate.parameters import Parameter, changed, parameters
@@ -91,11 +91,10 @@ class Problem:
         made: dict[object, Setting] = {}
         found: list[Setting] = []
         for i, setting in enumerate(self.settings):
-            wanted = {
-                unknown.parameter.name: float(values[k])
-                for k, unknown in enumerate(self.unknowns)
-                if self.moves[i, k] and unknown.parameter.name not in SIDE
-            }
+            wanted: dict[str, float] = {}
+            for k, unknown in enumerate(self.unknowns):
+                if self.moves[i, k] and unknown.parameter.name not in SIDE:
+                    wanted |= with_tied(setting, unknown.parameter.name, float(values[k]), unknown.tied)
             key = id(setting.robot), id(setting.environment), tuple(wanted.items())
             if key not in made:
                 made[key] = Setting(*changed(*setting, wanted))

@@ -1,6 +1,7 @@
 """What a tracker and a meter would show of a run, and where a run begins."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,7 @@ def starts_of(problem: Problem, values: Values) -> list[Start]:
     found: list[Start] = []
     for i, measurement in enumerate(problem.measurements):
         side, begin = problem.side(i, values), measurement.start
-        for name in ("start.x", "start.y", "start.heading"):
+        for name in ("start.x", "start.y", "start.heading", "start.velocity"):
             if name in side:
                 begin = moved_start(begin, name, float(side[name]))
         found.append(begin)
@@ -67,8 +68,10 @@ def moved_start(start: Start, name: str, value: float) -> Start:
     """A start with one number added: identified starts are what is to be added to the stated ones."""
     x, y = start.center_of_mass
     if name == "start.heading":
-        return Start(center_of_mass=(x, y), heading=start.heading + value)
-    return Start(center_of_mass=(x + value, y) if name == "start.x" else (x, y + value), heading=start.heading)
+        return replace(start, heading=start.heading + value)
+    if name == "start.velocity":
+        return replace(start, velocity=start.velocity + value)
+    return replace(start, center_of_mass=(x + value, y) if name == "start.x" else (x, y + value))
 
 
 def interpolated(time: Float[np.ndarray, " n"], values: np.ndarray, moments: Float[np.ndarray, " m"]) -> np.ndarray:

@@ -99,12 +99,13 @@ def settled(
         )
     if parameter.is_whole:
         raise ValueError(f"`parameters` must be numbers that may change a little, got `{unknown.name}`, a count.")
+    _check_tied(unknown, name, settings, known, applies)
     start = unknown.start
     if start is None:
         start = 0.0 if name in SIDE else value_of(name, *setting, argument="parameters")
         start = start if unknown.lower is None else max(start, unknown.lower)
         start = start if unknown.upper is None else min(start, unknown.upper)
-    is_allowed = _rule(name, setting)
+    is_allowed = _rule(name, setting, unknown.tied)
     for end, value in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
         if value is not None:
             is_allowed(value, f"`{end}` of `{unknown.name}` must be in the range of the field, got {value:g}")
@@ -125,17 +126,55 @@ def settled(
         prior=unknown.prior,
         is_log=is_log,
         size=1.0 if is_log else size_of(unknown, parameter.unit, start),
+        tied=unknown.tied,
     )
 
 
-def _rule(name: str, setting: Setting) -> Callable[[float, str], None]:
+def with_tied(setting: Setting, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
+    """The value of an unknown, and of all that follow it.
+
+    Args:
+        setting: What the measurement has without the identification.
+        name: Of the unknown, without its scope.
+        value: Of it.
+        tied: Powers of what follows it, by name.
+    """
+    if not tied:
+        return {name: value}
+    factor = value / value_of(name, *setting)
+    others = {other: value_of(other, *setting) * factor**power for other, power in tied.items()}
+    return {name: value, **others}
+
+
+def _check_tied(
+    unknown: Unknown,
+    name: str,
+    settings: Sequence[Setting],
+    known: Sequence[Mapping[str, Parameter]],
+    applies: np.ndarray,
+) -> None:
+    """Refuse ties that no measurement can have."""
+    if not unknown.tied:
+        return
+    where = f"`tied` of `{unknown.name}`"
+    for setting, numbers, is_one in zip(settings, known, applies, strict=True):
+        if not is_one:
+            continue
+        for other in unknown.tied:
+            if other not in numbers or other == name or other in SIDE or numbers[other].is_whole:
+                raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
+        if name in SIDE or value_of(name, *setting, argument="parameters") <= 0.0:
+            raise ValueError(f"{where} must follow a number that is greater than 0.")
+
+
+def _rule(name: str, setting: Setting, tied: Mapping[str, float]) -> Callable[[float, str], None]:
     """What raises a ValueError if a value is out of the range of its field."""
 
     def check(value: float, words: str) -> None:
         if name not in SIDE:
             try:
-                changed(*setting, {name: value})
-            except ValueError as err:
+                changed(*setting, with_tied(setting, name, value, tied))
+            except (ValueError, ArithmeticError) as err:
                 raise ValueError(f"{words}: {err}") from None
 
     return check

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 from laticauda.errors import finite, one_of, positive
 from laticauda.simulate.parameters import Parameter
@@ -18,6 +19,7 @@ SIDE: dict[str, Parameter] = {
         Parameter(name="start.x", unit="m", title="Where the trial begins: x"),
         Parameter(name="start.y", unit="m", title="Where the trial begins: y"),
         Parameter(name="start.heading", unit="rad", title="Heading at the begin"),
+        Parameter(name="start.velocity", unit="m/s", title="Speed at the begin, along the heading"),
     )
 }
 """What a measurement brings besides robot and water."""
@@ -52,14 +54,19 @@ class Unknown:
     """log: errors and steps are shares of it; linear."""
     size: float | None = None
     """What is a large change of it on a linear scale; None: what it is, or a tenth of a meter, radian or m/s."""
+    tied: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Other numbers that follow it, by name without the scope, each with a power p: where this one is k times what the
+    measurements have, that one is k^p times. -1 keeps the product of two: a gear's torque and speed."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ValueError(f"`parameters` must be names or `Unknown`s, got {self.name!r}.")
-        for field in ("start", "lower", "upper"):
-            if getattr(self, field) is not None:
-                object.__setattr__(self, field, finite(f"{field}` of `{self.name}", getattr(self, field)))
+        for end in ("start", "lower", "upper"):
+            if getattr(self, end) is not None:
+                object.__setattr__(self, end, finite(f"{end}` of `{self.name}", getattr(self, end)))
+        powers = {name: finite(f"tied` of `{self.name}", power) for name, power in self.tied.items()}
+        object.__setattr__(self, "tied", MappingProxyType(powers))
         if self.prior is not None:
             mean, sd = self.prior
             pair = finite(f"prior` of `{self.name}", mean), positive(f"sd of the prior` of `{self.name}", sd)
@@ -99,6 +106,8 @@ class Settled:
     """Whether x is its logarithm."""
     size: float
     """What is a large change of x: 1 on a log scale."""
+    tied: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Powers of the numbers that follow it, by name."""
 
     def x(self, value: float) -> float:
         """The coordinate of a value."""

@@ -1,6 +1,7 @@
 """What the joints are asked for: straight, straightening, or the controller's gait through the reference generator."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
@@ -52,12 +53,12 @@ class Asker:
     offset_bandwidth: float
     """Of the generator [rad/s]."""
 
-    @property
+    @cached_property
     def generator(self) -> Generator:
         """The one reference generator."""
         return Generator(n_links=self.robot.planar().n_links, bandwidth=self.offset_bandwidth, ramp=self.ramp)
 
-    @property
+    @cached_property
     def yaw(self) -> np.ndarray:
         """Which joints turn in the swimming plane; the others are held at zero."""
         return np.array([joint.axis == "yaw" for joint in self.robot.joints], dtype=bool)

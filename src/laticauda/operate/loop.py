@@ -143,6 +143,8 @@ def run_loop(
                 devices.can.send((EmergencyStop(reason=2),))
                 raise RuntimeError(f"The operation was given up with an emergency stop: {error}")
             said = devices.can.send(outputs.messages)
+            if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
+                devices.meter.restart()  # its average is that of the run
             times.append((due, now, clock.now()))
             _kept(sink, state, inputs, outputs, (*heard, *said))
             if show is not None:

@@ -50,7 +50,7 @@ class OperationLog:
     """What is missing from the file: a sentence; "" if nothing is."""
 
     def of(self, *kinds: type[Any]) -> list[Any]:
-        """The entries of some classes, in their order."""
+        """The entries of some `kinds` of class, in their order."""
         return [entry for entry in self.entries if isinstance(entry, kinds)]
 
 
@@ -111,7 +111,7 @@ def _header(texts: Mapping[str, str]) -> Header:
 def _entry(logged: Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
-        told = json.loads(content["msg"]) if content["msg"] else {}
+        told: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
         return Event(
             time=logged.time, kind=content["name"], message=told.get("message", ""), data=told.get("data") or {}
         )

@@ -21,6 +21,7 @@ from laticauda.operate.estimation import Estimator
 from laticauda.operate.kinematic import KinematicEstimator
 from laticauda.operate.modules import Modules, heard, no_modules
 from laticauda.operate.packing import Recorded
+from laticauda.operate.replay import AnyEstimator
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
 from laticauda.operate.settings import Operation
 from laticauda.operate.supervisor import BY_EVENT, Entry, Supervisor, SupervisorState
@@ -167,7 +168,7 @@ class Operator:
         )
 
     @cached_property
-    def estimator(self) -> Estimator | KinematicEstimator:
+    def estimator(self) -> AnyEstimator:
         """The state estimation."""
         how = self.operation.calibration
         mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
@@ -320,8 +321,9 @@ class Operator:
             wrong = {}  # the checks say it better
         if not sent:
             wrong.pop("late_loop", None)
-        if state.error:
-            found["program_error"] = state.error
+        error = state.error or before.error  # the controller's is of the last tick
+        if error:
+            found["program_error"] = error
         if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
             state = replace(state, notes=(*state.notes, f"lost_meter: {wrong['lost_meter']}"))
         return replace(state, watch=watch), {**wrong, **found}
@@ -351,7 +353,9 @@ class Operator:
         state = replace(state, supervisor=supervisor)
         if supervisor.state == was.state:
             if supervisor.state in ("idle", "fault") and state.phase == "stopping":
-                settled = is_limp or now - supervisor.since > self.supervisor.within("limp")
+                # A module that is not heard goes limp by itself; until then nothing is over.
+                is_sure = is_limp and not modules.silent(now, limits.heartbeat_timeout)
+                settled = is_sure or now - supervisor.since > self.supervisor.within("limp")
                 state = replace(state, phase="done", since=now) if settled else state
             elif supervisor.state == "idle" and state.phase != "done" and _stops(wrong):
                 why = next(event for event in wrong if _stops({event: ""}))

@@ -8,11 +8,11 @@ import dataclasses
 import json
 import math
 from collections.abc import Mapping
+from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from laticauda import __version__
 from laticauda.errors import instance, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
@@ -61,7 +61,7 @@ class Header:
         """The header as texts by name."""
         return {
             "format": FORMAT,
-            "version": __version__,
+            "version": version("laticauda"),
             "robot": to_toml(self.robot),
             "environment": to_toml(self.environment),
             "gait": to_json(self.gait),
@@ -120,7 +120,7 @@ class OperationRecorder:
             self._recorder.scalar("/power/current", time, sample.current, unit="A")
 
     def estimate(self, estimate: Estimate) -> None:
-        """Where the robot was thought to be."""
+        """An `estimate` of where the robot was."""
         time = estimate.time
         self._recorder.array(ESTIMATE, time, packed_estimate(estimate), unit="SI", labels=(LABELS[ESTIMATE],))
         x, y = estimate.center_of_mass.tolist()
@@ -153,7 +153,7 @@ class OperationRecorder:
         self._recorder.can_frame(SENT if sent else RECEIVED, time, identifier, data)
 
     def event(self, event: Event) -> None:
-        """Something that happened; what came before it is on disk after this. `start` and `stop` enclose a run."""
+        """An `event`; what came before it is on disk after this. Those of kind `start` and `stop` enclose a run."""
         content = {"message": event.message, "data": dict(event.data)}
         self._recorder.event(event.time, event.kind, content, level=LEVELS.get(event.kind, "info"))
 

@@ -210,7 +210,7 @@ def rerun_controller(log: OperationLog, controller: Any = None, estimates: list[
     Raises:
         ValueError: If there is no controller, or an instant has no estimate.
     """
-    chosen = log.header.controller if controller is None else controller
+    chosen: Any = log.header.controller if controller is None else controller
     if chosen is None:
         raise ValueError("`controller` must be given: the recording holds none, got None.")
     begin, end = run_span(log)
@@ -233,7 +233,7 @@ def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
     """Charge between two readings of a meter that averages since `since` [A s]; None if that does not say."""
     if one.average is None or two.average is None or one.since is None or one.since != two.since:
         return None
-    return two.average * (two.time - two.since) - one.average * (one.time - one.since)
+    return two.average * (two.time - one.since) - one.average * (one.time - one.since)
 
 
 def _torque(log: OperationLog, time: Column) -> Table | None:
@@ -250,7 +250,8 @@ def _at_times(time: Column, samples: list[JointSample], values: list[Column]) ->
     order = np.argsort(when, kind="stable")
     when, table = when[order], table[order]
     columns: list[Column] = []
-    for column in table.T:
+    for i in range(table.shape[1]):
+        column = table[:, i]
         known = np.isfinite(column)
         columns.append(np.interp(time, when[known], column[known]) if known.any() else np.zeros(time.size))
     return np.stack(columns, axis=1)

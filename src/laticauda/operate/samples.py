@@ -4,7 +4,7 @@ Every sample says when it was taken, on the one clock of the recording. They may
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -123,23 +123,7 @@ class Event:
     """What else belongs to it: texts and numbers by name."""
 
 
-def as_plain(sample: object) -> dict[str, Any]:
-    """The fields of one of these samples as what JSON can hold: lists, numbers, texts, None; nan becomes None."""
-    return {item.name: _plain(getattr(sample, item.name)) for item in fields(sample)}  # pyright: ignore
-
-
-def _plain(value: object) -> Any:
-    if isinstance(value, np.ndarray):
-        return [_plain(item) for item in value.tolist()]
-    if isinstance(value, list):
-        return [_plain(item) for item in value]  # pyright: ignore[reportUnknownVariableType]
-    if isinstance(value, float) and not np.isfinite(value):
-        return None
-    return value
-
-
 def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarray:
-    # None stands for nan, as in JSON.
     array = np.array(value, dtype=np.float64)
     fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
     if not fits:

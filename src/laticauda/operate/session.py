@@ -174,7 +174,8 @@ def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
         return True, "All devices are well."
     if state.begun is None:
         cause = BY_EVENT.get(state.supervisor.cause)
-        return False, state.failure or (f"{cause.says[:1].upper()}{cause.says[1:]}." if cause else "The run did not begin.")
+        says = f"{cause.says[:1].upper()}{cause.says[1:]}." if cause else "The run did not begin."
+        return False, state.failure or says
     stopped = state.stopped_by
     if not stopped:
         return True, "The run reached its end."

@@ -135,10 +135,12 @@ class PlanarPlant:
         return max(1, math.ceil(interval / self.dt - 1e-9))
 
     def init(self, start: Start, command: Command) -> PlanarState:
-        """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
+        """Straight, the generator at the commanded gait, its offset building up from zero."""
         values = np.zeros(rows.LOG_STATE + 2 * (self.layout.n_bodies - 1))
         values[_at(rows.HEADING)] = start.heading
         values[_at(rows.X)], values[_at(rows.Y)] = start.center_of_mass
+        values[_at(rows.VX)] = start.velocity * math.cos(start.heading)
+        values[_at(rows.VY)] = start.velocity * math.sin(start.heading)
         values[_at(rows.AMPLITUDE_NOW)] = command.gait.amplitude
         values[_at(rows.FREQUENCY_NOW)] = command.gait.frequency
         values[_at(rows.PHASE_SHIFT_NOW)] = command.gait.phase_shift

@@ -152,7 +152,7 @@ class SpatialPlant:
         return data
 
     def init(self, start: Start, command: Command) -> SpatialState:
-        """Straight and at rest, the generator at the commanded gait, its offset building up from zero."""
+        """Straight, the generator at the commanded gait, its offset building up from zero."""
         twin, rows = self._twin, driving
         self._check(command)
         values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
@@ -168,6 +168,8 @@ class SpatialPlant:
             values[rows.THIRD + rows.FREQUENCY_NOW] = command.gait.fin.frequency
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
+        # The first two speeds of either root are those along x and y.
+        values[rows.STATE_ROWS + twin.n_qpos :][:2] = start.velocity * c, start.velocity * s
         x, y = start.center_of_mass
         x, y = x - c * twin.center, y - s * twin.center
         if self.root == "planar":

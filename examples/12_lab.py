@@ -1,0 +1,50 @@
+"""Operate the virtual tank: the operator's program against joint modules, cameras and a power meter.
+
+Here both stand in one process and are stepped, so nothing waits. `make lab` runs them as two programs with a CAN bus, a
+network port and a serial line between them; on the robot, `laticauda operate` is the same operator.
+
+    python examples/12_lab.py
+"""
+
+from math import degrees, radians
+
+import laticauda as lc
+from laticauda.lab import Fault, LabSettings, Tank, World
+from laticauda.operate.operator import Operator
+from laticauda.operate.settings import Calibration, Connection, Following, Operation
+from laticauda.operate.settings import Tank as Volume
+from laticauda.operate.stepped import run_stepped
+
+operation = Operation(
+    name="desk",
+    robot="mamba",
+    gait=lc.lateral_undulation(amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)),
+    following=Following(look_ahead_distance=0.18, gain=0.4, max_offset=radians(20)),
+    duration=15.0,
+    rate=50.0,
+    connection=Connection(meter_port="stepped"),
+    tank=Volume(volume_x=(-1.0, 11.0)),
+    calibration=Calibration(joint_zeros=True),
+)
+
+
+def operated(*faults: Fault) -> None:
+    """Run it in a tank with these faults, and say what happened."""
+    robot = operation.body()
+    plant = lc.plant(robot, operation.pool(), joints="servo")
+    tank = Tank(World(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))), LabSettings(seed=1), faults)
+
+    def show(state, outputs) -> None:
+        for event in outputs.events:
+            if event.kind != "phase":
+                print(f"{event.time:7.2f} s  {event.message}")
+
+    state = run_stepped(Operator(operation=operation), tank, show=show)
+    where, truth = state.estimate, tank.truth
+    print(f"p_y {where.center_of_mass[1]:.3f} m (true {truth.center_of_mass[1]:.3f})", end=", ")
+    print(f"heading {degrees(where.heading):.1f} deg (true {degrees(truth.heading):.1f})")
+    print(f"at rest {state.idle.mean:.2f} A, swimming {state.drawn.mean:.2f} A; {state.supervisor.state}\n")
+
+
+operated()
+operated(Fault(kind="leak", time=20.0, node=4))

@@ -1,0 +1,82 @@
+"""`laticauda cockpit`: the live page, with one line that says where it is."""
+
+import json
+import sys
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from laticauda.cli.flags import Preset, Switch, Text, Whole, choice, default
+from laticauda.cli.groups import GaitFlags, RobotFlags
+from laticauda.cli.messages import given
+from laticauda.cli.swim import COMPILING
+from laticauda.robot import Water, load_water
+
+HOST, PORT = "127.0.0.1", 8080
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyFlags:
+    """Where it swims, and how it is computed, at first."""
+
+    water: Annotated[Preset, default("the paper's for the gait")] = None
+    """A preset or a TOML file."""
+    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
+    """The model of the body: the closed form in the plane, or MuJoCo in space."""
+    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
+    """How the joints follow the gait."""
+
+    def chosen(self) -> Water | None:
+        """The water that is asked for; None: the paper's."""
+        return None if self.water is None else load_water(self.water)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CockpitCommand:
+    """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
+
+    It prints one line with the page's address. Whoever opens the page can use all of its controls.
+
+    For example: laticauda cockpit --robot mamba-fin --port 8080
+    """
+
+    robot: RobotFlags = field(default_factory=RobotFlags)
+    gait: GaitFlags = field(default_factory=GaitFlags)
+    body: BodyFlags = field(default_factory=BodyFlags)
+    host: Annotated[Text, default(f"{HOST}: this computer alone")] = None
+    """Where the page is served."""
+    port: Annotated[Whole, default(f"{PORT}")] = None
+    """Likewise; 0: any that is free."""
+    json: Switch = False
+    """Print the line as a JSON object."""
+
+    def __call__(self) -> int:
+        """Serve, and return the exit status."""
+        port = PORT if self.port is None else self.port
+        if not 0 <= port <= 65535:
+            raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
+        from laticauda.cockpit import Cockpit, Live, Setting
+        from laticauda.cockpit.door import LOCAL, library
+        from laticauda.simulate import needs_compiling
+
+        library()
+        robot, water = self.robot.chosen(), self.body.chosen()
+        chosen = {name: value for name, value in given(self.body).items() if name in ("model", "joints")}
+        setting = Setting(robot=robot, gait=self.gait.chosen(), water=water, **chosen)
+        if needs_compiling(setting.environment, model=setting.model):
+            print(COMPILING, file=sys.stderr, flush=True)
+        host = self.host or HOST
+        cockpit = Cockpit(Live(setting), host=host, port=port)
+        if host not in LOCAL:
+            print(
+                f"Warning: anyone who reaches {host} can use this page and read what it shows: it knows no passwords.",
+                file=sys.stderr,
+            )
+        try:
+            cockpit.open()
+            print(json.dumps({"address": cockpit.address}) if self.json else cockpit.address, flush=True)
+            cockpit.wait()
+        except KeyboardInterrupt:
+            print("stopped.", file=sys.stderr)
+        finally:
+            cockpit.close()
+        return 0

@@ -1,0 +1,362 @@
+"""`laticauda design-experiment`: the next trials that would tell the most."""
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from laticauda.cli.flags import Number, Numbers, Preset, Switch, Text, Whole, choice, default
+from laticauda.cli.flags import Words as ListOfWords
+from laticauda.cli.outputs import check_output
+from laticauda.cli.progress import PATIENCE
+from laticauda.cli.tables import aligned, number
+
+if TYPE_CHECKING:
+    from laticauda.identify import Unknown
+    from laticauda.identify.candidates import Candidate
+    from laticauda.identify.design import Design
+    from laticauda.identify.problem import Problem
+
+AMPLITUDES, FREQUENCIES, PHASES = (20.0, 30.0, 40.0), (70.0, 110.0, 150.0), (30.0, 50.0)
+SPEEDS = (0.1, 0.4)
+FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
+SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
+_FORMAT = "judged {percentage:3.0f} % of the candidates |{bar}| {remaining} left"
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownFlags:
+    """What is to be identified, and what is known of it."""
+
+    after: Annotated[Text, tyro.conf.arg(metavar="FILE"), default("nothing was measured")] = None
+    """The TOML file of an identification: its fit is repeated, and the trials are those to do next."""
+    parameters: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME[=VALUE|=MEAN+-SD] ..."), default("the file's")] = ()
+    """Numbers of robot and water, with dots as in a sweep, each with its value or with what is known of it before."""
+    criterion: Annotated[Text, tyro.conf.arg(metavar="D|A|NAME"), default("D")] = None
+    """What is to be small: D, the volume of what is possible; A, the mean variance; or one parameter's deviation."""
+    trials: Annotated[Whole, default("4")] = None
+    """How many trials to choose."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotFlags:
+    """What would swim."""
+
+    robot: Annotated[Preset, default("the file's, or mamba")] = None
+    """A preset or a TOML file."""
+    base: Annotated[Preset, default("the paper's")] = None
+    """A parameter file with the numbers that are not identified, and a joint law."""
+    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the base's, or prescribed")] = None
+    """How the joints follow the gait."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CandidateFlags:
+    """Trials that could be done: every combination, and straight ones."""
+
+    gait: Annotated[str | None, choice("lateral-undulation", "eel-like", "both"), default("lateral-undulation")] = None
+    """Which gaits."""
+    amplitudes_deg: Annotated[Numbers, default(" ".join(f"{v:g}" for v in AMPLITUDES))] = None
+    """alpha of the candidates [deg]."""
+    frequencies_deg_s: Annotated[Numbers, default(" ".join(f"{v:g}" for v in FREQUENCIES))] = None
+    """omega of the candidates [deg/s]."""
+    phase_shifts_deg: Annotated[Numbers, default(" ".join(f"{v:g}" for v in PHASES))] = None
+    """delta of the candidates [deg]."""
+    sensors: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME[=SIGMA] ..."), default("speed")] = ()
+    """What would be measured of a swim: speed, power, path, heading, joint-angle, joint-torque, with the standard
+    deviation of the noise in SI units."""
+    tow: Annotated[Numbers, default("0.1 0.4")] = None
+    """Speeds of straight tows whose force would be measured [m/s]."""
+    coast_down: Annotated[Numbers, default("0.4")] = None
+    """Speeds from which the straight robot would be let go [m/s]."""
+    no_tow: Switch = False
+    """Neither tow nor coast-down."""
+    duration: Annotated[Number, default("30")] = None
+    """Of a swim [s]."""
+    threads: Annotated[Whole, default("one per core")] = None
+    """How many trials run at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultFlags:
+    """What becomes of it."""
+
+    output: Annotated[Text, tyro.conf.arg(metavar="FILE"), default("none")] = None
+    """A figure, .png or .pdf: uncertainty over the number of trials."""
+    json: Switch = False
+    """Print one JSON object in SI units instead of the tables."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignExperiment:
+    """Find the next trials that would shrink the uncertainty of parameters most.
+
+    For example: laticauda design-experiment --parameters water.tangential_friction water.normal_drag water.added_mass
+    --sensors speed --trials 4
+
+    After a first identification: laticauda design-experiment --after tank.toml --trials 3
+    """
+
+    unknowns: UnknownFlags = field(default_factory=UnknownFlags)
+    robot: RobotFlags = field(default_factory=RobotFlags)
+    candidates: CandidateFlags = field(default_factory=CandidateFlags)
+    result: ResultFlags = field(default_factory=ResultFlags)
+
+    def __call__(self) -> int:
+        """Judge, choose, print, and return the exit status."""
+        from laticauda.errors import SimulationFailed
+        from laticauda.identify.design import design
+
+        try:
+            check_output("output", self.result.output, (".png", ".pdf"))
+        except ValueError as error:
+            raise ValueError(str(error).replace("`output`", "--output")) from error
+        show = _progress()
+        try:
+            put, known = self._problem()
+            found = design(
+                put,
+                self._candidates(put),
+                4 if self.unknowns.trials is None else self.unknowns.trials,
+                **known,
+                criterion=self.unknowns.criterion or "D",
+                progress=show,
+            )
+        except SimulationFailed as error:
+            print(f"laticauda: {error}", file=sys.stderr)
+            return 1
+        if self.result.output is not None:
+            _draw(found, self.result.output)
+        print(as_json(found) if self.result.json else as_text(found))
+        return 0
+
+    def _problem(self) -> "tuple[Problem, dict[str, Any]]":
+        """The unknowns, and what is known of them."""
+        from laticauda.identify.design import known_from
+        from laticauda.identify.identifiability import marginal
+        from laticauda.identify.problem import problem
+        from laticauda.identify.tasks import load_task
+        from laticauda.reports.identify_figures import of_interest
+
+        if self.unknowns.after is not None:
+            if self.unknowns.parameters:
+                raise ValueError("`parameters` must not be given with --after, whose file says them.")
+            fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
+            keep = of_interest(fit)
+            put = replace(
+                fit.problem, unknowns=tuple(fit.problem.unknowns[k] for k in keep), moves=fit.problem.moves[:, keep]
+            )
+            values = fit.problem.values_of(fit.x)[keep]
+            return put, {"values": values, "information": marginal(known_from(fit), keep)}
+        if not self.unknowns.parameters:
+            raise ValueError("`parameters` must name at least one number to identify, as water.normal_drag, got none.")
+        base = self._base()
+        joints = self.robot.joints or (base.joints if base is not None else None) or "prescribed"
+        put = problem(
+            [one.measurement for one in self._swims(None)],
+            None,
+            [_unknown(word) for word in self.unknowns.parameters],
+            options={"joints": joints, "dt": None, "offset_bandwidth": 10.0, "ramp": None, "fluid_law": None},
+            threads=self.candidates.threads,
+        )
+        return put, {}
+
+    def _base(self) -> Any:
+        from laticauda.robot import load_parameters
+
+        return None if self.robot.base is None else load_parameters(self.robot.base)
+
+    def _swims(self, put: "Problem | None") -> "list[Candidate]":
+        """A candidate per gait, with robot and water as they are without the identification."""
+        from laticauda.gaits import eel_like, lateral_undulation
+        from laticauda.identify.candidates import swims
+        from laticauda.robot import load_robot
+        from laticauda.simulate.swimming import default_water, preset_water
+
+        flags, base = self.candidates, self._base()
+        which = flags.gait or "lateral-undulation"
+        makers = {"lateral-undulation": (lateral_undulation,), "eel-like": (eel_like,)}.get(
+            which, (lateral_undulation, eel_like)
+        )
+        settings = product(
+            _radians(flags.amplitudes_deg, AMPLITUDES),
+            _radians(flags.frequencies_deg_s, FREQUENCIES),
+            _radians(flags.phase_shifts_deg, PHASES),
+        )
+        gaits = [make(amplitude=a, frequency=f, phase_shift=p) for a, f, p in settings for make in makers]
+        found: list[Candidate] = []
+        robots = {s.robot.name: s.robot for s in put.settings} if put is not None else {}
+        if not robots or self.robot.robot is not None:
+            chosen = load_robot(self.robot.robot or "mamba")
+            robots = {chosen.name: chosen}
+        for gait in gaits:
+            for robot in robots.values():
+                mine = robot if base is None else base.robot(robot, gait.kind)
+                olds = [] if put is None else [s.environment for s in put.settings if s.gait.kind == gait.kind]
+                water = base.water(gait.kind) if base is not None else None
+                water = water or next(iter(olds), None) or preset_water(default_water(gait))
+                duration = 30.0 if flags.duration is None else flags.duration
+                found += swims(mine, [gait], water, _sensors(flags.sensors), duration=duration)
+        return found
+
+    def _candidates(self, put: "Problem") -> "list[Candidate]":
+        from laticauda.identify.candidates import Tow, coast_down, straight_tow
+
+        found = self._swims(put)
+        if self.candidates.no_tow:
+            return found
+        first: dict[str, Candidate] = {}
+        for one in found:
+            first.setdefault(getattr(one.measurement.robot, "name", ""), one)
+        for one in first.values():
+            robot, water = one.measurement.robot, one.measurement.environment
+            assert robot is not None
+            assert water is not None
+            found += [straight_tow(robot, water, Tow(speed=v)) for v in _given(self.candidates.tow, SPEEDS)]
+            found += [coast_down(robot, water, v) for v in _given(self.candidates.coast_down, SPEEDS[1:])]
+        return found
+
+
+def _given(values: tuple[float, ...] | None, otherwise: tuple[float, ...]) -> tuple[float, ...]:
+    return otherwise if values is None else values
+
+
+def _radians(values: tuple[float, ...] | None, otherwise: tuple[float, ...]) -> list[float]:
+    return [math.radians(value) for value in _given(values, otherwise)]
+
+
+def _unknown(word: str) -> "Unknown":
+    from laticauda.identify import Unknown
+
+    name, equals, text = word.rpartition("=")
+    if not equals:
+        return Unknown(name=word)
+    mean, found, sd = text.partition("+-")
+    try:
+        return Unknown(name=name, start=float(mean), prior=(float(mean), float(sd)) if found else None)
+    except ValueError as error:
+        if str(error).startswith("`"):
+            raise
+        raise ValueError(f"`parameters` must be {FORM}, got {word!r}.") from None
+
+
+def _sensors(words: tuple[str, ...]) -> dict[str, float]:
+    from laticauda.identify.candidates import SENSORS
+
+    found: dict[str, float] = {}
+    for word in words or ("speed",):
+        name, equals, text = word.partition("=")
+        try:
+            sigma = float(text) if equals else SENSORS[name][2]
+        except (ValueError, KeyError):
+            raise ValueError(f"`sensors` must be {SENSOR_FORM}, got {word!r}.") from None
+        if name not in SENSORS or not sigma > 0.0:
+            raise ValueError(f"`sensors` must be {SENSOR_FORM}, got {word!r}.")
+        found[name] = sigma
+    return found
+
+
+def as_json(found: "Design") -> str:
+    """The trials in their order, and the expected standard deviations after each.
+
+    Args:
+        found: The design.
+    """
+    from laticauda import __version__
+
+    def shares(sigma: Any) -> dict[str, float | None]:
+        values = [float(value) if math.isfinite(value) else None for value in sigma]
+        return dict(zip(found.names, values, strict=True))
+
+    return json.dumps(
+        {
+            "criterion": found.criterion,
+            "values": dict(zip(found.names, map(float, found.values), strict=True)),
+            "relative_sigma_before": shares(found.before),
+            "trials": [
+                {"trial": step.candidate.name, "kind": step.candidate.kind, "relative_sigma": shares(step.sigma)}
+                for step in found.steps
+            ],
+            "candidates": [
+                {"trial": step.candidate.name, "kind": step.candidate.kind, "relative_sigma": shares(step.sigma)}
+                for step in found.alone
+            ],
+            "version": __version__,
+        },
+        indent=2,
+        allow_nan=False,
+    )
+
+
+def as_text(found: "Design") -> str:
+    """The same for people, with what each trial is good for.
+
+    Args:
+        found: The design.
+    """
+    labels = [_label(found, k) for k in range(len(found.names))]
+    rows = [["after", *labels]]
+    rows.append(["what is known now", *map(_shown, found.before)])
+    rows += [[f"{i + 1}. {step.candidate.name}", *map(_shown, step.sigma)] for i, step in enumerate(found.steps)]
+    alone = [["by itself", *labels]]
+    kinds: dict[str, Any] = {}
+    for step in found.alone:
+        kinds.setdefault(step.candidate.kind, step)
+    alone += [[f"best {kind}: {step.candidate.name}", *map(_shown, step.sigma)] for kind, step in kinds.items()]
+    right = range(1, len(labels) + 1)
+    return "\n\n".join(
+        [
+            f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
+            "standard deviations (shares of the value; *: in the unit); -: not known.",
+            aligned(rows, right=right),
+            "\n".join(found.reasons).replace("`", ""),
+            aligned(alone, right=right),
+        ]
+    )
+
+
+def _label(found: "Design", k: int) -> str:
+    return found.names[k] if found.unknowns[k].is_log else f"{found.names[k]} *"
+
+
+def _shown(sigma: float) -> str:
+    if not math.isfinite(sigma) or sigma > 100.0:
+        return "-"
+    return f"{number(100.0 * sigma)} %" if sigma < 10.0 else "> 1000 %"
+
+
+def _draw(found: "Design", path: str) -> None:
+    from laticauda.figures import new_figure, save_figure, style
+    from laticauda.figures.identification import shrinking
+    from laticauda.identify.identifiability import LIMIT
+    from laticauda.reports.identify_figures import short_names
+
+    figure = new_figure(style.DOUBLE_COLUMN, 3.0)
+    ax = figure.subplots()
+    shrinking(short_names(found.names), found.sigma, ax, ylabel="expected standard deviation / value [-]", limit=LIMIT)
+    save_figure(figure, path)
+
+
+def _progress() -> Callable[[float], None]:
+    """A bar on standard error after a while, if that is a terminal."""
+    import time
+
+    began, bars = time.monotonic(), list[Any]()
+
+    def show(share: float) -> None:
+        if not bars and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
+            from tqdm import tqdm
+
+            bars.append(tqdm(total=1.0, bar_format=_FORMAT, leave=False, file=sys.stderr))
+        for bar in bars:
+            bar.n = share
+            bar.refresh()
+            if share >= 1.0:
+                bar.close()
+
+    return show

@@ -1,0 +1,111 @@
+"""The same run elsewhere: a command line and Python that repeat what swims here, from straight and at rest."""
+
+import math
+
+from laticauda.cockpit.settings import GAIN, LOOK_AHEAD, MAX_OFFSET, Setting
+from laticauda.control import StraightLine
+from laticauda.robot import Robot, load_robot, robot_names
+
+DURATION = 30.0  # [s]
+FILE = "robot.toml"  # of a robot that is no preset
+
+
+def robot_source(robot: Robot) -> str:
+    """The preset that a robot is, or the name of a file that it has to be saved to first.
+
+    Args:
+        robot: What swims.
+    """
+    return next((name for name in robot_names() if load_robot(name) == robot), FILE)
+
+
+def command_line(setting: Setting) -> str:
+    """The command that runs a setting.
+
+    Args:
+        setting: What swims how.
+    """
+    gait = setting.gait
+    words = [f"laticauda {'swim' if setting.path is None else 'follow'} --robot {robot_source(setting.robot)}"]
+    words.append(f"--gait {gait.kind.replace('_', '-')}")
+    for flag, value in (
+        ("amplitude-deg", gait.amplitude),
+        ("frequency-deg-s", gait.frequency),
+        ("phase-shift-deg", gait.phase_shift),
+        ("offset-deg", gait.offset),
+    ):
+        words.append(f"--{flag} {_degrees(value)}")
+    if gait.envelope is not None:
+        words.append("--envelope " + " ".join(f"{value:g}" for value in gait.envelope))
+    if setting.water is not None:
+        words.append(f"--water {setting.water.name}")
+    if any(setting.current):
+        words.append("--current {:g} {:g}".format(*setting.current))
+    words.append(f"--model {setting.model} --joints {setting.joints}")
+    if setting.path is not None:
+        words.append(
+            "--waypoints " + " ".join(f"{value:.6g}" for point in _two_points(setting.path) for value in point)
+        )
+        words.append("--position 0 0")
+    words.append(f"--duration {DURATION:g}")
+    return " ".join(words)
+
+
+def python_code(setting: Setting) -> str:
+    """The script that runs a setting; its `trial` is the run.
+
+    Args:
+        setting: What swims how.
+    """
+    gait = setting.gait
+    envelope = "" if gait.envelope is None else f", envelope={gait.envelope}"
+    water = repr(setting.water.name) if setting.water is not None else "default_water(gait)"
+    lines = [
+        "from dataclasses import replace",
+        "import laticauda as lc",
+        "from laticauda.gaits import Gait",
+        "from laticauda.interfaces import Command, OpenLoop",
+        "from laticauda.robot import load_water",
+        "from laticauda.simulate import default_water, plant, run",
+        "",
+        f'robot = lc.load_robot("{robot_source(setting.robot)}")',
+        f'gait = Gait(kind="{gait.kind}", amplitude={gait.amplitude!r}, frequency={gait.frequency!r},',
+        f"            phase_shift={gait.phase_shift!r}, offset={gait.offset!r}{envelope})",
+        f"water = replace(load_water({water}), current={setting.current!r})",
+        f'body = plant(robot, water, model="{setting.model}", joints="{setting.joints}")',
+    ]
+    if setting.path is None:
+        lines.append("controller = OpenLoop(command=Command(gait=gait))")
+    else:
+        lines.insert(2, "from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine")
+        lines += [
+            "controller = PathFollowing(",
+            "    gait=gait,",
+            f"    path={setting.path!r},",
+            f"    guidance=LineOfSight(look_ahead_distance={LOOK_AHEAD}),",
+            f"    heading=HeadingController(gain={GAIN}, max_offset={MAX_OFFSET!r}),",
+            ")",
+        ]
+    lines += [f"trial = run(body, controller, {DURATION})", "print(trial.forward_velocity, trial.mean_power)"]
+    return "\n".join(lines)
+
+
+def commands_text(setting: Setting) -> str:
+    """Both as Markdown.
+
+    Args:
+        setting: What swims how.
+    """
+    is_file = robot_source(setting.robot) == FILE
+    note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
+    note += "A water that is no preset must be given as its file.\n\n" if setting.water is not None else ""
+    return f"{note}```bash\n{command_line(setting)}\n```\n```python\n{python_code(setting)}\n```"
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.10g}"
+
+
+def _two_points(path: StraightLine) -> tuple[tuple[float, float], tuple[float, float]]:
+    x, y = path.point
+    return (x, y), (x + 10.0 * math.cos(path.angle), y + 10.0 * math.sin(path.angle))

@@ -1,0 +1,207 @@
+"""The cockpit: one world on a clock, shown on any number of pages."""
+
+import math
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit import door
+from laticauda.cockpit.board import Board
+from laticauda.cockpit.controls import Controls, refuse
+from laticauda.cockpit.figures import figures_text
+from laticauda.cockpit.live import Live
+from laticauda.cockpit.plots import Plots
+from laticauda.cockpit.runs import Runs
+from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.control import StraightLine
+from laticauda.errors import LaticaudaError
+
+FRAME = 0.05  # time between two pictures [s]
+PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
+SLOW = 5  # pictures between two updates of numbers and plots
+
+
+class Cockpit:
+    """A page's server with its world.
+
+    Args:
+        live: The world.
+        host: Address that it listens on.
+        port: Likewise; 0: any that is free.
+
+    Raises:
+        MissingExtra: If viser is not installed.
+        PortTaken: If it cannot listen there.
+    """
+
+    def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
+        self.live = live
+        self._server = door.server(host, port)
+        self._follows: dict[int, Any] = {}
+        self._until: dict[int, float] = {}
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._frames = 0
+        self._new_trail = False
+        gui = self._server.gui
+        gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="large")
+        gui.set_panel_label("laticauda cockpit")
+        self._scene = Scene(self._server.scene)
+        camera = self._server.initial_camera
+        camera.position, camera.look_at = look_down()
+        self._figures = gui.add_markdown("")
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Swim"):
+            self._controls = Controls(gui, live, self._changed)
+            self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
+        with tabs.add_tab("Plots"):
+            self._plots = Plots(gui)
+        with tabs.add_tab("Map"):
+            self._board = Board(gui, self._server.scene, live, self._show_setting)
+        with tabs.add_tab("Run"):
+            self._runs = Runs(gui, live, self._scene)
+        self._gizmo = self._server.scene.add_transform_controls(
+            "/handle", scale=0.35, active_axes=(True, True, False), visible=False
+        )
+        self._gizmo.on_update(self._drag)
+        self._controls.reset.on_click(self._reset)
+        self._forces.on_update(self._show_forces)
+        self._server.on_client_connect(self._welcome)
+        self._server.on_client_disconnect(self._forget)
+        self._changed()
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds it."""
+        host = self._server.get_host()
+        return f"http://{f'[{host}]' if ':' in host else host}:{self._server.get_port()}"
+
+    @property
+    def pages(self) -> int:
+        """How many pages are open."""
+        return len(self._server.get_clients())
+
+    def open(self) -> None:
+        """Let the world live, in a thread of its own."""
+        self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
+        self._thread.start()
+
+    def wait(self) -> None:
+        """Until somebody closes it."""
+        while not self._stop.wait(0.2):
+            pass
+
+    def close(self) -> None:
+        """Stop the world and its server."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join(5.0)
+        door.stop(self._server)
+
+    def _run(self) -> None:
+        last = time.perf_counter()
+        while not self._stop.wait(max(FRAME - (time.perf_counter() - last), 0.0)):
+            now = time.perf_counter()
+            self.live.advance(now - last)
+            last = now
+            self.frame()
+
+    def frame(self) -> None:
+        """Bring all pages up to date."""
+        live, self._frames = self.live, self._frames + 1
+        sample, robot = live.latest(), live.world.plant.robot
+        with self._server.atomic():
+            if self._new_trail:
+                self._scene.forget_trail()
+                self._new_trail = False
+            self._scene.show(robot, sample, forces=live.link_forces)
+            self._board.show(sample["center_of_mass"])
+            self._runs.show()
+            if self._frames % SLOW == 0:
+                self._scene.trail(sample)
+                self._figures.content = figures_text(live)
+            if self._frames % (2 * SLOW) == 0:
+                self._plots.show(live)
+        self._follow(sample["center_of_mass"][:2])
+
+    def _follow(self, at: np.ndarray) -> None:
+        """Let the cameras that follow look at the robot, from where their page has put them around it."""
+        for number, client in self._server.get_clients().items():
+            if number in self._until and time.monotonic() < self._until[number]:
+                self._bring(client, at)
+            elif number in self._follows and self._follows[number].value:
+                # What a slow page reports is old, but its direction and distance are right; look_at goes along.
+                target = np.array([float(at[0]) + AHEAD, float(at[1]), 0.0])
+                door.move(client.camera, target + client.camera.position - client.camera.look_at)
+
+    def _bring(self, client: Any, at: np.ndarray) -> None:
+        """Put a camera where it begins, beside the robot."""
+        position, look_at = look_down()
+        shift = np.array([float(at[0]), float(at[1]), 0.0])
+        door.move(client.camera, shift + position, shift + look_at)
+
+    def _changed(self) -> None:
+        """After every change of the setting."""
+        path = self.live.setting.path
+        self._scene.path(path)
+        self._gizmo.visible = path is not None
+        if path is not None:
+            half = 0.5 * path.angle
+            self._gizmo.position = (*path.point, 0.0)
+            self._gizmo.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+        self._runs.changed()
+
+    def _show_setting(self) -> None:
+        """After a change that did not come from the controls."""
+        self._controls.show(self.live.setting)
+        self._changed()
+
+    def _drag(self, event: Any) -> None:
+        """The path goes where its gizmo is dragged to."""
+        path = self.live.setting.path
+        if event.client is None or path is None:
+            return
+        (x, y, _), (w, _, _, z) = event.target.position, event.target.wxyz
+        moved = StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w)))
+        try:
+            self.live.alter(path=moved)
+        except (ValueError, LaticaudaError) as error:
+            refuse(event.client, error)
+        self._scene.path(self.live.setting.path)
+        if event.phase == "end":
+            self._runs.changed()
+
+    def _reset(self, event: Any) -> None:
+        self.live.reset()
+        self._new_trail = True
+
+    def _show_forces(self, event: Any) -> None:
+        self.live.link_forces = event.target.value
+
+    def _welcome(self, client: Any) -> None:
+        """What every page has for itself: its camera."""
+        with client.gui.add_folder("This page"):
+            box = client.gui.add_checkbox("camera follows", True)
+            home = client.gui.add_button("camera to the robot")
+
+        position, look_at = look_down()
+        home_view = np.subtract(position, look_at)
+
+        def bring(event: Any = None) -> None:
+            self._until[client.client_id] = time.monotonic() + PATIENCE
+
+        def seen(camera: Any) -> None:
+            # A page that has just been opened reports where its camera was before it was brought here.
+            if np.allclose(camera.position - camera.look_at, home_view, atol=0.02):
+                self._until.pop(client.client_id, None)
+
+        home.on_click(bring)
+        client.camera.on_update(seen)
+        self._follows[client.client_id] = box
+        bring()
+
+    def _forget(self, client: Any) -> None:
+        self._follows.pop(client.client_id, None)
+        self._until.pop(client.client_id, None)

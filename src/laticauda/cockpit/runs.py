@@ -1,0 +1,135 @@
+"""Runs as files: the present one saved, a stored one played back as a ghost, and how to repeat what swims."""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit.commands import FILE, commands_text
+from laticauda.cockpit.controls import refuse
+from laticauda.cockpit.live import Live
+from laticauda.cockpit.scene import Scene
+from laticauda.errors import LaticaudaError, TrialFileError
+from laticauda.interfaces import Log
+from laticauda.robot import Robot, to_toml
+from laticauda.trial import FORMATS, Trial, load_trial
+
+SAVED = "cockpit-run.nc"
+READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
+
+
+class Ghost:
+    """A stored trial that is played back again and again.
+
+    Args:
+        trial: The trial.
+
+    Raises:
+        ValueError: If it does not say how the robot was bent.
+    """
+
+    def __init__(self, trial: Trial) -> None:
+        trial.need("a picture of the robot", "joint_angle", "heading", "link_angle")
+        self.robot: Robot = trial.robot if trial.center_of_mass.shape[1] == 3 else trial.robot.planar()
+        self._trial = trial
+        if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
+            raise ValueError("The trial must say which way the robot was turned in space, to be shown.")
+
+    def sample(self, time: float) -> Log:
+        """The sample at a time since its begin; after its end it begins anew [s]."""
+        trial = self._trial
+        within = float(trial.time[0]) + (time % trial.duration if trial.duration > 0.0 else 0.0)
+        before: int = np.searchsorted(trial.time, within).item()
+        i = min(before, trial.time.size - 1)
+        names = ("center_of_mass", "heading", "link_angle", "joint_angle")
+        found: Log = {name: np.asarray(getattr(trial, name)[i]) for name in names}
+        return found | {f"signal_{name}": np.asarray(values[i]) for name, values in trial.signals.items()}
+
+
+def read(name: str, content: bytes) -> Trial:
+    """The trial in a file that a page sent.
+
+    Args:
+        name: The file's name.
+        content: What is in it.
+
+    Raises:
+        TrialFileError: If it is none; the message has the file's name and the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    ending = Path(name).suffix.lower()
+    if ending not in READ:
+        raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"uploaded{ending}"
+        path.write_bytes(content)
+        try:
+            return load_trial(path)
+        except TrialFileError as error:
+            raise TrialFileError(str(error).replace(str(path), name)) from error
+
+
+class Runs:
+    """The controls for all of it.
+
+    Args:
+        gui: Of the page's server; the controls go where it is.
+        live: What is saved.
+        scene: Where the ghost swims.
+    """
+
+    def __init__(self, gui: Any, live: Live, scene: Scene) -> None:
+        self._live, self._scene = live, scene
+        self._ghost: Ghost | None = None
+        self._since = 0.0
+        hint = "The run since the setting was last changed, at most ten minutes of it, as a netCDF file"
+        gui.add_button("save the run", hint=hint).on_click(self._save)
+        gui.add_button("download the robot", hint=f"As {FILE}").on_click(self._send_robot)
+        upload = gui.add_upload_button("play back a trial", hint=f"A saved run ({', '.join(READ)}), as a ghost")
+        upload.on_upload(self._load)
+        self._away = gui.add_button("remove the ghost", visible=False)
+        self._away.on_click(self._remove)
+        gui.add_markdown("**The same run elsewhere**, from straight and at rest at the origin:")
+        self._text = gui.add_markdown("")
+
+    def changed(self) -> None:
+        """After every change of the setting."""
+        self._text.content = commands_text(self._live.setting)
+
+    def show(self) -> None:
+        """Bring the ghost up to date, by the clock of the world."""
+        ghost = self._ghost
+        if ghost is not None:
+            self._scene.ghost(ghost.robot, ghost.sample(max(self._live.world.time - self._since, 0.0)))
+
+    def _save(self, event: Any) -> None:
+        try:
+            trial = self._live.trial()
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / SAVED
+                trial.save(path)
+                content = path.read_bytes()
+        except (ValueError, LaticaudaError) as error:
+            refuse(event.client, error)
+            return
+        event.client.send_file_download(SAVED, content, save_immediately=True)
+
+    def _send_robot(self, event: Any) -> None:
+        content = to_toml(self._live.setting.robot).encode()
+        event.client.send_file_download(FILE, content, save_immediately=True)
+
+    def _load(self, event: Any) -> None:
+        file = event.target.value
+        try:
+            ghost = Ghost(read(file.name, file.content))
+        except (ValueError, LaticaudaError) as error:
+            refuse(event.client, error)
+            return
+        self._since, self._ghost = self._live.world.time, ghost
+        self._away.visible = True
+
+    def _remove(self, event: Any) -> None:
+        self._ghost = None
+        self._scene.ghost(None)
+        self._away.visible = False

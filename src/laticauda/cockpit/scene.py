@@ -1,0 +1,204 @@
+"""The picture: the robot in its water, with trail, path, forces and a ghost."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit.shapes import Color, Poses, poses, shapes
+from laticauda.control import StraightLine
+from laticauda.interfaces import Log
+from laticauda.robot import Robot
+
+FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
+WIDE = 60.0  # of what has no end [m]
+WATER: Color = (16, 58, 82)
+SAND: Color = (38, 92, 108)
+TRAIL: Color = (255, 190, 60)
+PATH: Color = (120, 230, 140)
+FORCE: Color = (235, 70, 70)
+GHOST: Color = (190, 215, 235)
+AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
+PER_NEWTON = 0.06  # length of an arrow [m]
+N_TRAIL = 600  # points of it [-]
+
+
+class Body:
+    """A robot in the scene: one frame for every part, the shapes in it.
+
+    Args:
+        scene: Of the page's server.
+        name: Of the body in the scene's tree.
+        color: Of all its shapes; None: their own.
+        opacity: Of its shapes; None: they hide what is behind them [-].
+    """
+
+    def __init__(self, scene: Any, name: str, *, color: Color | None = None, opacity: float | None = None) -> None:
+        self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
+        self._robot: Robot | None = None
+        self._frames: list[Any] = []
+
+    def show(self, robot: Robot, sample: Log) -> Poses:
+        """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
+        if robot != self._robot:
+            self._build(robot)
+        now = poses(robot, sample)
+        for frame, position, orientation in zip(self._frames, now.position, now.orientation, strict=True):
+            frame.position, frame.wxyz = position, orientation
+        return now
+
+    def remove(self) -> None:
+        """Take it out of the scene."""
+        for frame in self._frames:
+            frame.remove()
+        self._frames, self._robot = [], None
+
+    def _build(self, robot: Robot) -> None:
+        self.remove()
+        seen = shapes(robot)
+        for part in range(1 + max(shape.part for shape in seen)):
+            self._frames.append(self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False))
+        for i, shape in enumerate(seen):
+            self._scene.add_mesh_simple(
+                f"/{self._name}/part_{shape.part}/shape_{i}",
+                vertices=shape.mesh.vertices.astype(np.float32),
+                faces=shape.mesh.faces.astype(np.uint32),
+                color=self._color or shape.color,
+                opacity=self._opacity,
+                side="double",
+            )
+        self._robot = robot
+
+
+class Scene:
+    """All that is seen of a world.
+
+    Args:
+        scene: Of the page's server.
+    """
+
+    def __init__(self, scene: Any) -> None:
+        self._scene = scene
+        self._body = Body(scene, "robot")
+        self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
+        self._points: list[np.ndarray] = []
+        self._trail: Any = None
+        self._forces: Any = None
+        self._path: Any = None
+        scene.set_up_direction("+z")
+        scene.configure_fog(near=4.0, far=20.0, color=WATER)
+        scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
+        scene.add_light_hemisphere("/light", sky_color=(205, 235, 245), ground_color=(40, 70, 80), intensity=0.8)
+        self._floor = _plane(scene, "/floor", FLOOR, SAND, None)
+        self._grid = scene.add_grid(
+            "/grid",
+            width=WIDE,
+            height=WIDE,
+            plane="xy",
+            cell_size=0.5,
+            section_size=2.5,
+            cell_color=(62, 118, 132),
+            section_color=(98, 158, 170),
+            position=(0.0, 0.0, FLOOR + 0.004),
+        )
+        self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.10)
+
+    def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
+        """Draw the robot, and the force on every link if it is in the sample and asked for."""
+        now = self._body.show(robot, sample)
+        arrows = _arrows(now, sample) if forces else None
+        if arrows is not None and self._forces is None:
+            self._forces = self._scene.add_arrows(
+                "/forces", arrows, FORCE, shaft_radius=0.006, head_radius=0.016, head_length=0.035
+            )
+        elif arrows is not None:
+            self._forces.points = arrows
+        if arrows is None and self._forces is not None:
+            self._forces.remove()
+            self._forces = None
+        # Floor and surface have no end: they go along in steps of a section of the grid.
+        x, y = (2.5 * round(float(value) / 2.5) for value in sample["center_of_mass"][:2])
+        if (x, y) != tuple(self._grid.position[:2]):
+            for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
+                handle.position = (x, y, z)
+
+    def trail(self, sample: Log) -> None:
+        """Let the trail of the center of mass grow to where it is in a sample."""
+        place = _in_space(sample["center_of_mass"])
+        if self._points and float(np.linalg.norm(place - self._points[-1])) < 0.01:
+            return
+        self._points = [*self._points[1 - N_TRAIL :], place]
+        if len(self._points) < 2:
+            return
+        line = np.stack((self._points[:-1], self._points[1:]), axis=1).astype(np.float32)
+        if self._trail is None:
+            self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
+        else:
+            self._trail.points = line
+
+    def forget_trail(self) -> None:
+        """Begin a new trail."""
+        self._points = []
+        if self._trail is not None:
+            self._trail.remove()
+            self._trail = None
+
+    def path(self, path: StraightLine | None) -> None:
+        """Draw the path, or none."""
+        if path is None:
+            if self._path is not None:
+                self._path.remove()
+                self._path = None
+            return
+        ends = path.points(np.array([-WIDE, WIDE]))
+        line = np.column_stack((ends, np.zeros(2)))[np.newaxis].astype(np.float32)
+        if self._path is None:
+            self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
+        else:
+            self._path.points = line
+
+    def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
+        """Draw a ghost as it is in a sample, or none."""
+        if robot is None or sample is None:
+            self._ghost.remove()
+        else:
+            self._ghost.show(robot, sample)
+
+
+def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | None) -> Any:
+    half = 0.5 * WIDE
+    corners = np.array([[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32)
+    faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.uint32)
+    return scene.add_mesh_simple(
+        name,
+        vertices=corners,
+        faces=faces,
+        color=color,
+        opacity=opacity,
+        side="double",
+        cast_shadow=False,
+        position=(0.0, 0.0, height),
+    )
+
+
+def _in_space(place: np.ndarray) -> np.ndarray:
+    return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
+
+
+def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
+    """From every link's middle, as long as its force is large; None if the sample has no forces."""
+    parts = [values for name, values in sample.items() if name.startswith("force_")]
+    if not parts:
+        return None
+    force = np.sum(parts, axis=0)
+    if force.shape[1] == 2:
+        force = np.column_stack((force, np.zeros(len(force))))
+    size = np.linalg.norm(force, axis=1, keepdims=True)
+    longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # of a meter
+    return np.stack((now.middle, now.middle + PER_NEWTON * longest * force), axis=1).astype(np.float32)
+
+
+def look_down(angle_deg: float = 38.0, distance: float = 2.6) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Where a camera begins: beside the robot and above it, and what it looks at [m]."""
+    angle = math.radians(angle_deg)
+    return (AHEAD - 0.5, -distance * math.cos(angle), distance * math.sin(angle)), (AHEAD, 0.0, 0.0)

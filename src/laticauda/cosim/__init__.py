@@ -1,0 +1,28 @@
+"""Other tools drive our plants: a server that Octave, MATLAB and anything with sockets and JSON can talk to."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from laticauda.cosim.messages import MESSAGE_BYTES, PROTOCOL_VERSION
+
+if TYPE_CHECKING:
+    from laticauda.cosim.server import Server, ServerFailed
+    from laticauda.cosim.session import Session
+    from laticauda.cosim.setup import Setup
+
+__all__ = ["MESSAGE_BYTES", "PROTOCOL_VERSION", "Server", "ServerFailed", "Session", "Setup", "matlab_folder"]
+
+_HOMES = {"Server": "server", "ServerFailed": "server", "Session": "session", "Setup": "setup"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        from importlib import import_module
+
+        return getattr(import_module(f"laticauda.cosim.{_HOMES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def matlab_folder() -> Path:
+    """The folder with the client for GNU Octave and MATLAB, to be added to their path."""
+    return Path(__file__).parent / "matlab"

@@ -1,0 +1,186 @@
+"""The server: sockets around sessions, a thread for each client, and limits that keep one from harming the others."""
+
+import socket
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from laticauda.cosim.messages import MESSAGE_BYTES, write_message
+from laticauda.cosim.session import Session
+from laticauda.errors import LaticaudaError, whole
+from laticauda.robot import Robot
+
+LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
+PIECE = 1 << 16  # bytes read at a time
+SENDING = 30.0  # s that a client may take to read an answer
+DRAINING = 1.0  # s in which what was too long may still come in, so that the client gets to read why
+
+
+class ServerFailed(LaticaudaError, OSError):
+    """The server cannot begin: it says where, and why."""
+
+    __str__ = Exception.__str__
+
+
+class Server:
+    """Any number of worlds, each with its client, over TCP; see docs/cosim-protocol.md.
+
+    Args:
+        host: Where it listens; the default is this computer alone. The protocol knows no passwords.
+        port: 0: any that is free.
+        max_clients: Others are told to come later.
+        own_robots: Robots by name that clients may ask for besides the presets.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+
+    Example:
+        >>> with Server(port=0) as server:
+        ...     server.host
+        '127.0.0.1'
+    """
+
+    def __init__(
+        self,
+        host: str = LOOPBACK,
+        port: int = PORT,
+        *,
+        max_clients: int = MOST_CLIENTS,
+        own_robots: Mapping[str, Robot] | None = None,
+    ) -> None:
+        if whole("port", port, 0) > 65535:
+            raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
+        self.host, self.port = host, port
+        self.max_clients = whole("max_clients", max_clients, 1)
+        self._own_robots = dict(own_robots or {})
+        self._socket: socket.socket | None = None
+        self._clients: set[socket.socket] = set()
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def n_clients(self) -> int:
+        """How many are connected."""
+        with self._lock:
+            return len(self._clients)
+
+    def open(self) -> None:
+        """Listen; `port` is the real one then.
+
+        Raises:
+            ServerFailed: If it cannot.
+        """
+        try:
+            family, _, _, _, address = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0]
+            self._socket = socket.create_server((str(address[0]), self.port), family=family)
+        except OSError as error:
+            raise ServerFailed(f"The server cannot listen at {self.host}:{self.port}: {error}.") from error
+        self.port = int(self._socket.getsockname()[1])
+
+    def run(self) -> None:
+        """Serve until `close`, or until Ctrl-C."""
+        listening = self._socket
+        assert listening is not None, "open() first"
+        while True:
+            try:
+                wire, _ = listening.accept()
+            except OSError:
+                if self._socket is None:
+                    return
+                time.sleep(0.05)  # out of file descriptors, say; those who are connected go on
+                continue
+            threading.Thread(target=self._serve, args=(wire,), daemon=True).start()
+
+    def close(self) -> None:
+        """End all connections, and listen no more."""
+        listening, self._socket = self._socket, None
+        if listening is not None:
+            _shut(listening)
+        with self._lock:
+            clients = list(self._clients)
+        for wire in clients:
+            _shut(wire)
+        if self._thread is not None:
+            self._thread.join(5.0)
+
+    def __enter__(self) -> "Server":
+        """Listen, and serve in a thread of its own."""
+        self.open()
+        self._thread = threading.Thread(target=self.run, name="laticauda-server", daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """As `close`."""
+        self.close()
+
+    def _serve(self, wire: socket.socket) -> None:
+        """One client from its first line to its last, whatever it does."""
+        try:
+            with self._lock:
+                welcome = len(self._clients) < self.max_clients
+                if welcome:
+                    self._clients.add(wire)
+            wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            wire.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)  # finds out who left without a word
+            if welcome:
+                self._talk(wire)
+            else:
+                _dismiss(wire, f"The server has its {self.max_clients} clients; come back later.")
+        except OSError:
+            pass  # it has gone
+        finally:
+            with self._lock:
+                self._clients.discard(wire)
+            _shut(wire)
+
+    def _talk(self, wire: socket.socket) -> None:
+        session = Session(self._own_robots)
+        for line in lines(wire):
+            if line is None:
+                _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
+                return
+            if line.strip():
+                wire.settimeout(SENDING)
+                wire.sendall(session.answer(line))
+                wire.settimeout(None)
+
+
+def lines(wire: Any) -> Iterator[bytes | None]:
+    """The lines that come in, without their ends; None, and then nothing more, after one that is too long.
+
+    Args:
+        wire: The socket.
+    """
+    rest = bytearray()
+    while piece := wire.recv(PIECE):
+        begun = len(rest)
+        rest += piece
+        end = rest.find(b"\n", begun)
+        while end >= 0 and end < MESSAGE_BYTES:
+            yield bytes(rest[:end])
+            del rest[: end + 1]
+            end = rest.find(b"\n")
+        if len(rest) >= MESSAGE_BYTES:
+            yield None
+            return
+
+
+def _dismiss(wire: socket.socket, why: str) -> None:
+    """Say why, and let go; what still comes in is read for a moment, or the reason would not arrive."""
+    wire.settimeout(DRAINING)
+    wire.sendall(write_message({"error": why}))
+    wire.shutdown(socket.SHUT_WR)
+    end = time.monotonic() + DRAINING
+    while time.monotonic() < end and wire.recv(PIECE):
+        pass
+
+
+def _shut(wire: socket.socket) -> None:
+    """Close a socket that another thread may be waiting on."""
+    try:
+        wire.shutdown(socket.SHUT_RDWR)
+    except OSError:
+        pass  # the other end has done so
+    wire.close()

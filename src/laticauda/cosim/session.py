@@ -1,0 +1,149 @@
+"""One client: a line in, a line out. Knows nothing of sockets."""
+
+import dataclasses
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from typing import Any, cast
+
+from laticauda import __version__
+from laticauda.cosim.messages import PROTOCOL_VERSION, Message, known, read_message, write_message
+from laticauda.cosim.setup import HELD, MADE_FROM, read_setup
+from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
+from laticauda.errors import LaticaudaError, finite, one_of, positive
+from laticauda.robot import Robot, Water
+
+RUN_SERIES = (
+    "time",
+    "center_of_mass",
+    "center_of_mass_velocity",
+    "heading",
+    "heading_rate",
+    "link_angle",
+    "joint_angle",
+    "joint_rate",
+    "joint_angle_ref",
+    "joint_torque",
+    "work",
+    "electrical_work",
+)
+LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
+ALWAYS = ("do", "id", "protocol")
+
+
+class Session:
+    """What one client says and hears.
+
+    Args:
+        own_robots: Robots by name that the server has besides the presets.
+    """
+
+    def __init__(self, own_robots: Mapping[str, Robot] | None = None) -> None:
+        self._own_robots = own_robots or {}
+        self._world: World | None = None
+        self._requests: dict[str, Callable[[Message], dict[str, Any]]] = {
+            "reset": self._reset,
+            "step": self._step,
+            "set": self._set,
+            "get": self._get,
+            "run": self._run,
+        }
+
+    def answer(self, line: bytes) -> bytes:
+        """The answer to a line, which is never an exception.
+
+        Args:
+            line: The request, without its end.
+        """
+        tag: dict[str, Any] = {}
+        try:
+            message = read_message(line)
+            if "id" in message:
+                tag["id"] = message["id"]
+            return write_message({**tag, **self._answer(message)})
+        except (ValueError, LaticaudaError) as error:
+            return write_message({**tag, "error": str(error)})
+        except Exception as error:  # one request that we cannot make sense of must not end the others
+            traceback.print_exc(file=sys.stderr)
+            return write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
+
+    def _answer(self, message: Message) -> dict[str, Any]:
+        asked = message.get("protocol", PROTOCOL_VERSION)
+        if asked != PROTOCOL_VERSION:
+            raise ValueError(f"`protocol` must be {PROTOCOL_VERSION}, which this server speaks, got {asked!r}.")
+        return self._requests[one_of("do", message.get("do"), tuple(self._requests))](message)
+
+    def _reset(self, message: Message) -> dict[str, Any]:
+        known("`reset`", message, (*ALWAYS, *MADE_FROM))
+        world = self._world = new_world(read_setup(message, self._own_robots))
+        return {**_seen(world), **_about(world)}
+
+    def _step(self, message: Message) -> dict[str, Any]:
+        known("`step`", message, (*ALWAYS, "duration", *HELD))
+        duration = positive("duration", message.get("duration"), "s")
+        world = stepped(changed(self._there(), message, tried=False), duration)
+        self._world = world
+        if world.broken is not None:
+            raise ValueError(world.broken)
+        return _seen(world)
+
+    def _set(self, message: Message) -> dict[str, Any]:
+        known("`set`", message, (*ALWAYS, *HELD))
+        self._world = changed(self._there(), message)
+        return {"command": _command(self._world)}
+
+    def _get(self, message: Message) -> dict[str, Any]:
+        known("`get`", message, (*ALWAYS, "series", "since"))
+        world = self._there()
+        if "series" not in message:
+            return {**_seen(world), "command": _command(world), **_about(world)}
+        since = finite("since", message.get("since", -1.0), "s")
+        return {"series": world.log.series(_names(message["series"]), since), "dropped": world.log.dropped}
+
+    def _run(self, message: Message) -> dict[str, Any]:
+        known("`run`", message, (*ALWAYS, "duration", "series", *MADE_FROM))
+        names = _names(message.get("series", []))
+        known("`series`", names, RUN_SERIES)
+        duration = positive("duration", message.get("duration", 30.0), "s")
+        trial = whole_run(read_setup(message, self._own_robots), duration)
+        found: dict[str, Any] = {"figures": trial.summary()}
+        if names:
+            found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}
+        return found
+
+    def _there(self) -> World:
+        if self._world is None:
+            raise ValueError("`reset` must come before this request: there is no robot in the water yet.")
+        return self._world
+
+
+def _names(value: object) -> list[str]:
+    names: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
+    if not all(isinstance(name, str) for name in names):
+        raise ValueError(f"`series` must be an array of names, got {value!r}.")
+    return names
+
+
+def _seen(world: World) -> dict[str, Any]:
+    seen, last = world.plant.observe(world.state), world.log.last
+    observation = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
+    return {"observation": observation, **{name: last[name] for name in LOADS if name in last}}
+
+
+def _command(world: World) -> dict[str, Any]:
+    water = world.plant.environment
+    current = {"current": list(water.current)} if isinstance(water, Water) else {}
+    return {**dataclasses.asdict(world.command), **current}
+
+
+def _about(world: World) -> dict[str, Any]:
+    robot = world.plant.robot
+    return {
+        "protocol": PROTOCOL_VERSION,
+        "version": __version__,
+        "robot": robot.name,
+        "n_links": robot.n_links,
+        "n_joints": robot.n_joints,
+        "link_length": [2.0 * module.half_length for module in robot.modules],
+        "settings": dict(world.plant.settings),
+    }

@@ -1,0 +1,310 @@
+"""Trials that could be done next, and what each would say about the unknowns.
+
+Besides swimming, with what sensors there are, a straight tow (the force that pulls the straight robot at a constant
+speed) and a coast-down (the path of the straight robot that is let go with a speed).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import not_negative, positive
+from laticauda.gaits import Gait
+from laticauda.identify.identifiability import marginal
+from laticauda.identify.measurements import Measurement
+from laticauda.identify.model import predict
+from laticauda.identify.problem import Problem
+from laticauda.identify.searching import slopes_of
+from laticauda.identify.settling import Setting, with_tied
+from laticauda.identify.unknowns import SIDE, Settled
+from laticauda.interfaces import Start
+from laticauda.robot import Environment, Robot, Water
+from laticauda.simulate.parameters import changed, parameters
+from laticauda.simulate.runner import Progress
+from laticauda.trial.metrics import towing_drag
+
+SENSORS: Mapping[str, tuple[str, str, float]] = {
+    "speed": ("figure", "forward_velocity", 0.005),
+    "power": ("figure", "mean_power", 2.0),
+    "path": ("series", "center_of_mass", 0.005),
+    "heading": ("series", "heading", 0.01),
+    "joint-angle": ("series", "joint_angle", 0.01),
+    "joint-torque": ("series", "joint_torque", 0.05),
+}
+"""By word: whether it gives a figure or a series, which one, and the standard deviation of its noise."""
+FORCE_SIGMA = 0.05
+"""Of a force that is measured in a tow [N]."""
+FORCE_SHARE = 0.02
+"""The same as a share of the force [-]."""
+INTERVAL = 0.5
+"""Between samples of a series that count [s]."""
+_DIFFERENCE = 2.0**-12
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tow:
+    """The force that pulls the straight robot along itself at a constant speed."""
+
+    speed: float
+    """Through the water [m/s]."""
+    sigma: float = FORCE_SIGMA
+    """Standard deviation of the noise of the force [N]."""
+    share: float = FORCE_SHARE
+    """The same as a share of the force: speed, alignment and calibration [-]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        positive("speed", self.speed, "m/s")
+        positive("sigma", self.sigma, "N")
+        not_negative("share", self.share)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidate:
+    """A trial that could be done."""
+
+    name: str
+    """What tables call it."""
+    kind: str
+    """swim, tow or coast-down."""
+    measurement: Measurement
+    """Robot, water and gait, and what would be measured; the numbers in it do not count."""
+    tow: Tow | None = None
+    """How it is towed; None: it is not."""
+
+
+def swims(
+    robot: Robot,
+    gaits: Sequence[Gait],
+    environment: Environment,
+    sensors: Mapping[str, float],
+    *,
+    duration: float = 30.0,
+    interval: float = INTERVAL,
+) -> list[Candidate]:
+    """A candidate per gait.
+
+    Args:
+        robot: What would swim.
+        gaits: What it would be asked for.
+        environment: Where.
+        sensors: By name, of `SENSORS`: the standard deviation of the noise.
+        duration: Of a trial [s].
+        interval: Between the samples of series that count [s].
+    """
+    found: list[Candidate] = []
+    for gait in gaits:
+        name = f"swim, {_words(robot, gait)}"
+        measured = _placeholders(robot, sensors, duration, interval)
+        found.append(
+            Candidate(
+                name=name,
+                kind="swim",
+                measurement=Measurement(
+                    name=name, gait=gait, robot=robot, environment=environment, duration=duration, **measured
+                ),
+            )
+        )
+    return found
+
+
+def coast_down(
+    robot: Robot, environment: Environment, speed: float, *, sigma: float = 0.005, duration: float = 5.0
+) -> Candidate:
+    """The straight robot let go with a speed, its center of mass tracked ten times a second.
+
+    Args:
+        robot: What coasts.
+        environment: Where.
+        speed: At the begin [m/s].
+        sigma: Standard deviation of the noise of the path [m].
+        duration: [s].
+    """
+    name = f"coast-down from {speed:g} m/s{_fin(robot)}"
+    measured = _placeholders(robot, {"path": sigma}, duration, 0.1)
+    start = Start(velocity=positive("speed", speed, "m/s"))
+    return Candidate(
+        name=name,
+        kind="coast-down",
+        measurement=Measurement(
+            name=name, gait=_STRAIGHT, robot=robot, environment=environment, start=start, duration=duration, **measured
+        ),
+    )
+
+
+def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
+    """The straight robot pulled at a constant speed, the force measured.
+
+    Args:
+        robot: What is pulled.
+        environment: Where.
+        tow: How.
+    """
+    name = f"straight tow at {tow.speed:g} m/s{_fin(robot)}"
+    at_rest = Measurement(
+        name=name, gait=_STRAIGHT, robot=robot, environment=environment, duration=1.0, figures={"x": (0.0, 1.0)}
+    )
+    return Candidate(name=name, kind="tow", measurement=at_rest, tow=tow)
+
+
+def information_of(
+    put: Problem, candidates: Sequence[Candidate], values: Float[np.ndarray, " n_unknowns"], progress: Progress | None
+) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
+    """What each candidate would say, as information to the coordinates of the unknowns.
+
+    Args:
+        put: The unknowns.
+        candidates: The trials.
+        values: Of the unknowns.
+        progress: Called with the share that is finished.
+
+    Raises:
+        ValueError: If a candidate cannot be simulated.
+    """
+    slope = slopes_of(put, values)
+    found = np.zeros((len(candidates), values.size, values.size))
+    swimming = [i for i, one in enumerate(candidates) if one.kind == "swim"]
+    for begin in range(0, len(swimming), _AT_ONCE):
+        members = swimming[begin : begin + _AT_ONCE]
+        part = _problem_of(put, [candidates[i].measurement for i in members])
+        predicted = predict(part, values, jacobian=True)
+        assert predicted.jacobian is not None
+        for name, status in predicted.failures.items():
+            raise ValueError(f"`candidates` must be trials that can be simulated, got `{name}`: {status}")
+        rows = predicted.jacobian / part.sigma[:, np.newaxis] * slope
+        rows = np.where(np.isfinite(rows), rows, 0.0)
+        for place, i in enumerate(members):
+            mine = rows[part.owner == place]
+            found[i] = mine.T @ mine
+        if progress is not None:
+            progress((begin + len(members)) / len(candidates))
+    for i, one in enumerate(candidates):
+        if one.kind == "coast-down":
+            found[i] = _coasted(put, one, values)
+        elif one.tow is not None:
+            force, slopes = _towed(put, one, values)
+            row = slopes / np.hypot(one.tow.sigma, one.tow.share * force) * slope
+            found[i] = np.outer(row, row)
+    if progress is not None:
+        progress(1.0)
+    return found
+
+
+_AT_ONCE = 64
+_STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
+
+
+def _coasted(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
+    """What a coast-down says where nobody knows exactly where and how fast it began: its path has to say that too."""
+    part = _problem_of(put, [one.measurement])
+    unknown = [
+        Settled(
+            name=name,
+            scope="",
+            parameter=SIDE[name],
+            start=0.0,
+            lower=-math.inf,
+            upper=math.inf,
+            prior=None,
+            is_log=False,
+            size=0.1,
+        )
+        for name in ("start.x", "start.velocity")
+    ]
+    moves = np.concatenate([part.moves, np.ones((1, len(unknown)), dtype=bool)], axis=1)
+    part = replace(part, unknowns=(*part.unknowns, *unknown), moves=moves)
+    every = np.concatenate([values, np.zeros(len(unknown))])
+    jacobian = predict(part, every, jacobian=True).jacobian
+    assert jacobian is not None
+    rows = jacobian / part.sigma[:, np.newaxis] * slopes_of(part, every)
+    return marginal(rows.T @ rows, range(values.size))
+
+
+def _problem_of(put: Problem, measurements: Sequence[Measurement]) -> Problem:
+    """The same unknowns, seen by other measurements."""
+    settings = [Setting(*_of(measurement)) for measurement in measurements]
+    moves = np.array([[_moves(unknown.scope, unknown.parameter.name, s) for unknown in put.unknowns] for s in settings])
+    _special(moves, put)
+    return replace(
+        put,
+        measurements=tuple(replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)),
+        settings=tuple(settings),
+        groups=("candidates",) * len(settings),
+        moves=moves,
+    )
+
+
+def _of(measurement: Measurement) -> tuple[Robot, Gait, Environment]:
+    assert measurement.robot is not None
+    assert measurement.environment is not None
+    return measurement.robot, measurement.gait, measurement.environment
+
+
+def _moves(scope: str, name: str, setting: Setting) -> bool:
+    """Whether a trial depends on an unknown; those of single old measurements are none of its own."""
+    return scope in ("", setting.gait.kind) and (
+        name in parameters(*setting, each=True) if name not in SIDE else scope == ""
+    )
+
+
+def _special(moves: np.ndarray, put: Problem) -> None:
+    """Where a number is looked for in general and for a gait, the general one leaves that gait alone."""
+    for k, unknown in enumerate(put.unknowns):
+        for j, other in enumerate(put.unknowns):
+            if unknown.scope and not other.scope and unknown.parameter.name == other.parameter.name:
+                moves[:, j] &= ~moves[:, k]
+
+
+def _towed(put: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.ndarray]:
+    """The force, and its derivative to every unknown; of order two, of a smooth function in closed form."""
+    part = _problem_of(put, [one.measurement])
+    assert one.tow is not None
+    (setting,) = part.apply(values)
+    found = np.zeros(values.size)
+    for k, unknown in enumerate(part.unknowns):
+        name = unknown.parameter.name
+        if not part.moves[0, k] or name in SIDE:
+            continue
+        step = _DIFFERENCE * (abs(float(values[k])) or unknown.size)
+        ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
+        low, high = (_force(setting, one.tow.speed, with_tied(setting, name, float(end), unknown.tied)) for end in ends)
+        found[k] = (high - low) / (ends[1] - ends[0])
+    return _force(setting, one.tow.speed, {}), found
+
+
+def _force(setting: Setting, speed: float, values: Mapping[str, float]) -> float:
+    robot, _, environment = changed(*setting, values)
+    if not isinstance(environment, Water):
+        raise ValueError("`candidates` must be in water for a tow, got ground.")
+    tether = getattr(robot.tether, "drag", 0.0) * speed**2
+    return towing_drag(robot, environment, speed) + tether
+
+
+def _placeholders(robot: Robot, sensors: Mapping[str, float], duration: float, interval: float) -> dict[str, Any]:
+    """Figures and series of a measurement whose numbers do not count."""
+    positive("interval", interval, "s")
+    time = np.arange(1, round(positive("duration", duration, "s") / interval) + 1) * interval
+    time = time[time <= duration * (1.0 + 1e-9)]
+    figures: dict[str, tuple[float, float]] = {}
+    series: dict[str, tuple[np.ndarray, float]] = {}
+    shapes = {"center_of_mass": (time.size, 2), "heading": (time.size,)}
+    for word, sigma in sensors.items():
+        kind, name, _ = SENSORS[word]
+        if kind == "figure":
+            figures[name] = (0.0, sigma)
+        else:
+            series[name] = (np.zeros(shapes.get(name, (time.size, robot.n_links - 1))), sigma)
+    return {"figures": figures, "series": series, "time": time if series else None}
+
+
+def _words(robot: Robot, gait: Gait) -> str:
+    numbers = "/".join(f"{np.degrees(value):.0f}" for value in (gait.amplitude, gait.frequency, gait.phase_shift))
+    return f"{gait.kind.replace('_', '-')} {numbers} deg{_fin(robot)}"
+
+
+def _fin(robot: Robot) -> str:
+    return ", with fin" if robot.caudal_fin is not None else ""

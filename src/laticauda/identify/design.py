@@ -1,0 +1,302 @@
+"""Which next trials would say most about the unknowns: a D-optimal choice from the sensitivities.
+
+A trial i with the predictions y(x), x the coordinates of the unknowns, and the standard deviations sigma of its noise
+adds to what is known the information
+
+    F_i = J^T J,    J = (dy/dx) / sigma,
+
+and the covariance after trials is the inverse of the sum of all information, that of the present fit or of the priors
+among it. A design is chosen one trial after the other, each the one that raises the criterion most, and then trials are
+exchanged for others as long as that raises it. Federov, Theory of Optimal Experiments (1972); Atkinson, Donev, Tobias,
+Optimum Experimental Designs, with SAS (2007).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import one_of, whole
+from laticauda.identify.candidates import Candidate, information_of
+from laticauda.identify.identifiability import LIMIT, combination_of, deviations
+from laticauda.identify.problem import Problem
+from laticauda.identify.result import Fit
+from laticauda.identify.unknowns import Settled
+from laticauda.simulate.runner import Progress
+
+CRITERIA = ("D", "A")
+"""D: the determinant of the information, the volume of what is possible; A: the mean variance."""
+_FAINT = 1e-8  # what is known beforehand of what nothing is known of, so that determinants exist
+_ROUNDS = 20
+
+Matrix = Float[np.ndarray, "n n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Step:
+    """One trial of a design."""
+
+    candidate: Candidate
+    """Which trial."""
+    sigma: Float[np.ndarray, " n_unknowns"]
+    """Expected standard deviation of every unknown after it and all before it: shares of it, or of its size; inf where
+    nothing is known [-]."""
+    gain: float
+    """By which factor it shrinks the volume of what is possible [-]."""
+    combination: str
+    """What it tells most about beyond what is known before, in words."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Design:
+    """The next trials, best first, and what they are expected to say."""
+
+    unknowns: tuple[Settled, ...]
+    """What is looked for."""
+    values: Float[np.ndarray, " n_unknowns"]
+    """At which values of them the trials were judged."""
+    criterion: str
+    """One of `CRITERIA`, or `sigma of` an unknown."""
+    before: Float[np.ndarray, " n_unknowns"]
+    """Standard deviations without any of the trials, as `Step.sigma` [-]."""
+    steps: tuple[Step, ...]
+    """The trials in the order in which they should be done."""
+    n_candidates: int
+    """Of how many candidates."""
+    alone: tuple[Step, ...]
+    """What each candidate would say by itself, the best first; `gain` is over what was known before."""
+    swimming: Float[np.ndarray, " n_unknowns"] | None
+    """Standard deviations after as many trials, the best ones that swim; None if all candidates swim, or none [-]."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the unknowns."""
+        return tuple(unknown.name for unknown in self.unknowns)
+
+    @property
+    def sigma(self) -> Float[np.ndarray, "n_steps n_unknowns"]:
+        """Standard deviations after 0, 1, 2, ... trials [-]."""
+        return np.array([self.before, *(step.sigma for step in self.steps)])
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """A sentence about what each trial is good for, with its numbers."""
+        found: list[str] = []
+        before = self.before
+        for i, step in enumerate(self.steps):
+            found.append(f"{i + 1}. {step.candidate.name} {_reason(self.names, before, step)}.")
+            before = step.sigma
+        if self.swimming is not None:
+            found.append(self._what_swimming_misses(self.swimming))
+        return tuple(found)
+
+    def _what_swimming_misses(self, swimming: np.ndarray) -> str:
+        """What straight trials are good for, in numbers."""
+        after = self.steps[-1].sigma
+        with np.errstate(invalid="ignore"):
+            k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
+        n = len(self.steps)
+        words = f"After the best {n} trials that swim, `{self.names[k]}` is {_share(swimming[k])}; after these {n}, "
+        return f"{words}{_share(after[k])}."
+
+
+def design(
+    put: Problem,
+    candidates: Sequence[Candidate],
+    n_trials: int,
+    *,
+    values: Float[np.ndarray, " n_unknowns"] | None = None,
+    information: Matrix | None = None,
+    criterion: str = "D",
+    progress: Progress | None = None,
+) -> Design:
+    """Choose the trials that would shrink the uncertainty most.
+
+    Args:
+        put: The unknowns; its measurements do not count, `information` does.
+        candidates: Trials that could be done; each may be chosen more than once.
+        n_trials: How many are to be chosen.
+        values: Of the unknowns, at which the trials are judged; None: where their search begins.
+        information: What is known already, to the coordinates: `known_from` a fit; None: the priors.
+        criterion: D, A, or the name of an unknown: its standard deviation alone.
+        progress: Called with the share of the candidates that is judged.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+    whole("n_trials", n_trials, 1)
+    if not candidates:
+        raise ValueError("`candidates` must hold at least one trial, got none.")
+    names = put.names
+    one_of("criterion", criterion, (*CRITERIA, *names))
+    at = put.start if values is None else values
+    known = prior_information(put, at) if information is None else information
+    sizes = np.array([unknown.size for unknown in put.unknowns])
+    scale = np.outer(sizes, sizes)
+    added = information_of(put, candidates, at, progress) * scale
+    score = _score(criterion, names)
+    first = known * scale
+    chosen = best_of(added, first, n_trials, score)
+    steps: list[Step] = []
+    total = first
+    for i in chosen:
+        steps.append(_step(candidates[i], total, added[i], put.unknowns))
+        total = total + added[i]
+    order = sorted(range(len(candidates)), key=lambda i: -score(first + added[i]))
+    return Design(
+        unknowns=put.unknowns,
+        values=at,
+        criterion=criterion if criterion in CRITERIA else f"sigma of {criterion}",
+        before=sigma_of(first),
+        steps=tuple(steps),
+        n_candidates=len(candidates),
+        alone=tuple(_step(candidates[i], first, added[i], put.unknowns) for i in order),
+        swimming=_swimming_alone(candidates, added, first, n_trials, score),
+    )
+
+
+def _swimming_alone(
+    candidates: Sequence[Candidate], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+) -> np.ndarray | None:
+    mine = [i for i, one in enumerate(candidates) if one.kind == "swim"]
+    if not mine or len(mine) == len(candidates):
+        return None
+    chosen = best_of(added[mine], known, n_trials, score)
+    return sigma_of(known + np.sum(added[mine][chosen], axis=0))
+
+
+def best_of(
+    added: Float[np.ndarray, "n_candidates n n"], known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+) -> list[int]:
+    """Numbers of the candidates to take, in order: greedily, then by exchange, then ordered greedily again.
+
+    Args:
+        added: Information of each candidate.
+        known: What is known before.
+        n_trials: How many to take.
+        score: What is to be great.
+    """
+    chosen: list[int] = []
+    for _ in range(n_trials):
+        total = known + sum((added[i] for i in chosen), np.zeros_like(known))
+        chosen.append(int(np.argmax([score(total + one) for one in added])))
+    greedy_first = chosen[0]
+    for _ in range(_ROUNDS):
+        is_better = False
+        for place in range(n_trials):
+            others = known + sum((added[i] for k, i in enumerate(chosen) if k != place), np.zeros_like(known))
+            scores = np.array([score(others + one) for one in added])
+            best = int(np.argmax(scores))
+            if scores[best] > scores[chosen[place]] + 1e-9:
+                chosen[place], is_better = best, True
+        if not is_better:
+            break
+    # The order does not change what all of them say together; the best first shows most.
+    ordered: list[int] = []
+    rest, total = list(chosen), known
+    while rest:
+        best = max(rest, key=lambda i: (score(total + added[i]), i == greedy_first))
+        rest.remove(best)
+        ordered.append(best)
+        total = total + added[best]
+    return ordered
+
+
+def known_from(found: Fit) -> Matrix:
+    """What a fit says about its unknowns, priors included, as information to the coordinates.
+
+    Args:
+        found: The fit.
+    """
+    from laticauda.identify.model import predict
+    from laticauda.identify.searching import slopes_of
+
+    put = found.problem
+    at = np.array(list(found.values.values()))
+    jacobian = predict(put, at, jacobian=True).jacobian
+    assert jacobian is not None
+    factor = found.noise_factor if found.noise == "estimated" and np.isfinite(found.noise_factor) else 1.0
+    rows = jacobian / (factor * put.sigma)[:, np.newaxis] * slopes_of(put, at)
+    return rows.T @ rows + prior_information(put, at)
+
+
+def prior_information(put: Problem, values: Float[np.ndarray, " n_unknowns"]) -> Matrix:
+    """What the priors say, as information to the coordinates.
+
+    Args:
+        put: The unknowns.
+        values: Theirs.
+    """
+    diagonal = [
+        0.0 if unknown.prior is None else (unknown.slope(float(value)) / unknown.prior[1]) ** 2
+        for unknown, value in zip(put.unknowns, values, strict=True)
+    ]
+    return np.diag(diagonal)
+
+
+def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
+    """Standard deviations of all unknowns, inf where nothing is known [-].
+
+    Args:
+        information: In the sizes of the unknowns.
+    """
+    eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
+    strength = np.where(eigenvalues > 1e-13 * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
+    return deviations(strength, vectors)
+
+
+def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
+    """What is to be great."""
+
+    def volume(information: Matrix) -> float:
+        return 0.5 * float(np.linalg.slogdet(information + _FAINT * np.eye(len(information)))[1])
+
+    def spread(information: Matrix) -> float:
+        variances = np.diag(np.linalg.inv(information + _FAINT * np.eye(len(information))))
+        return -0.5 * float(np.log(np.mean(variances)))
+
+    def one(information: Matrix) -> float:
+        covariance = np.linalg.inv(information + _FAINT * np.eye(len(information)))
+        k = list(names).index(criterion)
+        return -0.5 * float(np.log(covariance[k, k]))
+
+    return {"D": volume, "A": spread}.get(criterion, one)
+
+
+def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[Settled]) -> Step:
+    volume = _score("D", ())
+    root = np.linalg.cholesky(total + _FAINT * np.eye(len(total)))
+    half = np.linalg.solve(root, added)
+    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to what is known
+    return Step(
+        candidate=candidate,
+        sigma=sigma_of(total + added),
+        gain=float(np.exp(min(volume(total + added) - volume(total), 700.0))),
+        combination=combination_of(root @ news, unknowns),
+    )
+
+
+def _reason(names: Sequence[str], before: np.ndarray, step: Step) -> str:
+    """What becomes known by a trial, in words."""
+    after = step.sigma
+    newly = [k for k in range(len(names)) if before[k] >= LIMIT > after[k]]
+    if newly:
+        words = [f"`{names[k]}` ({_share(before[k])} before, {_share(after[k])} after)" for k in newly]
+        return f"makes identifiable {_listed(words)}"
+    finite = np.isfinite(before) & (before > 0.0)
+    ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
+    k = int(np.argmin(ratio))
+    if ratio[k] > 0.9:
+        return f"tells about {step.combination}"
+    return f"shrinks most `{names[k]}`, from {_share(before[k])} to {_share(after[k])}"
+
+
+def _share(sigma: float) -> str:
+    if not np.isfinite(sigma) or sigma > 10.0:
+        return "unknown"
+    return f"{100.0 * sigma:.2g} %" if sigma < 0.99 else f"{100.0 * sigma:.0f} %"
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

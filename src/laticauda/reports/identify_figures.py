@@ -1,0 +1,157 @@
+"""Figures of an identification's report."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from laticauda.figures import identification as draw
+from laticauda.figures import new_figure, style
+from laticauda.identify.measurements import SERIES
+from laticauda.simulate.sensitivities import UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from laticauda.identify import Fit
+    from laticauda.reports.identify import Checked
+
+_DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
+_MOST_BARS = 60
+
+
+def figures_of(done: "Checked") -> "Iterator[tuple[str, str, Figure]]":
+    """Name, caption and figure, one after the other.
+
+    Args:
+        done: What was found.
+    """
+    found = done.found
+    yield "parity", "Predicted over measured, by group. Line: equal.", _parity(found)
+    yield (
+        "residuals",
+        "Predicted less measured in standard deviations of the noise as stated (series: root mean square). Dashed: 2.",
+        _residuals(found),
+    )
+    yield "intervals", "Uncertainty of every parameter as a share of its value.", _intervals(done)
+    if len(of_interest(found)) > 1:
+        yield "correlations", "Correlations of the parameters' errors.", _correlations(found)
+
+
+def of_interest(found: "Fit") -> list[int]:
+    """Numbers of the unknowns that figures show: all but where single trials began.
+
+    Args:
+        found: The fit.
+    """
+    unknowns = found.problem.unknowns
+    return [k for k, unknown in enumerate(unknowns) if not unknown.parameter.name.startswith("start.")]
+
+
+def short_names(names: Sequence[str]) -> list[str]:
+    """Names as figures show them: without the way to the number, where that leaves them different.
+
+    Args:
+        names: In full.
+    """
+    short = [_short(name) for name in names]
+    return [one if short.count(one) == 1 else name for one, name in zip(short, names, strict=True)]
+
+
+def _short(name: str) -> str:
+    for part in _DROPPED:
+        scope, found, rest = name.partition(part)
+        if found:
+            return (f"{scope.rstrip('.')}: " if scope else "").replace("_", " ") + rest.replace("_", " ")
+    return name.replace("_", " ")
+
+
+def _parity(found: "Fit") -> "Figure":
+    """A panel per figure or series."""
+    parts = _by_what(found)
+    n = min(len(parts), 3)
+    rows = -(-len(parts) // n)
+    labels = list(dict.fromkeys(found.problem.groups))
+    height = 3.2 if n == 1 else 0.35 + (3.1 if n == 2 else 2.3) * rows + 0.18 * len(labels)
+    figure = new_figure(style.DOUBLE_COLUMN, height)
+    panels = figure.subplots(rows, n, squeeze=False).ravel()
+    for ax, (what, groups) in zip(panels, parts.items(), strict=False):
+        unit = UNITS.get(what) or SERIES.get(what) or "-"
+        draw.parity(groups, ax, what=f"{what.replace('_', ' ')} [{unit}]")
+    for ax in panels[len(parts) :]:
+        ax.set_visible(False)
+    most = max(panels[: len(parts)], key=lambda ax: len(ax.get_legend_handles_labels()[1]))
+    if n == 1:
+        most.set_anchor("W")
+    style.outside_legend(figure, most, "outside right upper" if n == 1 else "outside lower left")
+    return figure
+
+
+def _by_what(found: "Fit") -> dict[str, list[draw.Compared]]:
+    """Measured and predicted numbers by figure or series, then by group."""
+    put = found.problem
+    pieces: dict[str, dict[str, list[np.ndarray]]] = {}
+    at = 0
+    for measurement, group in zip(put.measurements, put.groups, strict=True):
+        sizes = dict.fromkeys(measurement.figures, 1) | {
+            name: values.size for name, (values, _) in measurement.series.items()
+        }
+        for name, size in sizes.items():
+            here = slice(at, at + size)
+            both = np.stack((put.observed[here], found.predictions[here]))
+            pieces.setdefault(name, {}).setdefault(group, []).append(both)
+            at += size
+    result: dict[str, list[draw.Compared]] = {}
+    for what, groups in pieces.items():
+        result[what] = []
+        for group, parts in groups.items():
+            measured, predicted = np.concatenate(parts, axis=1)
+            result[what].append(draw.Compared(label=group, measured=measured, predicted=predicted))
+    return result
+
+
+def _residuals(found: "Fit") -> "Figure":
+    rows = sorted(found.residuals, key=lambda one: found.problem.groups.index(one.group))[:_MOST_BARS]
+    whats = {one.what for one in rows}
+    short = [one.measurement.removeprefix(f"{one.group}, ") for one in rows]
+    names = [
+        name if len(whats) == 1 else f"{name}: {one.what.replace('_', ' ')}"
+        for name, one in zip(short, rows, strict=True)
+    ]
+    figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups)))
+    ax = draw.residuals(
+        names,
+        [one.in_sigmas for one in rows],
+        [one.group for one in rows],
+        figure.subplots(),
+        label="predicted less measured, in standard deviations of the stated noise [-]",
+    )
+    style.outside_legend(figure, ax, "outside lower left")
+    return figure
+
+
+def _intervals(done: "Checked") -> "Figure":
+    found = done.found
+    profiles = {one.name: one for one in done.profiles}
+    rows: list[draw.Interval] = []
+    shown = of_interest(found)
+    names = short_names([found.problem.names[k] for k in shown])
+    for estimate, label in zip([found.estimates[k] for k in shown], names, strict=True):
+        best = estimate.value or 1.0
+        one = profiles.get(estimate.name)
+        pair = estimate.interval
+        plain = None if pair is None or best < 0.0 else (pair[0] / best, pair[1] / best)
+        ends = None if one is None else tuple(None if end is None else end / best for end in (one.low, one.high))
+        rows.append(draw.Interval(label=label, plain=plain, profile=ends))  # pyright: ignore[reportArgumentType]
+    figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
+    ax = draw.intervals(rows, figure.subplots(), confidence=found.confidence)
+    style.outside_legend(figure, ax, "outside lower left")
+    return figure
+
+
+def _correlations(found: "Fit") -> "Figure":
+    shown = of_interest(found)
+    figure = new_figure(style.DOUBLE_COLUMN, 0.7 + 0.42 * len(shown))
+    names = short_names([found.problem.names[k] for k in shown])
+    draw.correlations(names, found.correlations[np.ix_(shown, shown)], figure.subplots())
+    return figure

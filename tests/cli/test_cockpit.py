@@ -1,0 +1,58 @@
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+
+import pytest
+
+from laticauda.cli import main
+
+pytest.importorskip("viser")
+
+
+def started(*words):
+    return subprocess.Popen(
+        [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit", *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ,
+    )
+
+
+def ended(process):
+    process.send_signal(signal.SIGINT)
+    return process.communicate(timeout=30)
+
+
+def test_it_prints_one_line_with_its_address_and_serves_a_page_there():
+    process = started("--port", "0", "--json")
+    address = json.loads(process.stdout.readline())["address"]
+    assert address.startswith("http://127.0.0.1:")
+    with urllib.request.urlopen(address, timeout=10.0) as answer:
+        assert b"<html" in answer.read()
+    out, err = ended(process)
+    assert process.returncode == 0
+    assert out == ""
+    assert "Warning" not in err
+
+
+def test_another_host_is_warned_of():
+    process = started("--port", "0", "--host", "0.0.0.0")
+    assert process.stdout.readline().startswith("http://0.0.0.0:")
+    assert "anyone who reaches 0.0.0.0 can use this page" in ended(process)[1]
+
+
+def test_a_port_that_is_taken_is_said(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["cockpit", "--port", str(port)]) == 2
+    assert f"Cannot serve the cockpit at 127.0.0.1:{port}: address already in use" in capsys.readouterr().err
+
+
+def test_a_port_that_cannot_be_is_refused(capsys):
+    assert main(["cockpit", "--port", "70000"]) == 2
+    assert "must be between 0 and 65535, got 70000" in capsys.readouterr().err

@@ -1,0 +1,52 @@
+import json
+from pathlib import Path
+
+FEW = "--amplitudes-deg 20 40 --frequencies-deg-s 90 150 --phase-shifts-deg 40 --duration 8 --threads 1"
+WANTED = "water.tangential_friction water.normal_drag"
+
+
+def test_the_next_trials_are_listed_with_their_reasons_and_drawn(run, folder: Path):
+    done = run(f"design-experiment --parameters {WANTED} --trials 3 --output next.png {FEW}")
+    assert (done.status, done.err) == (0, "")
+    assert "The best 3 of 7 candidates, criterion D." in done.out
+    assert "what is known now" in done.out
+    assert "straight tow" in done.out
+    assert "After the best 3 trials that swim, water.tangential_friction is " in done.out
+    assert (folder / "next.png").stat().st_size > 0
+
+
+def test_json_has_every_candidate_and_what_is_known_before(run):
+    done = run(f"design-experiment --parameters water.normal_drag=2+-0.4 --no-tow --trials 1 --json {FEW}")
+    found = json.loads(done.out)
+    assert found["values"] == {"water.normal_drag": 2.0}
+    assert abs(found["relative_sigma_before"]["water.normal_drag"] - 0.2) < 1e-9
+    assert len(found["candidates"]) == 4
+    assert found["trials"][0]["relative_sigma"]["water.normal_drag"] < 0.2
+
+
+def test_after_an_identification_its_fit_is_what_is_known(run, folder: Path):
+    (folder / "t.toml").write_text(
+        'kind = "identification"\nstarts = 1\nnoise = "estimated"\njoints = "prescribed"\n'
+        'parameters = ["water.tangential_friction"]\n[table1]\nselected_from = 1\n'
+    )
+    done = run(f"design-experiment --after t.toml --trials 1 --json --no-tow {FEW}")
+    assert done.status == 0, done.err
+    found = json.loads(done.out)
+    assert found["relative_sigma_before"]["water.tangential_friction"] < 0.3
+    assert {one["trial"].split(", ")[-1] for one in found["candidates"]} >= {"with fin"}
+
+
+def test_bad_input_is_named(run):
+    cases = {
+        "": "--parameters must name at least one number to identify",
+        "--parameters water.normal_drag=x": "--parameters must be NAME, NAME=VALUE or NAME=MEAN+-SD",
+        "--parameters water.normal_drag --sensors sonar": "--sensors must be of speed, power, path",
+        "--parameters water.normal_drag --criterion E": "--criterion must be",
+        "--parameters water.normal_drag --trials 0": "must be",
+        "--parameters water.normal_drag --output a.txt": "--output must be a file that ends in .png or .pdf",
+        "--after none.toml": "none.toml",
+    }
+    for words, text in cases.items():
+        done = run(f"design-experiment {words} {FEW}")
+        assert done.status == 2, words
+        assert text.lower() in done.err.lower(), done.err

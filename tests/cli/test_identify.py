@@ -1,0 +1,150 @@
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.identify.tasks import load_task
+
+FRICTION, DRAG = "water.tangential_friction", "water.normal_drag"
+TRUE = 0.22
+FAST = "--starts 1 --threads 1"
+
+
+@pytest.fixture(scope="module")
+def trials(tmp_path_factory) -> Path:
+    """Simulated trials in another water than their files say, with a camera's noise."""
+    folder = tmp_path_factory.mktemp("trials")
+    usual = lc.load_water("paper-lateral")
+    for i, (amplitude, frequency) in enumerate(((30.0, 110.0), (25.0, 140.0), (35.0, 90.0))):
+        gait = lc.lateral_undulation(
+            amplitude=np.radians(amplitude), frequency=np.radians(frequency), phase_shift=np.radians(40.0)
+        )
+        trial = lc.swim(lc.load_robot("mamba"), gait, 6.0, environment=replace(usual, tangential_friction=TRUE))
+        noise = 0.004 * np.random.default_rng(i).standard_normal(trial.center_of_mass.shape)
+        trial = replace(trial, center_of_mass=trial.center_of_mass + noise, environment=usual)
+        trial.save(folder / f"run-{i}.nc")
+    other = lc.swim(lc.load_robot("mamba").with_links(5), gait, 2.0)
+    other.save(folder / "other.nc")
+    return folder
+
+
+def test_trials_become_a_parameter_file_a_report_and_a_table(run, folder: Path, trials: Path):
+    files = " ".join(str(trials / f"run-{i}.nc") for i in range(3))
+    done = run(f"identify {files} --parameters {FRICTION} --robot mamba --measured center_of_mass=0.004 {FAST}")
+    assert (done.status, done.err) == (0, "")
+    assert "10 of 10 parameters identified from 3 measurements" in done.out
+    assert "and 9 numbers of where the trials began." in done.out
+    out = folder / "identification"
+    kept = lc.load_parameters(out / "parameters.toml")
+    assert kept.joints == "prescribed"
+    found = json.loads((out / "fit.json").read_text())
+    (friction,) = (row for row in found["parameters"] if row["name"] == FRICTION)
+    assert friction["low"] < TRUE < friction["high"]
+    assert kept.water("lateral_undulation").tangential_friction == friction["best"]
+    page = (out / "identify.html").read_text()
+    assert "laticauda identify " in page
+    assert "run-1.nc, SHA-256 " in page
+    assert "<script" not in page
+    for name in ("parity.png", "parity.pdf", "residuals.png", "intervals.png", "residuals.csv", "directions.csv"):
+        assert (out / name).stat().st_size > 0
+    again = run("swim --parameters identification/parameters.toml --duration 1 --json")
+    assert again.status == 0
+
+
+def test_a_file_says_everything_and_json_is_printed(run, folder: Path, trials: Path):
+    task = f"""
+kind = "identification"
+name = "tank"
+title = "in the tank"
+joints = "prescribed"
+noise = "known"
+starts = 1
+robot = "mamba"
+parameters = ["{FRICTION}", {{name = "{DRAG}", lower = 0.5, upper = 4.0, prior = [1.75, 0.2]}}]
+
+[fixed.water]
+added_mass = 1.4
+
+[fixed.actuator]
+tracking = 1.0
+
+[[trials]]
+file = "{trials}/run-0.nc"
+figures = {{forward_velocity = 0.003}}
+
+[[trials]]
+file = "{trials}/run-1.nc"
+name = "second"
+figures = {{forward_velocity = 0.003}}
+"""
+    (folder / "tank.toml").write_text(task)
+    done = run("identify tank.toml --quick --threads 1 --json --output a")
+    assert (done.status, done.err) == (0, "")
+    found = json.loads(done.out)
+    assert [row["name"] for row in found["parameters"]] == [FRICTION, DRAG]
+    assert found["noise"] == "known"
+    assert set(found["sources"]) == {"tank.toml", "run-0.nc", "run-1.nc"}
+    assert "identify.html" in found["files"]
+    kept = lc.load_parameters(folder / "a" / "parameters.toml")
+    assert (kept.name, kept.title, kept.every_gait.added_mass) == ("tank", "in the tank", 1.4)
+    assert kept.changes == {"actuator": {"tracking": 1.0}}
+    assert "not be given beside a file" in run("identify tank.toml --parameters water.normal_drag").err
+
+
+def test_bad_input_is_named(run, folder: Path, trials: Path):
+    (folder / "broken.nc").write_text("no")
+    (folder / "bad.toml").write_text('kind = "identification"\nparameter = []\n')
+    one, other = trials / "run-0.nc", trials / "other.nc"
+    cases = {
+        "identify": "FILE must be a TOML file that says everything, or at least one trial, got none.",
+        f"identify {one}": "--parameters must name at least one number to identify",
+        f"identify {one} --parameters water.normal_drug": "'water.normal_drug'; the nearest are",
+        f"identify {one} --parameters {DRAG}=a:b": "--parameters must be NAME, NAME=LOW:HIGH or NAME=MEAN+-SD",
+        f"identify {one} --parameters {DRAG} {FRICTION} --measured forward_velocity=0.01": "at least 3 numbers",
+        f"identify {one} {other} --parameters {DRAG}": "must be of one body",
+        f"identify {one} --robot chain --parameters {DRAG}": "must be of one body",
+        f"identify broken.nc --parameters {DRAG}": "broken.nc",
+        f"identify missing.nc --parameters {DRAG}": "missing.nc",
+        "identify missing.toml": "missing.toml",
+        "identify bad.toml": "bad.toml: key `parameter`: is not known; did you mean `parameters`?",
+        f"identify {one} --parameters {DRAG} --measured speed=0.1": "must be one of",
+        f"identify {one} --parameters {DRAG} --measured forward_velocity": "--measured must be NAME=SIGMA",
+        f"identify {one} --parameters gait.amplitude": "must not be of the gait",
+    }
+    for line, text in cases.items():
+        done = run(f"{line} {FAST}" if line != "identify" else line)
+        assert done.status == 2, (line, done.err)
+        assert text in done.err, (line, done.err)
+        assert done.out == ""
+
+
+def test_what_has_no_effect_and_what_is_repeated_is_said(run, folder: Path, trials: Path):
+    one = trials / "run-0.nc"
+    (folder / "copy.nc").write_bytes(one.read_bytes())
+    measured = "--measured forward_velocity=0.01"
+    line = (
+        f"identify {one} copy.nc --parameters robot.joint.actuator.servo_gain {measured} --quick --noise known {FAST}"
+    )
+    done = run(line)
+    assert done.status == 0
+    assert "has no effect on what was measured" in done.out
+    assert "All measurements are of the same gait with the same robot" in done.out
+
+
+def test_the_shipped_file_of_the_preset_fixes_what_the_preset_has():
+    task = load_task(Path(__file__).parents[2] / "examples" / "mamba-identified.toml")
+    preset = lc.load_parameters("mamba-identified")
+    assert len(task.measurements) == 20
+    assert len(task.unknowns) == 4
+    for unknown in task.unknowns:
+        assert unknown.lower < unknown.start < unknown.upper
+    robot = task.measurements[-1].robot
+    assert robot.n_links == 9
+    assert robot.caudal_fin == preset.robot(robot, "eel_like").caudal_fin
+    assert task.base.every_gait.normal_drag == preset.every_gait.normal_drag
+    actuator = preset.changes["actuator"]
+    product = actuator["no_load_speed"] * actuator["stall_torque"]
+    assert product == pytest.approx(task.base.changes["actuator"]["stall_torque"] * 7.5, rel=2e-3)

@@ -1,0 +1,154 @@
+"""What the page's controls do, as its server calls them; `test_page` does the same in a browser."""
+
+import math
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit.gait_map import at
+from laticauda.control import StraightLine
+
+pytest.importorskip("viser")
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)
+)
+
+
+class Page:
+    """Stands for a browser's page: keeps what it is told."""
+
+    def __init__(self):
+        self.told, self.files = [], {}
+
+    def add_notification(self, title, text, **settings):
+        self.told.append(text)
+
+    def send_file_download(self, name, content, **settings):
+        self.files[name] = content
+
+
+@pytest.fixture
+def cockpit():
+    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=GAIT)), port=0)
+    yield served
+    served.close()
+
+
+def use(cockpit, handle, value):
+    """As if somebody had set a control on a page; what the page was told."""
+    page = Page()
+    handle.value = value
+    cockpit._controls._apply(SimpleNamespace(client=page, target=handle))
+    cockpit.live.advance(0.1)
+    cockpit.frame()
+    return page.told
+
+
+def test_every_control_acts_at_once(cockpit):
+    controls, live = cockpit._controls, cockpit.live
+    assert use(cockpit, controls._angles["amplitude"], 42.0) == []
+    assert math.degrees(live.setting.gait.amplitude) == pytest.approx(42.0)
+    use(cockpit, controls._kind, "eel_like")
+    use(cockpit, controls._fin, "rigid")
+    assert live.setting.robot.caudal_fin.n_hinges == 0
+    use(cockpit, controls._fin, "elastic")
+    use(cockpit, controls._rigidity, 0.4)
+    assert live.setting.robot.caudal_fin.flexural_rigidity == 0.4
+    use(cockpit, controls._joints, "servo")
+    use(cockpit, controls._current[0], 0.1)
+    use(cockpit, controls._follow, True)
+    assert (live.setting.gait.kind, live.setting.joints, live.setting.current) == ("eel_like", "servo", (0.1, 0.0))
+    assert abs(live.numbers().cross_track_error) == pytest.approx(0.6, abs=0.05)
+    use(cockpit, controls._robot, "chain")
+    assert live.setting.robot == lc.load_robot("chain")
+    assert controls._fin.value == "none"
+
+
+def test_a_bad_value_is_refused_in_the_words_of_the_api_and_the_field_goes_back(cockpit):
+    controls, live = cockpit._controls, cockpit.live
+    use(cockpit, controls._fin, "elastic")
+    before = live.setting
+    (told,) = use(cockpit, controls._rigidity, -1.0)
+    assert told == "`flexural_rigidity` must be > 0 N m^2, got -1.0."
+    assert live.setting == before
+    assert controls._rigidity.value == before.robot.caudal_fin.flexural_rigidity
+    (told,) = use(cockpit, controls._current[1], math.nan)
+    assert told.startswith("`current")
+    assert controls._current[1].value == 0.0
+
+
+def test_the_path_goes_where_it_is_dragged(cockpit):
+    use(cockpit, cockpit._controls._follow, True)
+    gizmo = cockpit._gizmo
+    gizmo.position, gizmo.wxyz = (1.0, 2.0, 0.0), (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
+    cockpit._drag(SimpleNamespace(client=Page(), target=gizmo, phase="end"))
+    path = cockpit.live.setting.path
+    assert path.point == (1.0, 2.0)
+    assert path.angle == pytest.approx(0.4)
+
+
+def test_a_click_on_the_map_sets_the_gait(cockpit):
+    board, live = cockpit._board, cockpit.live
+    board._on.value = True
+    end = time.monotonic() + 60.0
+    while board._frame is None and time.monotonic() < end:
+        cockpit.frame()
+        time.sleep(0.05)
+    eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(40.0, 160.0))
+    click = SimpleNamespace(client=Page(), ray_origin=tuple(eye), ray_direction=tuple(goal - eye))
+    board._click(click)
+    assert live.setting.gait == at(GAIT, 40.0, 160.0)
+    assert cockpit._controls._angles["amplitude"].value == 40.0
+    assert board.pointed_at(eye, np.array([0.0, 1.0, 2.0])) is None  # beside the board
+    board._on.value = False
+    cockpit.frame()
+    assert board._frame is None
+
+
+def test_a_run_is_saved_and_comes_back_as_a_ghost(cockpit, tmp_path):
+    page, runs = Page(), cockpit._runs
+    for _ in range(20):
+        cockpit.live.advance(0.1)
+    runs._save(SimpleNamespace(client=page))
+    (content,) = page.files.values()
+    file = SimpleNamespace(name="run.nc", content=content)
+    runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
+    cockpit.frame()
+    assert page.told == []
+    assert runs._ghost.robot == cockpit.live.setting.robot
+    runs._remove(None)
+    assert runs._ghost is None
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("run.nc", "Cannot load run.nc: "), ("run.txt", "a trial file ends in one of .nc")]
+)
+def test_a_file_that_is_no_trial_says_what_is_wrong(cockpit, name, message):
+    page = Page()
+    file = SimpleNamespace(name=name, content=b"nothing")
+    cockpit._runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
+    assert message in page.told[0]
+    assert cockpit._runs._ghost is None
+
+
+def test_forces_failure_and_reset_are_shown(cockpit):
+    live = cockpit.live
+    live.link_forces = True
+    live.advance(0.2)
+    for _ in range(12):
+        cockpit.frame()
+    assert cockpit._scene._forces.points.shape == (9, 2, 3)
+    assert "measured in the paper" in cockpit._figures.content
+    live._world = replace(live._world, failure="The run diverged.")
+    for _ in range(12):
+        cockpit.frame()
+    assert cockpit._figures.content.startswith("**The run diverged.**")
+    cockpit._reset(None)
+    assert live.world.failure is None
+    live.alter(path=StraightLine())
+    cockpit.frame()

@@ -1,0 +1,51 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import laticauda as lc
+from laticauda.cockpit import Live, Setting
+from laticauda.cockpit.settings import with_fin
+from laticauda.cockpit.shapes import poses, quaternion, shapes
+from laticauda.kinematics import fin_line, from_quaternion, link_ends
+
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1))
+def test_a_quaternion_gives_its_rotation_back(numbers):
+    rotation = from_quaternion(*(np.array(numbers) / np.linalg.norm(numbers)).tolist())
+    np.testing.assert_allclose(from_quaternion(*quaternion(rotation).tolist()), rotation, atol=1e-12)
+
+
+@pytest.mark.parametrize("rigidity", [None, 0.2])
+def test_modules_and_fin_are_where_kinematics_has_them(rigidity):
+    robot = with_fin(lc.load_robot("mamba"), True, rigidity)
+    live = Live(Setting(robot=robot, gait=GAIT))
+    for _ in range(60):
+        live.advance(0.05)
+    sample = live.latest()
+    found = poses(robot, sample, height=0.3)
+    angles = None if rigidity is None else np.array([sample[f"signal_fin_angle_{k}"] for k in (1, 2, 3)])
+    place = sample["center_of_mass"], sample["link_angle"]
+    ends = link_ends(robot, *place, fin_angle=angles)
+    np.testing.assert_allclose(found.position[:9, :2], ends[:-1], atol=1e-12)
+    line = fin_line(robot, *place, fin_angle=angles)
+    np.testing.assert_allclose(found.position[9:, :2], line[:0:-1], atol=1e-12)
+    np.testing.assert_allclose(found.position[:, 2], 0.3)
+    assert max(shape.part for shape in shapes(robot)) == len(found.position) - 1
+
+
+def test_both_models_show_the_same_robot():
+    pytest.importorskip("mujoco")
+    seen = []
+    for model in ("planar", "spatial"):
+        live = Live(Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT, model=model))
+        for _ in range(40):
+            live.advance(0.05)
+        seen.append(poses(live.world.plant.robot, live.latest()))
+    np.testing.assert_allclose(seen[0].position[:, :2], seen[1].position[:, :2], atol=0.02)
+    turned = np.abs(np.sum(seen[0].orientation * seen[1].orientation, axis=1))
+    assert np.arccos(np.minimum(turned, 1.0)).max() < math.radians(1.0)

@@ -1,0 +1,203 @@
+import json
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.cosim import Session
+from laticauda.cosim.setup import FIRST_GAIT
+from laticauda.interfaces import Command, Start
+from laticauda.simulate import plant
+
+
+@pytest.fixture
+def ask():
+    session = Session({"mine": lc.load_robot("chain", 5)})
+
+    def ask(request, **fields):
+        return json.loads(session.answer(json.dumps({"do": request, **fields}).encode()))
+
+    return ask
+
+
+def test_steps_are_those_of_the_plant_bit_for_bit(ask):
+    ask("reset", robot="mamba-fin", joints="servo", center_of_mass=[1.0, 2.0], heading=0.3)
+    body = plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"), joints="servo")
+    state = body.init(Start(center_of_mass=(1.0, 2.0), heading=0.3), Command(gait=FIRST_GAIT))
+    for offset in (0.0, 0.1, 0.2):
+        state = body.step(state, Command(gait=FIRST_GAIT, offset=offset), 0.05)
+        seen = ask("step", duration=0.05, offset=offset)["observation"]
+        for name, value in vars(body.observe(state)).items():
+            np.testing.assert_array_equal(seen[name], value, err_msg=name)
+
+
+def test_a_run_has_the_figures_and_the_series_of_swim(ask):
+    trial = lc.swim(lc.load_robot("mamba"), FIRST_GAIT, duration=10.0)
+    reply = ask("run", duration=10.0, series=["time", "joint_torque", "electrical_work"])
+    assert reply["figures"] == trial.summary()
+    assert set(reply["series"]) == {"time", "joint_torque"}  # prescribed joints have no power model
+    np.testing.assert_array_equal(reply["series"]["joint_torque"], trial.joint_torque)
+
+
+def test_what_a_message_leaves_out_stays_as_it_is(ask):
+    ask("reset", gait={"amplitude": 0.2}, offset=0.1)
+    command = ask("set", gait={"frequency": 3.0}, current=[0.1, 0.0])["command"]
+    assert (command["gait"]["amplitude"], command["gait"]["frequency"], command["offset"]) == (0.2, 3.0, 0.1)
+    assert command["current"] == [0.1, 0.0]
+    assert ask("get")["command"] == command
+
+
+def test_joints_follow_references_from_outside_until_they_are_taken_back(ask):
+    ask("reset", joints="servo")
+    held = ask("step", duration=3.0, references=[0.1] * 8)
+    assert held["joint_angle_ref"] == pytest.approx([0.1] * 8)
+    assert held["observation"]["joint_angle"] == pytest.approx([0.1] * 8, abs=0.02)
+    assert ask("step", duration=0.05, references=None)["joint_angle_ref"] != held["joint_angle_ref"]
+
+
+def test_a_motor_that_is_off_follows_nothing(ask):
+    ask("reset", joints="servo")
+    angle = ask("step", duration=1.0, references=[0.3] * 8, enabled=[False] * 8)["observation"]["joint_angle"]
+    assert angle == pytest.approx([0.0] * 8, abs=1e-9)
+
+
+def test_a_current_sweeps_the_robot_along_from_where_it_is(ask):
+    ask("reset", gait={"amplitude": 0.0}, center_of_mass=[1.0, 0.0])
+    assert ask("step", duration=1.0)["observation"]["center_of_mass"] == pytest.approx([1.0, 0.0])
+    swept = ask("step", duration=60.0, current=[0.0, 0.1])["observation"]
+    assert swept["time"] == pytest.approx(61.0)
+    assert swept["center_of_mass_velocity"] == pytest.approx([0.0, 0.1], abs=2e-3)
+    assert swept["center_of_mass"][1] > 4.0
+
+
+def test_the_log_has_every_sample_once_and_can_be_read_from_a_moment_on(ask):
+    ask("reset", sample_interval=0.1)
+    for duration in (0.2, 0.05, 0.5):
+        ask("step", duration=duration)
+    times = [0.0, 0.1, 0.2, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75]
+    assert ask("get", series="time")["series"]["time"] == pytest.approx(times)
+    reply = ask("get", series=["time", "work"], since=0.5)
+    assert reply["series"]["time"] == pytest.approx(times[-3:])
+    assert np.shape(reply["series"]["work"]) == (3, 3)
+    assert reply["dropped"] == 0
+
+
+def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, monkeypatch):
+    monkeypatch.setattr("laticauda.cosim.worlds.MOST_SAMPLES", 20)
+    ask("reset")
+    for _ in range(50):
+        ask("step", duration=0.05)
+    reply = ask("get", series=["time"])
+    assert len(reply["series"]["time"]) + reply["dropped"] == 51
+    assert reply["series"]["time"][-1] == pytest.approx(2.5)
+    assert len(reply["series"]["time"]) <= 20
+
+
+def test_parameters_bring_their_water_their_robot_and_their_joint_law(ask):
+    parameters = lc.load_parameters("mamba-identified")
+    about = ask("reset", parameters="mamba-identified", gait={"kind": "eel-like"})
+    assert about["settings"]["joints"] == (parameters.joints or "prescribed")
+    figures = ask("run", duration=5.0, parameters="mamba-identified", gait={"kind": "eel-like"})["figures"]
+    assert figures["environment"] == parameters.water("eel_like").name
+
+
+def test_a_robot_of_the_servers_own_and_another_number_of_links(ask):
+    assert ask("reset", robot="mine")["n_links"] == 5
+    assert ask("reset", robot="mine", n_links=7)["n_links"] == 7
+    assert ask("reset", robot="chain", n_links=3)["n_joints"] == 2
+
+
+def test_one_number_is_as_good_as_an_array_of_one(ask):
+    ask("reset", robot="chain", n_links=2, joints="pd")
+    assert ask("step", duration=0.01, references=0.1, enabled=True)["joint_angle_ref"] == pytest.approx([0.1])
+
+
+def test_the_spatial_model_steps_and_keeps_its_place_when_the_current_changes(ask):
+    pytest.importorskip("mujoco")
+    ask("reset", model="spatial", center_of_mass=[1.0, 2.0])
+    before = ask("step", duration=0.1)["observation"]
+    after = ask("step", duration=0.01, current=[0.1, 0.0])["observation"]
+    assert after["center_of_mass"] == pytest.approx(before["center_of_mass"], abs=2e-3)
+    assert after["time"] == pytest.approx(0.11)
+
+
+def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
+    ask("reset", joints="pd", dt=0.5, coefficients={"normal_drag": 50.0, "tangential_friction": 50.0})
+    assert "diverged at t = " in ask("step", duration=50.0)["error"]
+    assert ask("step", duration=0.1)["error"].endswith("`reset` begins anew.")
+    assert "error" not in ask("reset")
+    assert "error" not in ask("step", duration=0.1)
+
+
+@pytest.mark.parametrize(
+    ("request_", "fields", "message"),
+    [
+        ("stop", {}, "`do` must be one of `reset`, `step`, `set`, `get`, `run`, got 'stop'"),
+        ("get", {"protocol": 2}, "`protocol` must be 1, which this server speaks, got 2."),
+        ("step", {}, "`duration` must be a number in s, got None."),
+        ("step", {"duration": 0}, "`duration` must be > 0 s, got 0."),
+        ("step", {"duration": 1e4}, "`duration` must be <= 5000 s at a `sample_interval` of 0.05 s, got 10000."),
+        ("step", {"duration": 1, "ofset": 1}, "`ofset` is not a field of `step`; did you mean `offset`?"),
+        ("step", {"duration": 1, "offset": "x"}, "`offset` must be a number in rad, got 'x'."),
+        ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
+        ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
+        ("set", {"enabled": [1]}, "`enabled` must be an array of true and false, one per joint, or null, got [1]."),
+        ("set", {"current": [0.1]}, "`current` must be an array of 2 numbers, got [0.1]."),
+        ("set", {"gait": 3}, "`gait` must be a JSON object, got 3."),
+        ("set", {"gait": {"amplitude": -1}}, "`amplitude` must be >= 0 rad, got -1."),
+        ("set", {"gait": {"amplitud": 1}}, "`amplitud` is not a field of `gait`; did you mean `amplitude`?"),
+        ("set", {"gait": {"fin": {"amplitude": 0.1}}}, "`gait.fin` must be None unless the fin is driven"),
+        ("get", {"series": ["joint_torqe"]}, "`joint_torqe` is not a field of the log"),
+        ("get", {"series": [1]}, "`series` must be an array of names, got [1]."),
+        ("run", {"series": ["robot"]}, "`robot` is not a field of `series`"),
+        ("run", {"dt": 1e-7}, "in one request for 9 links and steps of 1e-07 s, got 30."),
+        ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `chain`, `mamba`"),
+        ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
+        ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be <= 200 on a server, got 1000000."),
+        ("reset", {"coefficients": {"drag": 1}}, "`drag` is not a field of `coefficients`"),
+        ("reset", {"coefficients": {"normal_drag": -1}}, "`normal_drag` must be >= 0, got -1."),
+        ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
+        ("reset", {"ground": "viscous", "current": [0, 1]}, "`ground` must not be given with"),
+        ("reset", {"center_of_mass": [1, 2, 3]}, "`center_of_mass` must be an array of 2 numbers, got [1, 2, 3]."),
+        ("reset", {"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, got 'servos'"),
+    ],
+)
+def test_what_is_wrong_is_said_and_changes_nothing(ask, request_, fields, message):
+    ask("reset")
+    before = ask("get")
+    assert message in ask(request_, **fields)["error"]
+    assert ask("get") == before
+
+
+@pytest.mark.parametrize("request_", ["step", "set", "get"])
+def test_a_world_must_be_there_first(ask, request_):
+    fields = {"duration": 1.0} if request_ == "step" else {}
+    assert ask(request_, **fields)["error"].startswith("`reset` must come before this request")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (b"hello", "A message must be one line of JSON; it is not: Expecting value"),
+        (b"\xff\xfe", "got bytes that are no text."),
+        (b"[1, 2]", "A message must be a JSON object with the field `do`, got list."),
+        (b"[" * 500_000, "A message must be one line of JSON, got brackets that are nested too deep."),
+        (b'{"do": "get", "id": NaN}', "A message must hold finite numbers only, got NaN."),
+        (b'{"do": "get", "id": 1e999}', "A message must hold finite numbers only, got 1e999."),
+        (b'{"do": "get", "id": ' + b"9" * 10_000 + b"}", "Exceeds the limit"),
+        (b'{"do": ["get"]}', "`do` must be one of"),
+    ],
+)
+def test_rubbish_is_answered(line, message):
+    reply = json.loads(Session().answer(line))
+    assert message in reply["error"]
+
+
+def test_an_answer_repeats_the_requests_id_also_with_an_error(ask):
+    assert ask("reset", id="a")["id"] == "a"
+    assert ask("step", id=7)["id"] == 7
+
+
+def test_an_answer_that_would_be_too_long_is_refused(ask, monkeypatch):
+    monkeypatch.setattr("laticauda.cosim.messages.MOST_NUMBERS", 100)
+    assert ask("run", series=["time"])["error"] == "`series` must hold 100 numbers or fewer in one answer, got 601."

@@ -1,0 +1,75 @@
+import time
+
+import numpy as np
+import pytest
+
+from laticauda.lab import BODY, QtmServer
+from laticauda.operate.drivers import Clock, DeviceFailed, MocapDriver
+from laticauda.protocol import BodyPose, MocapFrame
+
+TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+@pytest.fixture
+def server():
+    server = QtmServer(100.0, port=0)
+    server.start()
+    yield server
+    server.stop()
+
+
+def published(server: QtmServer, driver: MocapDriver, n: int) -> list:
+    found, end, number = [], time.monotonic() + 5.0, 0
+    while len(found) < n and time.monotonic() < end:
+        pose = BodyPose(position=np.array([1.0, 2.0, -0.15]), rotation=TURN, residual=0.0007) if number % 3 else None
+        server.publish(MocapFrame(timestamp=5.0 + 0.01 * number, number=number, bodies=(pose,)))
+        number += 1
+        time.sleep(0.01)
+        found += driver.taken()
+    return found
+
+
+def test_the_vendors_client_streams_the_body_with_both_times(server):
+    clock = Clock()
+    with MocapDriver(server.host, server.port, BODY, clock) as driver:
+        found = published(server, driver, 9)
+        assert driver.trouble == ""
+    seen = [(arrival, frame) for arrival, frame in found if not frame.is_lost]
+    assert len(seen) < len(found)
+    arrival, frame = seen[0]
+    assert frame.position == pytest.approx([1.0, 2.0, -0.15], abs=1e-6)
+    assert frame.rotation == pytest.approx(TURN)
+    assert frame.residual == pytest.approx(0.0007)
+    assert frame.time >= 5.0
+    assert 0.0 < arrival < clock.now()
+
+
+def test_the_only_body_needs_no_name_and_an_unknown_one_is_refused_with_what_there_is(server):
+    with MocapDriver(server.host, server.port, "", Clock()):
+        pass
+    with pytest.raises(DeviceFailed, match=rf"has no body 'fish'; its bodies are: {BODY}"):
+        MocapDriver(server.host, server.port, "fish", Clock())
+
+
+def test_a_server_that_is_not_there_says_what_to_check(server):
+    server.stop()
+    with pytest.raises(
+        DeviceFailed, match="cannot be reached: check that QTM runs there, and that its real-time server"
+    ):
+        MocapDriver("127.0.0.1", server.port, "", Clock())
+
+
+def test_a_connection_that_breaks_is_told_and_made_again(server):
+    with MocapDriver(server.host, server.port, "", Clock()) as driver:
+        assert published(server, driver, 2)
+        server.stop()
+        end = time.monotonic() + 5.0
+        while not driver.trouble and time.monotonic() < end:
+            time.sleep(0.01)
+        assert driver.trouble
+        again = QtmServer(100.0, port=server.port)
+        again.start()
+        try:
+            assert published(again, driver, 2)
+        finally:
+            again.stop()

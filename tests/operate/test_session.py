@@ -1,0 +1,235 @@
+"""Operator and virtual tank on real wires: a CAN bus, the vendor's motion-capture client, a serial line, threads."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import laticauda as lc
+from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, World
+from laticauda.operate.drivers import Clock, DeviceFailed
+from laticauda.operate.keys import Keys
+from laticauda.operate.operation_log import read_operation
+from laticauda.operate.operator import Operator
+from laticauda.operate.recording import OperationRecorder
+from laticauda.operate.samples import Event
+from laticauda.operate.session import header_of, operate, result_of, table
+from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
+from laticauda.operate.settings import Tank as Volume
+from laticauda.operate.sink import PlainSink, RecordingSink
+from laticauda.operate.stepped import run_stepped
+from laticauda.protocol import NodeState, bus_address
+
+GAIT = lc.lateral_undulation(amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40))
+SLOW = Calibration(joint_zeros=True, idle_time=1.0, still_time=0.5)
+ON = (NodeState.ACTIVE, NodeState.HOLD)
+# A computer that is busy with other tests is late; that is not what is tested here.
+PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
+
+
+def operation(**changes) -> Operation:
+    usual = Operation(
+        name="session",
+        gait=GAIT,
+        following=Following(),
+        duration=2.0,
+        rate=50.0,
+        countdown=0.1,
+        tank=Volume(volume_x=(-1.0, 11.0)),
+        connection=Connection(meter_port="stepped"),
+        calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
+        limits=PATIENT,
+    )
+    return replace(usual, **changes)
+
+
+def tank(*faults: Fault) -> Tank:
+    robot = lc.load_robot("mamba")
+    world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
+    return Tank(world, LabSettings(seed=1, nodes=nodes), faults)
+
+
+def is_limp(tank: Tank) -> bool:
+    return not any(node.state in ON for node in tank.nodes)
+
+
+def at(addresses, channel: str) -> Connection:
+    return Connection(
+        can_interface="virtual",
+        can_channel=channel,
+        mocap_host=addresses.mocap_host,
+        mocap_port=addresses.mocap_port,
+        meter_port=addresses.meter,
+    )
+
+
+# ---- on wires --------------------------------------------------------------------------------------------------------
+
+
+def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path):
+    threads = set(threading.enumerate())
+    lab = Lab(tank(), bus=bus_address("virtual:session-a"), port=0)
+    with lab as addresses:
+        what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW)
+        result = operate(what, tmp_path, clock=Clock())
+        assert lab.ask(is_limp)
+    assert result.accepted, result.reason
+    assert result.trial is not None
+    assert lc.load_trial(tmp_path / "session.nc").equals(result.trial)
+    summary = json.loads(json.dumps(result.summary()))
+    assert summary["duration"] == pytest.approx(2.0, abs=0.2)
+    assert summary["total_power"] - summary["electrical_power"] == pytest.approx(35 * summary["idle_current"])
+    assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
+    assert summary["timing"]["ticks"] > 50
+    assert "forward velocity (5)" in table(summary)
+    assert {thread.name for thread in threading.enumerate() if thread not in threads} == set()
+
+
+def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
+    lab = Lab(tank(), bus=bus_address("virtual:session-b"), port=0)
+    keys, pressed = Keys(), []
+
+    def show(state, outputs):
+        if state.begun is not None and state.now - state.begun > 0.5 and not pressed:
+            pressed.append(True)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with lab as addresses, keys:
+        what = operation(connection=at(addresses, "session-b"), rate=20.0, calibration=SLOW, duration=30.0)
+        result = operate(what, tmp_path, clock=Clock(), keys=keys, show=show)
+        assert lab.ask(is_limp)
+        assert lab.ask(lambda tank: abs(tank.truth.joint_angle).max()) < math.radians(6)
+    assert not result.accepted
+    assert result.reason == "The run was ended: the operator stopped the run."
+
+
+def test_devices_that_are_not_there_are_named_and_nothing_is_left_open(tmp_path: Path):
+    threads = set(threading.enumerate())
+    what = operation(connection=Connection(can_interface="virtual", can_channel="x", mocap_port=1))
+    with pytest.raises(DeviceFailed, match=r"motion capture at 127\.0\.0\.1:1 cannot be reached"):
+        operate(what, tmp_path)
+    assert set(threading.enumerate()) <= threads
+
+
+PROGRAM = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
+
+
+def test_a_killed_operator_leaves_a_robot_that_stops_by_itself(tmp_path: Path):
+    group = f"239.74.163.{10 + os.getpid() % 200}"
+    bus = f"udp_multicast:{group}:43231"
+    words = ["lab", "--json", "--robot", "mamba", "--bus", bus, "--port", "0"]
+    lab = subprocess.Popen([*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    file = tmp_path / "trial.toml"
+    file.write_text(
+        'kind = "trial"\nname = "killed"\nduration = 60\nrate = 20\ncountdown = 0\n[gait]\namplitude_deg = 20\n'
+        "frequency_deg_s = 90\nphase_shift_deg = 40\n[calibration]\nidle_time = 0.2\nstill_time = 0.2\n"
+        "joint_zeros = true\n[limits]\nmax_lateness = 3\njoint_timeout = 3\nheartbeat_timeout = 3\nmocap_timeout = 5\n"
+        "[tank]\nvolume_x = [-1, 11]\n"
+    )
+    operator = None
+    try:
+        assert lab.stdout is not None
+        where = json.loads(lab.stdout.readline())
+        words = ["operate", str(file), "--no-dashboard", "--output", str(tmp_path), "--can", bus]
+        words += ["--mocap", where["qtm"], "--meter", where["meter"]]
+        operator = subprocess.Popen([*PROGRAM, *words], stderr=subprocess.PIPE, text=True)
+        assert operator.stderr is not None
+        line = ""
+        while "the run begins" not in line:
+            line = operator.stderr.readline()
+            assert line, "the operator ended before the run"
+        states = watched(bus, until=lambda states: set(states.values()) == {NodeState.ACTIVE})
+        assert len(states) == 8
+        operator.send_signal(signal.SIGKILL)
+        operator.wait(10)
+        states = watched(bus, until=lambda states: not any(state in ON for state in states.values()))
+        assert set(states.values()) == {NodeState.LIMP}
+    finally:
+        for process in (operator, lab):
+            if process is not None:
+                process.kill()
+                process.wait(10)
+                for pipe in (process.stdin, process.stdout, process.stderr):
+                    if pipe is not None:
+                        pipe.close()
+    log = read_operation(tmp_path / "killed.mcap")
+    assert any(event.kind == "start" for event in log.of(Event))
+
+
+def watched(bus: str, until) -> dict[int, NodeState]:
+    """The states of the modules by their heartbeats, once all are known and as is waited for."""
+    from laticauda.protocol import Heartbeat, from_frame, open_bus
+
+    states: dict[int, NodeState] = {}
+    end = time.monotonic() + 20.0
+    with open_bus(bus_address(bus)) as listener:
+        while time.monotonic() < end and not (len(states) == 8 and until(states)):
+            frame = listener.recv(0.1)
+            message = None if frame is None else from_frame(frame)
+            if isinstance(message, Heartbeat):
+                states[message.node] = message.state
+    return states
+
+
+# ---- without wires ---------------------------------------------------------------------------------------------------
+
+
+def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_commands_again(tmp_path: Path):
+    from laticauda.operate.estimate import Estimate
+    from laticauda.operate.replay import rerun_controller, rerun_estimator
+
+    operator = Operator(operation=operation(duration=1.0))
+    path = tmp_path / "a.mcap"
+    with OperationRecorder(path, header_of(operator)) as recorder:
+        state = run_stepped(operator, tank(), sink=PlainSink(recorder))
+    result = result_of(operator, state, path, None)
+    assert result.accepted, result.reason
+    log = read_operation(path)
+    again = rerun_estimator(log)
+    recorded = log.of(Estimate)
+    assert len(again) == len(recorded) > 50
+    assert all((a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True))
+    assert rerun_controller(log).n_different == 0
+
+
+def test_a_full_disk_stops_the_robot(tmp_path: Path):
+    operator = Operator(operation=operation(duration=20.0))
+    with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
+        sink = PlainSink(recorder)
+
+        def show(state, outputs):
+            if state.begun is not None and state.now - state.begun > 0.5:
+                sink.trouble = "no space left on device"
+
+        swum = tank()
+        state = run_stepped(operator, swum, sink=sink, show=show)
+    assert state.stopped_by == "recorder_failed"
+    assert state.supervisor.state == "fault"
+    assert is_limp(swum)
+
+
+def test_a_recorder_that_fails_in_its_thread_says_so_and_does_not_wait(tmp_path: Path):
+    operator = Operator(operation=operation())
+    with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
+        with RecordingSink(recorder) as sink:
+            sink.tick(operator.init(), None, None, ())  # type: ignore[arg-type]  # what cannot be written
+            end = time.monotonic() + 3.0
+            while not sink.trouble and time.monotonic() < end:
+                time.sleep(0.01)
+            assert sink.trouble
+
+
+def test_the_vendors_faults_of_a_tank_are_seen_for_what_they_are():
+    swum = tank(Fault(kind="leak", time=3.5, node=4))
+    state = run_stepped(Operator(operation=operation(duration=10.0)), swum)
+    assert state.stopped_by == "leak"
+    assert is_limp(swum)

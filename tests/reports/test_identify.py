@@ -1,0 +1,88 @@
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from identify.trials import FRICTION, speeds
+
+from laticauda.identify import Unknown
+from laticauda.identify.tasks import Task
+from laticauda.reports.identify import as_dict, checked, write_identification
+from laticauda.reports.identify_figures import short_names
+from laticauda.reports.identify_tables import tables_of
+
+WITHOUT_EFFECT = "robot.joint.actuator.servo_gain"  # of prescribed joints
+
+
+@pytest.fixture(scope="module")
+def done():
+    measured = speeds(6, duration=6.0, noise=0.002)
+    measured = [replace(m, group="slow" if i < 3 else "fast") for i, m in enumerate(measured)]
+    wanted = (Unknown(name=FRICTION, prior=(0.3, 0.2)), Unknown(name=WITHOUT_EFFECT))
+    options = {"n_starts": 2, "noise": "estimated"}
+    task = Task(name="tank", title="in the tank", measurements=tuple(measured), unknowns=wanted, options=options)
+    return checked(task, task.run(threads=1), profiles=False)
+
+
+def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
+    files = write_identification(done, tmp_path, command="laticauda identify tank.toml")
+    assert {path.name for path in tmp_path.iterdir()} == set(files)
+    text = (tmp_path / "identify.html").read_text()
+    for words in (
+        "Identification: in the tank",
+        "Command: laticauda identify tank.toml",
+        done.found.status,
+        "What the measurements see",
+        "group left out",
+        "null model: constant per group",
+        "starts came to the same sum of squares",
+    ):
+        assert words in text
+    assert text.count("data:image/png;base64,") == 4
+    assert "http" not in text.replace("http-equiv", "")
+    assert "`" not in text.split("<style>")[0] + text.split("</style>")[1].split("base64")[0]
+
+
+def test_what_is_not_identified_is_no_number_in_table_and_json(done):
+    table = tables_of(done)["parameters"]
+    for row, estimate in zip(table.rows, done.found.estimates, strict=True):
+        assert (row[1] is None) == (not estimate.is_identified)
+    assert any(row[1] is None for row in table.rows)
+    assert table.rows[0][table.columns.index(next(c for c in table.columns if c.name == "prior"))] == "0.3 ± 0.2"
+    found = json.loads(json.dumps(as_dict(done), allow_nan=False))
+    assert [row["value"] is None for row in found["parameters"]] == [row[1] is None for row in table.rows]
+    assert all(row["best"] is not None for row in found["parameters"])
+
+
+def test_what_is_left_out_stands_beside_the_null_models(done):
+    rows = {row[0]: row for row in tables_of(done)["errors"].rows}
+    mine = rows["this fit"]
+    assert mine[2] == pytest.approx(done.found.percentage_error())
+    assert mine[3] > mine[2]
+    assert mine[4] == pytest.approx(done.by_group.percentage_error())
+    assert "null model: constant stride per group" in rows
+
+
+def test_groups_are_not_left_out_where_the_others_do_not_suffice(done):
+    few = replace(done.task, measurements=done.task.measurements[:4], options={"n_starts": 1, "noise": "estimated"})
+    few = replace(
+        few, measurements=tuple(replace(m, group="one" if i else "rest") for i, m in enumerate(few.measurements))
+    )
+    assert checked(few, few.run(threads=1)).by_group is None
+
+
+def test_names_are_short_where_that_leaves_them_different():
+    assert short_names(["water.normal_drag", "robot.caudal_fin.length"]) == ["normal drag", "caudal fin.length"]
+    both = ["water.normal_drag", "eel_like.water.normal_drag"]
+    assert short_names(both) == ["normal drag", "eel like: normal drag"]
+    assert short_names(["water.mass", "robot.mass"]) == ["water.mass", "robot.mass"]
+
+
+def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(done):
+    table = tables_of(done)["residuals"]
+    names = [column.name for column in table.columns]
+    assert len(table.rows) == 6
+    left_out = np.array([row[names.index("left out")] for row in table.rows], dtype=float)
+    predicted = np.array([row[names.index("predicted")] for row in table.rows], dtype=float)
+    measured = np.array([row[names.index("measured")] for row in table.rows], dtype=float)
+    assert np.all(np.abs(left_out - measured) >= np.abs(predicted - measured) - 1e-12)
