@@ -1,8 +1,8 @@
 """How many round trips per second does the server make?
 
 Question: can a controller on the other side of a socket run far faster than the 20 Hz of a control loop? Every request
-is a step of 0.05 s of Mamba in the plane, with another offset; server and client share this machine. From Octave, if it is
-installed with its package instrument-control.
+is a step of 0.05 s of Mamba in the plane, with another offset; server and client share this machine. From Octave, if it
+is installed with its package instrument-control.
 """
 
 import itertools
