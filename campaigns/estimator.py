@@ -43,7 +43,8 @@ import argparse
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -104,6 +105,11 @@ CASES = (
 )
 
 
+def water_of(case: Case) -> lc.Water:
+    """The water that was identified with the gait."""
+    return load_water("paper-eel" if case.gait == "eel_like" else "paper-lateral")
+
+
 def truth(case: Case, duration: float) -> lc.Trial:
     """What really happened."""
     make = lc.lateral_undulation if case.gait == "lateral_undulation" else lc.eel_like
@@ -112,8 +118,7 @@ def truth(case: Case, duration: float) -> lc.Trial:
         frequency=math.radians(case.frequency_deg_s),
         phase_shift=math.radians(40.0),
     )
-    water = load_water("paper-eel" if case.gait == "eel_like" else "paper-lateral")
-    body = lc.plant(lc.load_robot(case.robot), water, joints="servo")
+    body = lc.plant(lc.load_robot(case.robot), water_of(case), joints="servo")
     controller: Any = lc.OpenLoop(command=lc.Command(gait=gait))
     if case.is_following:
         controller = lc.PathFollowing(
@@ -233,32 +238,79 @@ def _shown(found: Errors) -> str:
     return " ".join(f"{value[0]:6.2f} {value[1]:5.2f}" for value in (found.always, found.outside, found.inside))
 
 
+@dataclass(frozen=True, kw_only=True)
+class Twin:
+    """A digital twin, and how wrong it is: factors."""
+
+    friction: float = 1.0  # C_f
+    drag: float = 1.0  # C_D
+    added: float = 1.0  # C_A and C_M
+    servo_gain: float = 1.0
+
+    def plant(self, case: Case) -> Any:
+        """The plant that runs beside the filter."""
+        water, robot = water_of(case), lc.load_robot(case.robot)
+        other = replace(
+            water,
+            tangential_friction=self.friction * water.tangential_friction,
+            normal_drag=self.drag * water.normal_drag,
+            added_mass=self.added * water.added_mass,
+            added_inertia=self.added * water.added_inertia,
+        )
+        joints = tuple(
+            replace(joint, actuator=replace(joint.actuator, servo_gain=self.servo_gain * joint.actuator.servo_gain))
+            for joint in robot.joints
+        )
+        return lc.plant(replace(robot, joints=joints), other, joints="servo")
+
+
+TWINS = {
+    "twin": Twin(),
+    "twin, water + 30 %": Twin(friction=1.3, drag=1.3, added=1.3),
+    "twin, water - 30 %": Twin(friction=0.7, drag=0.7, added=0.7),
+    "twin, mixed, servo": Twin(friction=1.3, drag=0.7, added=1.3, servo_gain=0.6),
+}
+
+
+def table(case: Case, n_seeds: int, duration: float) -> list[str]:
+    """The lines of one run."""
+    trial = truth(case, duration)
+    makers: dict[str, Any] = {
+        name: Estimator(robot=trial.robot, backlash=BACKLASH, plant=twin.plant(case)) for name, twin in TWINS.items()
+    }
+    makers |= {
+        "twin, play not told": Estimator(robot=trial.robot, plant=TWINS["twin"].plant(case)),
+        "no twin": Estimator(robot=trial.robot, backlash=BACKLASH),
+        "kinematics": KinematicEstimator(robot=trial.robot),
+    }
+    lines = [case.name]
+    for name, estimator in makers.items():
+        found, costs, trust = [], [], []
+        for seed in range(n_seeds):
+            # Kinematics alone has no defense against reflections: it is spared them.
+            sensors = Sensors(outliers=0.0) if name == "kinematics" else Sensors()
+            arrivals, dropped = sensed(trial, sensors, seed)
+            estimates, cost = estimated(estimator, arrivals, trial.time)
+            found.append(errors(trial, estimates, dropped))
+            costs.append(cost)
+            trust.append(consistency(trial, estimates) if name != "kinematics" else (0.0, 0.0))
+        place, heading = np.mean(trust, axis=0)
+        end = "" if name == "kinematics" else f"  {1e3 * min(costs):.2f} ms, {place:.1f} {heading:.1f}"
+        lines.append(f"    {name:20} {_shown(_mean(found))}{end}")
+    return lines
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--duration", type=float, default=60.0)
+    parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
-    print(f"{'':24} {'always':>12} {'outside':>12} {'in drop-outs':>12}   [mm, deg]")
-    for case in CASES:
-        trial = truth(case, options.duration)
-        makers = {
-            "filter": Estimator(robot=trial.robot, backlash=BACKLASH),
-            "play not told": Estimator(robot=trial.robot),
-            "kinematics": KinematicEstimator(robot=trial.robot),
-        }
-        print(case.name, flush=True)
-        for name, estimator in makers.items():
-            found, cost, trust = [], 0.0, (0.0, 0.0)
-            for seed in range(options.seeds):
-                # Kinematics alone has no defense against reflections: it is spared them.
-                sensors = Sensors(outliers=0.0) if name == "kinematics" else Sensors()
-                arrivals, dropped = sensed(trial, sensors, seed)
-                estimates, cost = estimated(estimator, arrivals, trial.time)
-                found.append(errors(trial, estimates, dropped))
-                if name == "filter":
-                    trust = consistency(trial, estimates)
-            end = f"  {1e3 * cost:.2f} ms a tick, consistency {trust[0]:.1f} {trust[1]:.1f}" if name == "filter" else ""
-            print(f"    {name:20} {_shown(_mean(found))}{end}", flush=True)
+    print(f"{'':24} {'always':>12} {'outside':>12} {'in drop-outs':>12}   [mm, deg]", flush=True)
+    with ProcessPoolExecutor(options.jobs) as pool:
+        given = ([value] * len(CASES) for value in (options.seeds, options.duration))
+        for lines in pool.map(table, CASES, *given):
+            print("\n".join(lines), flush=True)
 
 
 if __name__ == "__main__":

@@ -65,6 +65,7 @@ class Operate:
         from laticauda.operate.drivers import Clock
         from laticauda.operate.keys import Keys
         from laticauda.operate.session import operate
+        from laticauda.simulate import plant
 
         text = Path(self.file).read_text(encoding="utf-8-sig")
         with Keys() as keys, self._shown(operation) as show:
@@ -77,6 +78,7 @@ class Operate:
                 clears=self.clear,
                 check_only=self.check,
                 text=text,
+                twin=plant(operation.body(), operation.pool(), joints="servo"),
             )
 
     def _series(self, series: Any, folder: Path) -> int:

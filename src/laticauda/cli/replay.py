@@ -64,12 +64,13 @@ class Replay:
 
     def _estimates(self, log: "OperationLog") -> "list[Estimate] | None":
         from laticauda.operate import KinematicEstimator, rerun_estimator
+        from laticauda.simulate import plant
 
         if self.kinematics:
             mount = getattr(log.header.estimator, "mount", None)
             kwargs = {} if mount is None else {"mount": mount}
             return rerun_estimator(log, KinematicEstimator(robot=log.header.robot, **kwargs))
-        return rerun_estimator(log) if self.estimate else None
+        return rerun_estimator(log, plant=plant) if self.estimate else None
 
 
 def _compared(rerun: "Rerun") -> dict[str, float]:

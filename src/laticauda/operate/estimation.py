@@ -1,13 +1,14 @@
 """The filter: from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
 
-An extended Kalman filter over `laticauda.operate.motion`. Its state is a value; samples may come late and out of order
-by up to `horizon`: then the filter goes back, takes the sample in where it belongs, and repeats what came after it.
+An extended Kalman filter over `laticauda.operate.motion`, with a digital twin beside it if there is one. Its state is a
+value; samples may come late and out of order by up to `horizon`: then the filter goes back, takes the sample in where
+it belongs, and repeats what came after it.
 """
 
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +16,16 @@ from numpy.typing import NDArray
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import not_negative, positive, whole
 from laticauda.gaits.reference import filter_step
+from laticauda.interfaces import Plant
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
 from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
 from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
-from laticauda.operate.noise import Noise
+from laticauda.operate.noise import Noise, beside_twin
 from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
+from laticauda.operate.twin import PlantRecord, TwinState, check_plant, stepped
+from laticauda.operate.twin import start as twin_start
 from laticauda.robot import Robot
 
 Vector: TypeAlias = NDArray[np.float64]
@@ -47,6 +51,10 @@ class Belief:
     """The last joint angles, before the first frame [rad]."""
     seen: float
     """When the last frame that was believed was taken; -inf before [s]."""
+    twin: TwinState | None
+    """The plant that runs along; None without one."""
+    twin_failed: bool
+    """Whether the twin had to be given up [-]."""
     n_refused: int
     """Frames in a row that were not believed [-]."""
     n_stray: np.ndarray
@@ -88,6 +96,11 @@ class Estimator:
     """Speed through the water under the gait, if it is known; see `MotionModel` [m/s]."""
     swim_speed_std: float = 0.01
     """How well it is known [m/s]."""
+    plant: Plant[Any] | PlantRecord | None = None
+    """A simulated robot, its joints driven by the `pd` or `servo` law, that runs along as a digital twin and foresees
+    the motion; None: the filter knows no water. A recording holds only its record."""
+    coupling: float = 1.0
+    """How strongly the twin's joints are pulled to the measured ones: phi_ref + coupling (phi - phi_twin) [-]."""
     backlash: float = 0.0
     """Play between a joint and its sensor, in all; taken off where the modules report torques. The sensor is on the
     motor's side, which leads by half the play wherever the motor pulls [rad]."""
@@ -110,7 +123,11 @@ class Estimator:
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         object.__setattr__(self, "horizon", not_negative("horizon", self.horizon, "s"))
         object.__setattr__(self, "backlash", not_negative("backlash", self.backlash, "rad"))
+        object.__setattr__(self, "coupling", not_negative("coupling", self.coupling))
         object.__setattr__(self, "patience", whole("patience", self.patience, 1))
+        check_plant(self.plant, self.robot)
+        if self.plant is not None and self.swim_speed is not None:
+            raise ValueError(f"`swim_speed` must be None beside a `plant`, which knows it, got {self.swim_speed}.")
         _ = self.model
 
     @cached_property
@@ -124,12 +141,25 @@ class Estimator:
             swim_speed_std=self.swim_speed_std,
         )
 
+    @cached_property
+    def twin_model(self) -> MotionModel:
+        """The same beside a twin."""
+        return MotionModel(robot=self.robot, mount=self.mount, noise=beside_twin(self.noise), has_twin=True)
+
     def init(self, time: float = -math.inf) -> EstimatorState:
-        """Nothing seen yet.
+        """Nothing seen yet. The first call with a plant has it compiled, which may take seconds.
 
         Args:
             time: Samples from before it are left out [s].
+
+        Raises:
+            ValueError: If the plant is only the record of one.
         """
+        if isinstance(self.plant, PlantRecord):
+            raise ValueError("`plant` must be made from its record first (`laticauda.plant`), got a record.")
+        if self.plant is not None:
+            still = np.zeros(self.model.n_joints)
+            stepped(self._plant, twin_start(self._plant, still), still, None, 0.0, 0.01)
         nothing = np.zeros(self.model.n_joints)
         belief = Belief(
             time=time,
@@ -140,6 +170,8 @@ class Estimator:
             frequency=0.0,
             joint=None,
             seen=-math.inf,
+            twin=None,
+            twin_failed=False,
             n_refused=0,
             n_stray=np.zeros(self.model.n_joints, dtype=np.int64),
         )
@@ -184,11 +216,11 @@ class Estimator:
             return None
         if time is not None and time > belief.time:
             belief = self._moved(belief, time)
-        known, model = belief.known, self.model
+        known, model = belief.known, self._model_of(belief)
         assert known is not None
         mean = known.mean
         place, theta, rows = model.pose(mean, belief.smooth)
-        velocity, turning = model.rates(mean, belief.smooth, belief.smooth_rate, belief.frequency)
+        velocity, turning = model.rates(mean, belief.smooth, belief.smooth_rate, belief.frequency, belief.twin)
         joint = belief.smooth + mean[JOINTS::2]
         spread = rows @ known.covariance @ rows.T
         water = known.covariance[np.ix_([VX, VY], [VX, VY])]
@@ -223,7 +255,7 @@ class Estimator:
     def _after(self, belief: Belief, sample: Sample) -> Belief:
         belief = self._moved(belief, sample.time)
         if isinstance(sample, ReferenceSample):
-            return replace(belief, asked=self._yaw("angle", sample.angle), frequency=sample.frequency)
+            return self._with_references(belief, sample)
         if isinstance(sample, JointSample):
             return self._with_joints(belief, self._without_play(sample))
         return self._with_frame(belief, sample)
@@ -239,13 +271,43 @@ class Estimator:
         # The filter's formula holds for arrays too.
         moved: Any = filter_step
         smooth, rate, _ = moved(belief.smooth, belief.smooth_rate, belief.asked, width, math.exp(-width * dt), dt)
-        known = belief.known
+        n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if belief.known is not None or belief.twin is not None else 0
+        for _ in range(n_steps):
+            belief = self._moved_on(belief, smooth, dt / n_steps)
+        return replace(belief, time=time, smooth=smooth, smooth_rate=rate)
+
+    def _moved_on(self, belief: Belief, smooth: Vector, dt: float) -> Belief:
+        """Twin and robot after one step; the joints' smoothed references are already those at its end."""
+        known, twin, moved = belief.known, belief.twin, None
+        if twin is not None:
+            joint = None if known is None else smooth + known.mean[JOINTS::2]
+            then = stepped(self._plant, twin, belief.asked, joint, self.coupling, dt)
+            if then is None:
+                belief = replace(belief, twin=None, twin_failed=True)
+                known = None if known is None else self.model.anew(known)
+            else:
+                twin, moved = then
+                belief = replace(belief, twin=twin)
         if known is not None:
-            n_steps = max(1, math.ceil(dt / LONGEST_STEP))
-            for _ in range(n_steps):
-                mean, f, q = self.model.step(known.mean, smooth, belief.frequency, dt / n_steps)
-                known = filtering.predicted(mean, known.covariance, f, q)
-        return replace(belief, time=time, known=known, smooth=smooth, smooth_rate=rate)
+            mean, f, q = self._model_of(belief).step(known.mean, smooth, belief.frequency, dt, moved)
+            known = filtering.predicted(mean, known.covariance, f, q)
+        return replace(belief, known=known)
+
+    @property
+    def _plant(self) -> Plant[Any]:
+        # `init` has refused a mere record; to ask here again would cost as much as the step.
+        return cast("Plant[Any]", self.plant)
+
+    def _model_of(self, belief: Belief) -> MotionModel:
+        return self.model if belief.twin is None else self.twin_model
+
+    def _with_references(self, belief: Belief, sample: ReferenceSample) -> Belief:
+        """What the joints are asked for; the first ones start the twin."""
+        asked, twin, known = self._yaw("angle", sample.angle), belief.twin, belief.known
+        if twin is None and self.plant is not None and not belief.twin_failed:
+            twin = twin_start(self._plant, asked)
+            known = None if known is None else self.twin_model.anew(known)
+        return replace(belief, asked=asked, frequency=sample.frequency, twin=twin, known=known)
 
     def _without_play(self, sample: JointSample) -> Vector:
         """The joint angles, from the sensors and the side on which the gears touch."""
@@ -327,7 +389,9 @@ class Estimator:
         link, offset = self.mount.on_link(self.robot)
         theta = link_angles(belief.joint, angle=float(measured[2]), link=link)
         place = center_of_mass(self.model.chain, measured[:2], theta, link=link, offset=offset)
-        known = self.model.start(place, float(heading(theta)), belief.joint - belief.smooth, -belief.smooth_rate)
+        known = self._model_of(belief).start(
+            place, float(heading(theta)), belief.joint - belief.smooth, -belief.smooth_rate
+        )
         return replace(belief, known=known, seen=belief.time, joint=None)
 
     def _yaw(self, name: str, angle: Vector) -> Vector:

@@ -15,6 +15,7 @@ from laticauda.kinematics import link_angles, link_centers
 from laticauda.operate.estimate import Mount
 from laticauda.operate.filtering import Gaussian
 from laticauda.operate.noise import Noise
+from laticauda.operate.twin import Moved, TwinState
 from laticauda.robot import Robot
 
 # This runs hundreds of times a second: shapes are in the docstrings, and are not checked at run time.
@@ -52,6 +53,9 @@ class MotionModel:
     from the robot's own speed. None: only turning tells the two apart [m/s]."""
     swim_speed_std: float = 0.01
     """How well it is known [m/s]."""
+    has_twin: bool = False
+    """Whether a twin foresees the motion: then U, S and R are what the robot does besides, TURN is the share by which
+    it turns faster than the twin, and all of it is small."""
     ripple_memory: float = 100.0
     """Time in which a ripple that nobody sees fades [s]."""
     reference_bandwidth: float = 25.0
@@ -100,18 +104,36 @@ class MotionModel:
         mean = np.zeros(self.size)
         mean[[X, Y]], mean[H] = center_of_mass, heading
         mean[JOINTS::2], mean[JOINTS + 1 :: 2] = deviation, deviation_rate
+        return Gaussian(mean=mean, covariance=np.diag(self._first_variance()))
+
+    def anew(self, known: Gaussian) -> Gaussian:
+        """The same pose, current and joints, with all that explains the motion open again: for a change of models.
+
+        Args:
+            known: What was known under the other model.
+        """
+        mean, covariance = known.mean.copy(), known.covariance.copy()
+        at = np.array([U, S, R, *range(TURN, JOINTS)])
+        mean[at] = 0.0
+        covariance[at, :] = covariance[:, at] = 0.0
+        covariance[at, at] = self._first_variance()[at]
+        return Gaussian(mean=mean, covariance=covariance)
+
+    def _first_variance(self) -> Vector:
         variance = np.zeros(self.size)
-        noise = self.noise
+        noise, share = self.noise, TWIN_OPENING if self.has_twin else 1.0
         variance[[X, Y]] = 0.05**2
-        variance[[U, S]] = 0.1**2, noise.sway**2
+        variance[[U, S]] = TWIN_SURGE**2 if self.has_twin else 0.1**2, noise.sway**2
         variance[[VX, VY]] = noise.current**2
         variance[[H, R]] = 0.05**2, 0.1**2
-        variance[[TURN, SLIP]] = 0.5**2, 0.2**2
-        variance[HEADING_GAIN], variance[ACROSS_GAIN] = 1.0, 0.1**2
+        variance[[TURN, SLIP]] = (share * 0.5) ** 2, (share * 0.2) ** 2
+        variance[HEADING_GAIN], variance[ACROSS_GAIN] = share**2, (share * 0.1) ** 2
         variance[JOINTS::2], variance[JOINTS + 1 :: 2] = (2.0 * noise.joint) ** 2, 0.5**2
-        return Gaussian(mean=mean, covariance=np.diag(variance))
+        return variance
 
-    def step(self, mean: Vector, reference: Vector, frequency: float, dt: float) -> tuple[Vector, Matrix, Matrix]:
+    def step(
+        self, mean: Vector, reference: Vector, frequency: float, dt: float, moved: Moved | None = None
+    ) -> tuple[Vector, Matrix, Matrix]:
         """One step of time.
 
         Args:
@@ -119,13 +141,15 @@ class MotionModel:
             reference: What joint angles deviate from [rad].
             frequency: Of the gait, omega [rad/s].
             dt: [s].
+            moved: What the twin did meanwhile; None without one.
 
         Returns:
             The mean after it, F and Q.
         """
         f, q = np.eye(self.size), np.zeros((self.size, self.size))
         after = mean.copy()
-        self._travel(mean, after, f, float(self.modes[0] @ (reference + mean[JOINTS::2])), dt)
+        bend = float(self.modes[0] @ (reference + mean[JOINTS::2]))
+        self._travel(mean, after, f, bend, dt, moved)
         self._wander(after, f, q, frequency, dt)
         self._ripples(after, f, q, frequency, dt)
         places = np.arange(JOINTS, self.size, 2)
@@ -134,19 +158,28 @@ class MotionModel:
         _walk_of_rate(q, places, self.noise.joint_acceleration**2, dt)
         return after, f, q
 
-    def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float) -> None:
+    def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, moved: Moved | None) -> None:
         """The smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
-        turning = mean[R] + mean[TURN] * bend
-        h = mean[H] + 0.5 * dt * turning
+        told = 0.0 if moved is None else moved.turned
+        lever = bend if moved is None else told / dt
+        turning = mean[R] + mean[TURN] * lever
+        h = mean[H] + 0.5 * (dt * turning + told)
         c, s = math.cos(h), math.sin(h)
         after[[X, Y]] += dt * _through_water(mean, bend, c, s) + dt * mean[[VX, VY]]
-        after[H] += dt * turning
+        after[H] += told + dt * turning
+        f[H, R], f[H, TURN] = dt, dt * lever
         per_bend = dt * self.modes[0]
-        f[H, R], f[H, TURN] = dt, dt * bend
-        f[H, JOINTS::2] = mean[TURN] * per_bend
         across = mean[S] + mean[SLIP] * bend
         turned = dt * np.array([-s * mean[U] - c * across, c * mean[U] - s * across])
-        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * bend * turned
+        if moved is None:
+            f[H, JOINTS::2] = mean[TURN] * per_bend
+        else:
+            h0 = mean[H] + 0.5 * dt * turning
+            c0, s0 = math.cos(h0), math.sin(h0)
+            way = np.array([c0 * moved.along - s0 * moved.across, s0 * moved.along + c0 * moved.across])
+            after[[X, Y]] += way
+            turned += np.array([-way[1], way[0]])
+        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * lever * turned
         f[X, U], f[X, S], f[X, SLIP], f[X, VX] = dt * c, -dt * s, -dt * s * bend, dt
         f[Y, U], f[Y, S], f[Y, SLIP], f[Y, VY] = dt * s, dt * c, dt * c * bend, dt
         f[X, JOINTS::2], f[Y, JOINTS::2] = -s * mean[SLIP] * per_bend, c * mean[SLIP] * per_bend
@@ -167,7 +200,13 @@ class MotionModel:
             q[gains, gains] = walk**2 * dt * np.eye(N_MODES)
 
     def _surge(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
-        """Speed through the water: a random walk, or drawn to the known one within some cycles."""
+        """Speed through the water: a random walk, or drawn to the known one or the twin's within some cycles."""
+        if self.has_twin:
+            fade = math.exp(-dt / TWIN_MEMORY)
+            after[U] *= fade
+            f[U, U] = fade
+            q[U, U] = TWIN_SURGE**2 * (1.0 - fade * fade)
+            return
         if self.swim_speed is None:
             q[U, U] = self.noise.surge**2 * dt
             return
@@ -219,7 +258,9 @@ class MotionModel:
         place = np.array([mean[X] + c * along - s * across, mean[Y] + s * along + c * across])
         return place, float(theta), rows
 
-    def rates(self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float) -> tuple[Vector, float]:
+    def rates(
+        self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float, twin: TwinState | None = None
+    ) -> tuple[Vector, float]:
         """Velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
 
         Args:
@@ -227,6 +268,7 @@ class MotionModel:
             reference: What joint angles deviate from [rad].
             reference_rate: Its rate [rad/s].
             frequency: Of the gait, omega [rad/s].
+            twin: The twin, now; None without one.
         """
         bending = self.modes @ (reference + mean[JOINTS::2])
         bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
@@ -235,11 +277,17 @@ class MotionModel:
         pace = [float(-frequency * _HARMONIC[kind] @ mean[np.array(_SEEN[kind]) + 1]) for kind in range(3)]
         place[ACROSS] += float(mean[ACROSS_GAIN] @ bending)
         pace[ACROSS] += float(mean[ACROSS_GAIN] @ bending_rate)
-        turning = float(mean[R] + mean[TURN] * bending[0])
+        turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else twin.rate))
+        if twin is not None:
+            turning += twin.rate
         along = pace[ALONG] - turning * place[ACROSS]
         across = pace[ACROSS] + turning * place[ALONG]
         velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
         velocity += np.array([c * along - s * across, s * along + c * across])
+        if twin is not None:
+            ahead = mean[H] - twin.heading
+            c, s = math.cos(ahead), math.sin(ahead)
+            velocity += np.array([[c, -s], [s, c]]) @ twin.velocity
         return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
 
     def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
@@ -267,6 +315,11 @@ class MotionModel:
 # Time in which the robot comes to its speed [s], and in which ripples fade once the gait stands still [s].
 SPEED_UP = 4.0
 STOPPED_MEMORY = 0.3
+# How far the twin's speed is off [m/s], and for how long [s].
+TWIN_SURGE = 0.02
+TWIN_MEMORY = 10.0
+# How well a twin knows at the start what gains stand for, as a share of what is known without one [-].
+TWIN_OPENING = 0.1
 
 
 def _through_water(mean: Vector, bend: float, c: float, s: float) -> Vector:

@@ -1,7 +1,7 @@
 """How much the sensors and the motion model are off: the settings by which the filter weighs what it is told."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from laticauda.errors import not_negative, positive
 
@@ -57,3 +57,25 @@ class Noise:
             object.__setattr__(self, name, positive(name, getattr(self, name)))
         for name in ("position_walk", "surge", "sway", "current_walk", "turning", *GAINS):
             object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+
+
+# How fast changes what a twin leaves to explain of the motion; chosen on runs of their own, with the right plant and
+# with a wrong one. See docs/theory/estimation.md.
+BESIDE_TWIN = {
+    "turning": 0.012,
+    "turn_gain": 0.03,
+    "slip_gain": 0.01,
+    "heading_gain": 0.05,
+    "across_gain": 0.002,
+    "heading_ripple": 0.003,
+    "position_ripple": 0.0025,
+}
+
+
+def beside_twin(noise: Noise) -> Noise:
+    """The same sensors, and of the motion what a twin does not foresee.
+
+    Args:
+        noise: Without a twin.
+    """
+    return replace(noise, **{name: min(getattr(noise, name), value) for name, value in BESIDE_TWIN.items()})

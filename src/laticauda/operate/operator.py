@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.interfaces import Command
+from laticauda.interfaces import Command, Plant
 from laticauda.operate import preparing
 from laticauda.operate.asking import Asker, Asking
 from laticauda.operate.calibration import ClockOffset, MeanCurrent
@@ -143,6 +143,8 @@ class Operator:
     """Clear faults of the modules first: somebody has looked at them."""
     check_only: bool = False
     """Stop after the preparations, with the robot limp all the time."""
+    twin: Plant[Any] | None = None
+    """What runs along as the filter's model of motion; None: the filter knows no water."""
 
     @cached_property
     def robot(self) -> Robot:
@@ -174,7 +176,8 @@ class Operator:
         mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
         if self.operation.estimator == "kinematics":
             return KinematicEstimator(robot=self.robot, mount=mount)
-        return Estimator(robot=self.robot, mount=mount, lost_after=self.operation.limits.mocap_timeout)
+        lost_after = self.operation.limits.mocap_timeout
+        return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
 
     def init(self) -> OperatorState:
         """Nothing done yet."""

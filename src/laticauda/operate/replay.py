@@ -1,18 +1,19 @@
 """From a recording to a trial, and once more through the estimator and the controller."""
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import TrialFileError, instance, not_negative
-from laticauda.interfaces import Command
+from laticauda.interfaces import Command, Plant
 from laticauda.operate.estimate import Estimate
 from laticauda.operate.operation_log import Decision, OperationLog
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample, Sample, yaw_joints
+from laticauda.operate.twin import PlantRecord
 from laticauda.trial import Trial
 
 Column = Float[np.ndarray, " _n"]
@@ -174,17 +175,23 @@ def idle_current(log: OperationLog) -> float:
     return log.header.robot.idle_power / log.header.supply_voltage
 
 
-def rerun_estimator(log: OperationLog, estimator: AnyEstimator | None = None) -> list[Estimate]:
+def rerun_estimator(
+    log: OperationLog, estimator: AnyEstimator | None = None, *, plant: Callable[..., Plant[Any]] | None = None
+) -> list[Estimate]:
     """What an estimator makes of the recorded samples, in their order, at the times of the recorded estimates.
 
     Args:
         log: The recording.
         estimator: None takes the recorded one; then the estimates are the recorded ones, bit for bit.
+        plant: `laticauda.plant`, which makes a recorded estimator's digital twin again; needed only if it had one.
 
     Raises:
-        ValueError: If there is no estimator.
+        ValueError: If there is no estimator, or its twin would have to be made and `plant` was not given.
     """
     chosen: Any = log.header.estimator if estimator is None else estimator
+    record = getattr(chosen, "plant", None)
+    if plant is not None and isinstance(record, PlantRecord):
+        chosen = replace(chosen, plant=record.made(plant))
     if chosen is None:
         raise ValueError("`estimator` must be given: the recording holds none, got None.")
     state = chosen.init()

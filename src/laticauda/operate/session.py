@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.errors import TrialFileError
+from laticauda.interfaces import Plant
 from laticauda.operate.drivers import Clock
 from laticauda.operate.keys import Keys
 from laticauda.operate.loop import connected, run_loop
@@ -103,6 +104,7 @@ def operate(
     clears: bool = False,
     check_only: bool = False,
     text: str = "",
+    twin: Plant[Any] | None = None,
 ) -> Result:
     """Operate the robot once.
 
@@ -115,6 +117,7 @@ def operate(
         clears: Clear faults of the modules first.
         check_only: Stop before anything moves.
         text: The trial file as it was read.
+        twin: A simulated robot, the model of motion of the state estimation; None: it does without.
 
     Returns:
         What became of it; a refusal or a fault is no exception.
@@ -123,7 +126,7 @@ def operate(
         DeviceFailed: If a device cannot be reached.
         StorageFailed: If the recording cannot be written at the start.
     """
-    operator = Operator(operation=operation, clears=clears, check_only=check_only)
+    operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
     clock = clock or Clock()
     keys = keys or Keys()

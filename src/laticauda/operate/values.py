@@ -10,7 +10,10 @@ from functools import cache
 from typing import Any, cast
 
 from laticauda.errors import instance
-from laticauda.robot import Robot
+from laticauda.interfaces import Plant
+from laticauda.operate.twin import PlantRecord, record_of
+from laticauda.robot import Environment, Robot
+from laticauda.robot.files import from_toml, to_toml
 
 KIND = "class"
 ROBOT = "robot"
@@ -74,10 +77,13 @@ def from_json(text: str, *, robot: Robot | None = None) -> Any:
 
 
 def _plain(value: object) -> Any:
+    if isinstance(value, PlantRecord):
+        described = {"robot": to_toml(value.robot), "environment": to_toml(value.environment)}
+        return {KIND: PlantRecord.__name__, **described, "settings": dict(value.settings)}
     if is_dataclass(value) and not isinstance(value, type):
         instance("value", value, *_classes().values())
         names = [item.name for item in fields(value) if item.init and item.name != ROBOT]
-        own = {name: _plain(getattr(value, name)) for name in names}
+        own = {name: _plain(_recorded(name, getattr(value, name))) for name in names}
         return {KIND: type(value).__name__, **own}
     if isinstance(value, tuple | list):
         return [_plain(item) for item in cast("tuple[object, ...]", value)]
@@ -86,10 +92,19 @@ def _plain(value: object) -> Any:
     raise ValueError(f"`value` must be made of numbers, texts and settings, got {type(value).__name__}.")
 
 
+def _recorded(name: str, value: object) -> object:
+    """Of a plant only how it was made."""
+    return record_of(cast("Plant[Any]", value)) if name == "plant" and isinstance(value, Plant) else value
+
+
 def _built(plain: Any, robot: Robot | None) -> Any:
     if isinstance(plain, dict):
         given = dict(cast("dict[str, Any]", plain))
-        kind = _classes()[given.pop(KIND)]
+        name = given.pop(KIND)
+        if name == PlantRecord.__name__:
+            robot, environment = from_toml(given["robot"], Robot), from_toml(given["environment"])
+            return PlantRecord(robot=robot, environment=cast("Environment", environment), settings=given["settings"])
+        kind = _classes()[name]
         own = {name: _built(value, robot) for name, value in given.items()}
         if any(item.name == ROBOT for item in fields(kind)):
             own[ROBOT] = robot
