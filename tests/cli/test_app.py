@@ -1,7 +1,9 @@
 import os
 import re
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +61,9 @@ def test_the_help_lists_every_command(run):
     assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
 
 
+ENDLESS = (("lab",), ("serve",))
+
+
 @pytest.mark.usefixtures("short_reproduction")
 @pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
 def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
@@ -73,6 +78,9 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run,
     text = run(f"{' '.join(words)} --help").out
     assert "--json" in text
     (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)
+    if words in ENDLESS:  # Ctrl-C, once it serves
+        interrupt = (threading.main_thread().ident, signal.SIGINT)
+        threading.Timer(3.0, signal.pthread_kill, interrupt).start()
     done = run(" ".join(example.split()))
     assert done.status == 0, done.err
     assert done.out
