@@ -3,7 +3,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -61,29 +60,49 @@ def test_the_help_lists_every_command(run):
     assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
 
 
-ENDLESS = (("lab",), ("serve",))
+EEL = "--gait eel-like --amplitude-deg 50 --frequency-deg-s 110 --phase-shift-deg 40"
+SERVERS = (("lab",), ("serve",), ("cockpit",))
+
+
+def example_of(run, words):
+    """What the help of a command gives as an example, on one line."""
+    text = run(f"{' '.join(words)} --help").out
+    assert "--json" in text
+    (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)
+    return " ".join(example.split())
 
 
 @pytest.mark.usefixtures("short_reproduction")
-@pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
+@pytest.mark.parametrize("words", [words for words in app.COMMANDS if words not in SERVERS], ids=" ".join)
 def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
-    for name, robot in (("run.nc", "mamba"), ("bare.nc", "mamba"), ("fin.nc", "mamba-fin")):
-        assert run(f"swim --robot {robot} --duration 3 --save {name}").status == 0
+    if words == ("operate",):
+        assert example_of(run, words)
+        pytest.skip("needs a robot: tests/cli/test_operate.py runs it in the virtual tank")
+    bare, fin = ("run.nc", "bare.nc", "run-1.nc"), ("fin.nc",)
+    for name, flags in ({n: "" for n in bare} | {n: "--robot mamba-fin" for n in fin} | {"run-2.nc": EEL}).items():
+        assert run(f"swim {flags} --duration 3 --save {name}").status == 0
     if words == ("view",):
         skip_without_rendering()
     if words == ("replay",):
         from operate.tank import record
 
         record(Path("run.mcap"))
-    text = run(f"{' '.join(words)} --help").out
-    assert "--json" in text
-    (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)
-    if words in ENDLESS:  # Ctrl-C, once it serves
-        interrupt = (threading.main_thread().ident, signal.SIGINT)
-        threading.Timer(3.0, signal.pthread_kill, interrupt).start()
-    done = run(" ".join(example.split()))
+    done = run(example_of(run, words))
     assert done.status == 0, done.err
     assert done.out
+
+
+@pytest.mark.parametrize("words", SERVERS, ids=" ".join)
+def test_the_example_of_a_server_says_its_address_and_ends_well_by_ctrl_c(run, words):
+    command = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
+    free = re.sub(r"--port \d+", "--port 0", example_of(run, words))  # other tests serve at the same time
+    with subprocess.Popen(
+        [*command, *free.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as server:
+        assert server.stdout.readline().strip()
+        server.send_signal(signal.SIGINT)
+        _, told = server.communicate(timeout=60)
+        assert server.returncode == 0, told
 
 
 @pytest.mark.parametrize(
