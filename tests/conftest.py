@@ -5,6 +5,7 @@ Modules that Numba compiles are left alone: the hook wraps functions, and Numba 
 """
 
 import os
+import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,8 @@ SOURCES = Path(__file__).parent.parent / "src"
 
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["NUMBA_NRT_STATS"] = "1"  # lets a test count the allocations of compiled code
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts its background jobs, and theirs, deaf to Ctrl-C
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("laticauda", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("laticauda")
 

@@ -101,7 +101,10 @@ def test_the_example_of_a_server_says_its_address_and_ends_well_by_ctrl_c(run, w
     ) as server:
         assert server.stdout.readline().strip()
         server.send_signal(signal.SIGINT)
-        _, told = server.communicate(timeout=60)
+        try:
+            _, told = server.communicate(timeout=60)
+        finally:
+            server.kill()
         assert server.returncode == 0, told
 
 
