@@ -1,5 +1,6 @@
 """A slice of campaigns/estimator.py: noise, lost frames, reflections, play and drop-outs, one run and one seed."""
 
+import pytest
 from operate.tank import campaign
 
 from laticauda.operate import Estimator, KinematicEstimator
@@ -18,3 +19,20 @@ def test_the_filter_is_within_3_mm_and_a_third_of_a_degree_and_twice_as_good_as_
     assert found.always[0] < 3.0 and found.always[1] < 0.3
     for name in ("always", "outside", "inside"):
         assert (2.0 * getattr(found, name) < getattr(alone, name)).all(), name
+
+
+@pytest.mark.parametrize("name", ["twin", "twin, mixed, servo"])
+def test_with_a_twin_it_is_so_in_path_following_too_and_a_wrong_twin_is_better_than_none(name):
+    module = campaign()
+    case = module.CASES[0]
+    trial = module.truth(case, 18.0)
+    arrivals, dropped = module.sensed(trial, module.Sensors(between=4.0), 0)
+    found = []
+    for plant in (module.TWINS[name].plant(case), None):
+        estimator = Estimator(robot=trial.robot, backlash=module.BACKLASH, plant=plant)
+        estimates, _ = module.estimated(estimator, arrivals, trial.time)
+        found.append(module.errors(trial, estimates, dropped))
+    beside, alone = found
+    assert (beside.always < 0.8 * alone.always).all() and (beside.inside < 0.8 * alone.inside).all()
+    if name == "twin":
+        assert beside.always[0] < 3.0 and beside.always[1] < 0.5  # three times as many drop-outs as in the campaign

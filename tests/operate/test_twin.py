@@ -180,9 +180,7 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
     assert len(again) == len(before) > 200
     for one, two in zip(before, again, strict=True):
         assert np.array_equal(packed_estimate(one), packed_estimate(two))
-    with pytest.raises(
-        ValueError, match=r"`plant` must be made from its record first \(`laticauda\.plant`\)"
-    ):
+    with pytest.raises(ValueError, match=r"`plant` must be made from its record first \(`laticauda\.plant`\)"):
         rerun_estimator(log)
 
 
@@ -197,9 +195,7 @@ def test_what_cannot_be_the_twin_is_refused():
         Estimator(robot=robot, plant=3)
     with pytest.raises(ValueError, match=r"`plant` must have 8 joints, all of them yaw joints, got 9\."):
         Estimator(robot=robot, plant=lc.plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"))
-    with pytest.raises(
-        ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"
-    ):
+    with pytest.raises(ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"):
         Estimator(robot=robot, plant=lc.plant(robot, water))
     with pytest.raises(ValueError, match=r"`swim_speed` must be None beside a `plant`, which knows it, got 0\.1\."):
         Estimator(robot=robot, plant=BODY, swim_speed=0.1)
