@@ -92,11 +92,21 @@ class AveragedModel:
         return (self.turn_0 + self.turn_1 * frequency) * offset
 
     def speed(self, frequency: Any, offset: Any) -> Any:
-        """Speed along the heading that a gait comes to, through the water [m/s]."""
+        """Speed along the heading that a gait comes to, through the water [m/s].
+
+        Args:
+            frequency: omega [rad/s].
+            offset: phi_0 [rad].
+        """
         return self.speed_0 + frequency * (self.speed_1 + self.speed_offset * offset**2)
 
     def power(self, frequency: Any, offset: Any) -> Any:
-        """Mean power over a cycle [W]."""
+        """Mean power over a cycle [W].
+
+        Args:
+            frequency: omega [rad/s].
+            offset: phi_0 [rad].
+        """
         return self.power_0 + frequency**self.power_exponent * (self.power_1 + self.power_offset * offset**2)
 
     def after(
