@@ -34,17 +34,6 @@ straighten_time = 1
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def compiled_kernels() -> None:
-    """A lab that compiles in the middle of an operation stops its clock for seconds, and the cameras' with it."""
-    lc.swim(
-        lc.load_robot("mamba"),
-        lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
-        0.1,
-        joints="servo",
-    )
-
-
 @pytest.fixture
 def lab():
     robot = lc.load_robot("mamba")

@@ -35,17 +35,6 @@ ON = (NodeState.ACTIVE, NodeState.HOLD)
 PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def compiled_kernels() -> None:
-    """A lab that compiles in the middle of an operation stops its clock for seconds, and the cameras' with it."""
-    lc.swim(
-        lc.load_robot("mamba"),
-        lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
-        0.1,
-        joints="servo",
-    )
-
-
 def operation(**changes) -> Operation:
     usual = Operation(
         name="session",
