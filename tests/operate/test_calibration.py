@@ -56,21 +56,35 @@ def test_the_geometry_of_the_straight_robot_is_that_of_the_kinematics():
 
 @given(st.floats(-100, 100), st.lists(st.floats(0.0, 0.2), min_size=3, max_size=30))
 def test_the_clock_offset_is_never_less_than_the_truth_and_off_by_the_smallest_latency(offset, latencies):
-    clock, state = ClockOffset(drift=0.0), None
+    clock, state = ClockOffset(window=5.0), None
     for k, latency in enumerate(latencies):
         stamp = 0.01 * k
         state = clock.step(state, stamp + offset + latency, stamp)
     assert state is not None
-    assert state[0] == pytest.approx(offset + min(latencies), abs=1e-9)
+    assert state.offset == pytest.approx(offset + min(latencies), abs=1e-9)
+
+
+def offsets(stamps, seconds):
+    """The offset at every frame, for a clock of the cameras `stamps(t)` that is read at 100 Hz."""
+    clock, state, found = ClockOffset(window=1.0), None, []
+    for k in range(round(100 * seconds)):
+        state = clock.step(state, 0.01 * k, stamps(0.01 * k))
+        found.append(state.offset)
+    return found
 
 
 def test_a_clock_that_runs_slower_is_followed():
-    clock, state = ClockOffset(drift=1e-4), None
-    for k in range(10_000):
-        stamp = 0.01 * k
-        state = clock.step(state, stamp * (1.0 + 5e-5) + 3.0, stamp)
-    assert state is not None
-    assert state[0] == pytest.approx(3.0 + 100.0 * 5e-5, abs=1e-4)
+    assert offsets(lambda t: t * (1.0 - 5e-5) - 3.0, 100)[-1] == pytest.approx(3.0 + 100.0 * 5e-5, abs=2e-4)
+
+
+@given(st.floats(-30.0, 30.0))
+def test_a_clock_that_jumps_is_believed_again_after_two_windows(jump):
+    assert offsets(lambda t: t - jump * (t > 3.0), 6)[-90:] == pytest.approx([jump] * 90)
+
+
+def test_a_clock_that_was_not_seen_for_long_begins_anew():
+    clock = ClockOffset(window=1.0)
+    assert clock.step(clock.step(None, 0.0, 5.0), 2.0, 1.0).offset == 1.0
 
 
 def test_the_mean_current_knows_its_extremes_and_none_without_a_reading():

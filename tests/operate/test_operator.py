@@ -114,7 +114,7 @@ def test_pitch_joints_are_held_at_zero():
 def test_the_clocks_are_matched_and_the_path_frame_is_placed_in_the_tank():
     run = run_of(Operator(operation=operation(tank=Tank(path_origin=(0.5, 0.2), path_heading=0.3))))
     run.until("countdown")
-    assert run.state.clock is not None and run.state.clock[0] == pytest.approx(CAMERAS_AHEAD)
+    assert run.state.clock is not None and run.state.clock.offset == pytest.approx(CAMERAS_AHEAD)
     x, y, heading = run.state.prepared.start or (0, 0, 0)
     tank = run.operator.operation.tank
     assert tank.to_tank(np.array([x, y])) == pytest.approx([1.0, 0.5], abs=1e-3)

@@ -5,12 +5,13 @@ Each is a small value with `init` and `step`, or a function of what was collecte
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
-from laticauda.errors import LaticaudaError, not_negative, positive
+from laticauda.errors import LaticaudaError, positive
 from laticauda.kinematics import link_centers
 from laticauda.robot import Robot
 
@@ -82,41 +83,56 @@ def marker_from_center(robot: Robot, link: int, heading: float) -> Float[np.ndar
     return link_centers(robot.planar(), np.zeros(2), straight)[link]
 
 
+class SeenClock(NamedTuple):
+    """What is known of another clock: the smallest differences of this window of time and of the one before."""
+
+    smallest: float
+    """Since the window began, own clock minus the other [s]."""
+    before: float
+    """In the window before [s]."""
+    began: float
+    """The window, own clock [s]."""
+
+    @property
+    def offset(self) -> float:
+        """Own clock minus the other, with the smallest latency in it [s]."""
+        return min(self.smallest, self.before)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ClockOffset:
     """The difference of two clocks from the frames with the smallest latency.
 
-    A frame is never early: own time of arrival minus its stamp is the offset plus a latency >= 0. The smallest one seen
-    is the best estimate; it is forgotten slowly, for clocks drift. The smallest latency itself stays in the offset.
+    A frame is never early: own time of arrival minus its stamp is the offset plus a latency >= 0. The smallest one of
+    the last seconds is the best estimate, and the smallest latency itself stays in it. What is older is forgotten:
+    clocks drift, and the cameras' clock may jump, when their computer stalls or the measurement is begun anew.
     """
 
-    drift: float = 1e-4
-    """By how much the clocks may run apart [s/s]."""
+    window: float = 5.0
+    """A smallest latency counts for this long at least, and for twice as long at most [s]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "drift", not_negative("drift", self.drift, "s/s"))
+        object.__setattr__(self, "window", positive("window", self.window, "s"))
 
-    def init(self) -> tuple[float, float] | None:
+    def init(self) -> SeenClock | None:
         """Nothing known."""
         return None
 
-    def step(self, state: tuple[float, float] | None, arrival: float, stamp: float) -> tuple[float, float]:
-        """One more frame.
+    def step(self, state: SeenClock | None, arrival: float, stamp: float) -> SeenClock:
+        """What is known after one more frame.
 
         Args:
-            state: Offset [s] and when it was last looked at [s], or `init`.
+            state: As the last call returned it, or `init`.
             arrival: Of the frame, own clock [s].
             stamp: Of the frame, the other clock [s].
-
-        Returns:
-            Offset, own clock minus the other [s], and the time [s].
         """
         seen = arrival - stamp
-        if state is None:
-            return seen, arrival
-        grown = state[0] + self.drift * max(arrival - state[1], 0.0)
-        return min(grown, seen), arrival
+        if state is None or arrival - state.began >= 2.0 * self.window:
+            return SeenClock(smallest=seen, before=seen, began=arrival)
+        if arrival - state.began >= self.window:
+            return SeenClock(smallest=seen, before=state.smallest, began=arrival)
+        return state._replace(smallest=min(state.smallest, seen))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ import numpy as np
 from laticauda.interfaces import Command, Plant
 from laticauda.operate import preparing
 from laticauda.operate.asking import Asker, Asking
-from laticauda.operate.calibration import ClockOffset, MeanCurrent
+from laticauda.operate.calibration import ClockOffset, MeanCurrent, SeenClock
 from laticauda.operate.estimate import Estimate, Mount
 from laticauda.operate.estimation import Estimator
 from laticauda.operate.kinematic import KinematicEstimator
@@ -87,7 +87,7 @@ class OperatorState:
     """State of the state estimation."""
     estimate: Estimate | None = None
     """Where the robot is, path frame; None before it is known."""
-    clock: tuple[float, float] | None = None
+    clock: SeenClock | None = None
     """Offset of the cameras' clock."""
     seen: float | None = None
     """When the robot was seen last; None before [s]."""
@@ -239,7 +239,7 @@ class Operator:
         clock, seen = state.clock, state.seen
         for arrival, frame in inputs.frames:
             clock = ClockOffset().step(clock, arrival, frame.time)
-            placed = self._placed(frame, clock[0], state.prepared.marker_turned)
+            placed = self._placed(frame, clock.offset, state.prepared.marker_turned)
             samples.append(placed)
             seen = arrival if not placed.is_lost else seen
         rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)

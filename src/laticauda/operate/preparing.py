@@ -121,7 +121,8 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
     state = replace(state, prepared=prepared)
     if _gone(state, now) < COLLECT_TIME:
         return state, (), ()
-    words = [f"clock of the cameras {1e3 * (state.clock or (0.0, 0.0))[0]:+.1f} ms"]
+    offset = 0.0 if state.clock is None else state.clock.offset
+    words = [f"clock of the cameras {1e3 * offset:+.1f} ms"]
     if how.joint_zeros and any(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat):
         zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
         words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
