@@ -9,8 +9,8 @@ import pytest
 import laticauda as lc
 from laticauda.interfaces import Command, OpenLoop, Plant, Start
 from laticauda.simulate import plant, plant_of, resume, run
-from laticauda.spatial.driving import STATE_ROWS
 from laticauda.spatial.model import SpatialPlant
+from laticauda.spatial.rows import STATE_ROWS
 from laticauda.spatial.water_robot import robot_elements
 
 ROBOT = lc.load_robot("mamba")

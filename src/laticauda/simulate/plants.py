@@ -118,7 +118,7 @@ def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = No
     """
     if model == "spatial":
         from laticauda.spatial.door import engine
-        from laticauda.spatial.driving import is_compiled as is_spatial_compiled
+        from laticauda.spatial.stepping import is_compiled as is_spatial_compiled
 
         engine()
         return not is_spatial_compiled()

@@ -15,7 +15,7 @@ from laticauda.gaits import Wave
 from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.robot.files import to_toml
-from laticauda.spatial import driving, ground, mjcf, water
+from laticauda.spatial import ground, mjcf, rows, water
 from laticauda.spatial.door import engine
 from laticauda.spatial.functions import FluidLaw
 from laticauda.spatial.poses import ORIENTATION
@@ -27,12 +27,12 @@ STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
 ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: both waves' phase, filtered values and their rates.
-GENERATOR = (slice(driving.PHASE, driving.OFFSET_RATE + 1), slice(driving.PITCH, driving.FIN))
+GENERATOR = (slice(rows.PHASE, rows.OFFSET_RATE + 1), slice(rows.PITCH, rows.FIN))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpatialState:
-    """Everything that a run needs to go on: the rows of `driving`, qpos, qvel, the links' angles."""
+    """Everything that a run needs to go on: what `rows` names, qpos, qvel, the links' angles."""
 
     values: Float[np.ndarray, " n"]
 
@@ -108,7 +108,7 @@ class SpatialPlant:
 
     @property
     def is_implicit(self) -> bool:
-        """Whether any joint is free, so that steps are linearly implicit (`laticauda.spatial.driving`)."""
+        """Whether any joint is free, so that steps are linearly implicit (`laticauda.spatial.stepping`)."""
         return self.joints != "prescribed" or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
 
     @property
@@ -145,7 +145,7 @@ class SpatialPlant:
         """A `mujoco.MjData` at `state`, to look at or to render; its own, not the plant's."""
         mujoco = engine()
         data = mujoco.MjData(self.model)
-        data.time = state.values[driving.TIME]
+        data.time = state.values[rows.TIME]
         data.qpos[:], data.qvel[:] = self._positions(state), self._velocities(state)
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
@@ -153,7 +153,7 @@ class SpatialPlant:
 
     def init(self, start: Start, command: Command) -> SpatialState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
-        twin, rows = self._twin, driving
+        twin = self._twin
         self._check(command)
         values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
         values[rows.AMPLITUDE_NOW] = command.gait.amplitude
@@ -188,7 +188,7 @@ class SpatialPlant:
         """What can be seen of a state."""
         sample = self._look(state)
         log = self._named(sample)
-        pitch = float(sample[0, driving.STATE_ROWS + driving.MEAN_PITCH])
+        pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
         return Observation(**{name: value[0] for name, value in log.items()}, pitch=pitch)
 
     def march(
@@ -216,8 +216,8 @@ class SpatialPlant:
         if link_forces:
             log |= self._link_forces(begin, command, n_intervals, every, dt)
         if command.references is not None:
-            for rows in GENERATOR:
-                after.values[rows] = state.values[rows]
+            for part in GENERATOR:
+                after.values[part] = state.values[part]
         return after, log, None
 
     def pack(self, state: SpatialState) -> dict[str, np.ndarray]:
@@ -231,7 +231,7 @@ class SpatialPlant:
             ValueError: If the arrays do not come from such a plant.
         """
         twin = self._twin
-        expected = driving.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links
+        expected = rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links
         values = np.asarray(stored.get("spatial", ()), dtype=float)
         if values.shape != (expected,):
             raise ValueError(
@@ -245,47 +245,47 @@ class SpatialPlant:
         return Twin(self)
 
     def _positions(self, state: SpatialState) -> np.ndarray:
-        return state.values[driving.STATE_ROWS : driving.STATE_ROWS + self._twin.n_qpos]
+        return state.values[rows.STATE_ROWS : rows.STATE_ROWS + self._twin.n_qpos]
 
     def _velocities(self, state: SpatialState) -> np.ndarray:
-        first = driving.STATE_ROWS + self._twin.n_qpos
+        first = rows.STATE_ROWS + self._twin.n_qpos
         return state.values[first : first + self._twin.n_qvel]
 
     def _rows(self, command: Command | None) -> tuple[np.ndarray, np.ndarray]:
         """The command and the joints' parameters for the kernel; None: the joints are let go."""
-        rows = np.zeros(driving.COMMAND_ROWS)
-        rows[driving.BANDWIDTH], rows[driving.RAMP] = self.offset_bandwidth, self.ramp
+        asked = np.zeros(rows.COMMAND_ROWS)
+        asked[rows.BANDWIDTH], asked[rows.RAMP] = self.offset_bandwidth, self.ramp
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
             self._check(command)
-            rows[driving.IS_LED] = 1.0
-            rows[driving.ACTIVE_POWER] = self.robot.active_power or 0.0
-            rows[: driving.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
+            asked[rows.IS_LED] = 1.0
+            asked[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
+            asked[: rows.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
             pitch = STRAIGHT if gait.pitch is None else gait.pitch
             offset = pitch.offset + command.pitch_offset
             second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
-            rows[driving.PITCH_COMMAND : driving.FIN_COMMAND] = second
+            asked[rows.PITCH_COMMAND : rows.FIN_COMMAND] = second
             fin = STRAIGHT if gait.fin is None else gait.fin
-            rows[driving.FIN_COMMAND : driving.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
-            yaw = joints[:, driving.WAVE] == driving.YAW_WAVE
-            joints[yaw, driving.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
-            self._hold(rows, joints[: self.robot.n_joints], command)
-        return rows, joints
+            asked[rows.FIN_COMMAND : rows.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
+            yaw = joints[:, rows.WAVE] == rows.YAW_WAVE
+            joints[yaw, rows.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
+            self._hold(asked, joints[: self.robot.n_joints], command)
+        return asked, joints
 
-    def _hold(self, rows: np.ndarray, joints: np.ndarray, command: Command) -> None:
+    def _hold(self, asked: np.ndarray, joints: np.ndarray, command: Command) -> None:
         """Put in references from outside, and switch motors off; see `_at_rest`."""
         command.check_held(self.robot.n_joints, self.joints)
         if command.references is not None:
-            rows[: driving.FIN_COMMAND] = 0.0
-            rows[driving.AMPLITUDE] = rows[driving.PITCH_COMMAND + driving.AMPLITUDE] = 1.0
-            rows[driving.RAMP] = 0.0
-            joints[:, driving.ENVELOPE] = command.references
+            asked[: rows.FIN_COMMAND] = 0.0
+            asked[rows.AMPLITUDE] = asked[rows.PITCH_COMMAND + rows.AMPLITUDE] = 1.0
+            asked[rows.RAMP] = 0.0
+            joints[:, rows.ENVELOPE] = command.references
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
             off = np.logical_not(command.enabled)
-            joints[off, driving.GAIN : driving.STALL_TORQUE + 1] = 0.0
-            joints[off, driving.STALL_POWER] = 0.0
+            joints[off, rows.GAIN : rows.STALL_TORQUE + 1] = 0.0
+            joints[off, rows.STALL_POWER] = 0.0
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""
@@ -303,21 +303,21 @@ class SpatialPlant:
         The march is done once more, sample by sample, and stopped to look at each.
         """
         force = np.zeros((3, n + 1, self.robot.n_links, 3))
-        rows = self._rows(command)
+        asked = self._rows(command)
         for sample in range(n + 1):
             if sample:
-                state, _ = self._go(state, rows, every, dt, every)
-            self._go(state, rows, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
+                state, _ = self._go(state, asked, every, dt, every)
+            self._go(state, asked, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
             force[:, sample] = self._twin.forces()
         return {f"force_{name}": force[i] for i, name in enumerate(FORCES)}
 
     def _go(
-        self, state: SpatialState, rows: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
+        self, state: SpatialState, asked: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
     ) -> tuple[SpatialState, np.ndarray]:
         values = state.values.copy()
         n, joints = self.robot.n_links, len(self._twin.joints)
-        log = np.empty((1 + steps // every, driving.STATE_ROWS + driving.SAMPLE_HEADER + n + 4 * joints))
-        written = self._twin.run(values, rows, steps, dt, every, log)
+        log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints))
+        written = self._twin.run(values, asked, steps, dt, every, log)
         return SpatialState(values=values), log[:written]
 
     def _look(self, state: SpatialState) -> np.ndarray:
@@ -325,14 +325,14 @@ class SpatialPlant:
         return self._go(state, self._rows(None), 0, 1.0, 1)[1]
 
     def _named(self, samples: np.ndarray) -> Log:
-        n, o = self.robot.n_links, driving.STATE_ROWS
-        first = o + driving.SAMPLE_HEADER
+        n, o = self.robot.n_links, rows.STATE_ROWS
+        first = o + rows.SAMPLE_HEADER
         return {
-            "time": samples[:, driving.TIME],
-            "center_of_mass": samples[:, o + driving.COM : o + driving.COM_RATE],
-            "center_of_mass_velocity": samples[:, o + driving.COM_RATE : o + driving.HEADING],
-            "heading": samples[:, o + driving.HEADING],
-            "heading_rate": samples[:, o + driving.HEADING_RATE],
+            "time": samples[:, rows.TIME],
+            "center_of_mass": samples[:, o + rows.COM : o + rows.COM_RATE],
+            "center_of_mass_velocity": samples[:, o + rows.COM_RATE : o + rows.HEADING],
+            "heading": samples[:, o + rows.HEADING],
+            "heading_rate": samples[:, o + rows.HEADING_RATE],
             "link_angle": samples[:, first : first + n],
             "joint_angle": samples[:, first + n : first + 2 * n - 1],
             "joint_rate": samples[:, first + 2 * n - 1 : first + 3 * n - 2],
@@ -341,14 +341,14 @@ class SpatialPlant:
     def _log(self, samples: np.ndarray) -> Log:
         """Samples by the names of Trial's fields."""
         n = self.robot.n_links
-        first = driving.STATE_ROWS + driving.SAMPLE_HEADER + 3 * n - 2
+        first = rows.STATE_ROWS + rows.SAMPLE_HEADER + 3 * n - 2
         log = self._named(samples)
         log["joint_angle_ref"] = self._asked_for(samples, samples[:, first : first + n - 1])
         log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
-        log["work"] = samples[:, driving.WORK_ABSOLUTE : driving.WORK_ELECTRICAL]
+        log["work"] = samples[:, rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL]
         if has_power_model(self.robot, self.joints):
-            log["electrical_work"] = samples[:, driving.WORK_ELECTRICAL]
-        at = driving.STATE_ROWS + driving.ORIENTATION
+            log["electrical_work"] = samples[:, rows.WORK_ELECTRICAL]
+        at = rows.STATE_ROWS + rows.ORIENTATION
         log |= {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
         first += 2 * n - 2
         fin = samples[:, first:].reshape(len(samples), 4, -1)
@@ -359,7 +359,7 @@ class SpatialPlant:
         share = np.array([joint.actuator.tracking for joint in self.robot.joints])
         if self.joints != "prescribed" or np.all(share == 1.0):
             return done
-        first, second = driving.OFFSET_NOW, driving.SECOND + driving.OFFSET_NOW
+        first, second = rows.OFFSET_NOW, rows.SECOND + rows.OFFSET_NOW
         offset = samples[:, [second if joint.axis == "pitch" else first for joint in self.robot.joints]]
         return offset + (done - offset) / share
 
@@ -367,10 +367,10 @@ class SpatialPlant:
 def _at_rest(state: SpatialState) -> SpatialState:
     """The state with both waves of amplitude 1, standing still at their crest: their envelope is the reference."""
     values = state.values.copy()
-    for rows in GENERATOR:
-        values[rows] = 0.0
-    for first in (0, driving.SECOND):
-        values[first + driving.PHASE], values[first + driving.AMPLITUDE_NOW] = 0.5 * math.pi, 1.0
+    for part in GENERATOR:
+        values[part] = 0.0
+    for first in (0, rows.SECOND):
+        values[first + rows.PHASE], values[first + rows.AMPLITUDE_NOW] = 0.5 * math.pi, 1.0
     return SpatialState(values=values)
 
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from laticauda.fluid import laws
 from laticauda.robot import Ground, Joint, Robot, has_power_model
-from laticauda.spatial import driving, mjcf, native, scene, table, water, water_registry
+from laticauda.spatial import mjcf, native, rows, scene, stepping, table, water, water_registry
 from laticauda.spatial.door import engine
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
 if TYPE_CHECKING:
     from laticauda.spatial.model import SpatialPlant
 
-JOINT_LAWS = {"prescribed": driving.PRESCRIBED, "pd": driving.PD, "servo": driving.SERVO}
+JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
 FORCES = ("drag", "added_mass", "effector")
 
 
@@ -54,8 +54,7 @@ class Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = _center_of_mass(robot)
-        rows = _joint_rows(robot, plant.joints)
-        self.joints = np.array(rows).reshape(-1, driving.JOINT_SIZE)
+        self.joints = np.array(_joint_rows(robot, plant.joints)).reshape(-1, rows.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
@@ -120,19 +119,19 @@ class Twin:
     def run(
         self,
         values: np.ndarray,
-        rows: tuple[np.ndarray, np.ndarray],
+        asked: tuple[np.ndarray, np.ndarray],
         steps: int,
         dt: float,
         every: int,
         log: np.ndarray,
     ) -> int:
-        """Advance `values` in place; see `driving.run`."""
+        """Advance `values` in place; see `stepping.run`."""
         with self._lock:
             engine().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
             water_registry.install()  # somebody else may have taken the callback since
             robot = (self._mass, self._order, self._hold)
-            return int(driving.run(self._setup, values, *rows, *robot, steps, dt, every, log))
+            return int(stepping.run(self._setup, values, *asked, *robot, steps, dt, every, log))
 
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
@@ -158,29 +157,29 @@ def _center_of_mass(robot: Robot) -> float:
 
 def _joint_rows(robot: Robot, drive: str) -> list[np.ndarray]:
     """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
-    waves = {"yaw": driving.YAW_WAVE, "pitch": driving.PITCH_WAVE}
+    waves = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
     has_power = has_power_model(robot, drive)
     found = [_joint_row(joint, drive, waves[joint.axis], has_power=has_power) for joint in robot.joints]
     fin = robot.caudal_fin
     if fin is not None and fin.joint is not None:
-        found.append(_joint_row(fin.joint, drive, driving.FIN_WAVE, has_power=has_power))
+        found.append(_joint_row(fin.joint, drive, rows.FIN_WAVE, has_power=has_power))
     for hinge in fin.hinges if fin is not None else ():
-        row = np.zeros(driving.JOINT_SIZE)
-        row[[driving.LAW, driving.WAVE]] = driving.PASSIVE, driving.NO_WAVE
-        row[[driving.STIFFNESS, driving.DAMPING]] = hinge.stiffness, hinge.damping
+        row = np.zeros(rows.JOINT_SIZE)
+        row[[rows.LAW, rows.WAVE]] = rows.PASSIVE, rows.NO_WAVE
+        row[[rows.STIFFNESS, rows.DAMPING]] = hinge.stiffness, hinge.damping
         found.append(row)
     return found
 
 
 def _joint_row(joint: Joint, drive: str, wave: int, *, has_power: bool) -> np.ndarray:
-    row, actuator = np.zeros(driving.JOINT_SIZE), joint.actuator
-    row[[driving.LAW, driving.WAVE]] = JOINT_LAWS[drive], wave
-    row[driving.ENVELOPE] = actuator.tracking if drive == "prescribed" else 1.0
-    row[driving.STIFFNESS], row[driving.DAMPING] = joint.stiffness, joint.damping
-    row[driving.GAIN] = actuator.proportional_gain if drive == "pd" else actuator.servo_gain
-    row[driving.RATE_GAIN] = actuator.derivative_gain
-    row[driving.STALL_TORQUE], row[driving.NO_LOAD_SPEED] = actuator.stall_torque, actuator.no_load_speed
-    row[driving.FRICTION_TORQUE] = actuator.friction_torque
-    row[driving.VISCOUS_FRICTION] = actuator.viscous_friction
-    row[driving.STALL_POWER] = actuator.stall_power if has_power else 0.0
+    row, actuator = np.zeros(rows.JOINT_SIZE), joint.actuator
+    row[[rows.LAW, rows.WAVE]] = JOINT_LAWS[drive], wave
+    row[rows.ENVELOPE] = actuator.tracking if drive == "prescribed" else 1.0
+    row[rows.STIFFNESS], row[rows.DAMPING] = joint.stiffness, joint.damping
+    row[rows.GAIN] = actuator.proportional_gain if drive == "pd" else actuator.servo_gain
+    row[rows.RATE_GAIN] = actuator.derivative_gain
+    row[rows.STALL_TORQUE], row[rows.NO_LOAD_SPEED] = actuator.stall_torque, actuator.no_load_speed
+    row[rows.FRICTION_TORQUE] = actuator.friction_torque
+    row[rows.VISCOUS_FRICTION] = actuator.viscous_friction
+    row[rows.STALL_POWER] = actuator.stall_power if has_power else 0.0
     return row

@@ -1,0 +1,121 @@
+"""How the joints of a robot in MuJoCo are driven: the reference generator, the joint laws, and the work they do.
+
+The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C command, J joints, R
+the reference with its two derivatives, U torques; what stands where is in `rows`.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
+from typing import no_type_check
+
+import numpy as np
+
+from laticauda.actuation import laws
+from laticauda.compiling import compiled, kernel
+from laticauda.fluid import laws as fluid_laws
+from laticauda.gaits import reference
+from laticauda.spatial.rows import *
+
+filter_step = compiled(reference.filter_step)
+filter_acceleration = compiled(reference.filter_acceleration)
+smooth_start = compiled(reference.smooth_start)
+ramped = compiled(reference.ramped)
+joint_reference = compiled(reference.joint_reference)
+magnitude = compiled(fluid_laws.magnitude)
+pd = compiled(laws.pd)
+servo = compiled(laws.servo)
+motor_power = compiled(laws.motor_power)
+
+
+@kernel
+@no_type_check
+def advance_reference(X, C, J, R, dt):
+    """Move the generator on by dt and set the reference there."""
+    w = C[BANDWIDTH]
+    decay = np.exp(-w * dt)
+    waves = ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:]))
+    for G, A in waves:
+        for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
+            y, rate, _ = filter_step(G[value], G[value + 1], A[target], w, decay, dt)
+            G[value] = y
+            G[value + 1] = rate
+        y, rate, turned = filter_step(G[FREQUENCY_NOW], G[FREQUENCY_RATE], A[FREQUENCY], w, decay, dt)
+        G[FREQUENCY_NOW] = y
+        G[FREQUENCY_RATE] = rate
+        G[PHASE] += turned
+    before, due = X[TIME], dt - X[TIME_REST]
+    X[TIME] = before + due
+    X[TIME_REST] = (X[TIME] - before) - due
+    set_reference(X, C, J, R)
+
+
+@kernel
+@no_type_check
+def set_reference(X, C, J, R):
+    """phi_ref of every driven joint and its derivatives, three rows of R; each wave moves joints of its own."""
+    ramp = smooth_start(X[TIME], C[RAMP])
+    set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
+    set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
+    set_wave(X[THIRD:], C[FIN_COMMAND:], C[BANDWIDTH], ramp, FIN_WAVE, J, R)
+
+
+@kernel
+@no_type_check
+def set_wave(X, C, w, ramp, wave, J, R):
+    """The reference of the joints that one wave moves."""
+    second = filter_acceleration(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], C[AMPLITUDE], w)
+    a0, a1, a2 = ramped(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], second, ramp[0], ramp[1], ramp[2])
+    shift_2 = filter_acceleration(X[PHASE_SHIFT_NOW], X[PHASE_SHIFT_RATE], C[PHASE_SHIFT], w)
+    offset_2 = filter_acceleration(X[OFFSET_NOW], X[OFFSET_RATE], C[OFFSET], w)
+    k = 0.0
+    for i in range(J.shape[0]):
+        if J[i, WAVE] == wave:
+            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
+            R[0, i], R[1, i], R[2, i] = joint_reference(
+                np.sin(psi),
+                np.cos(psi),
+                J[i, ENVELOPE],
+                a0,
+                a1,
+                a2,
+                X[FREQUENCY_NOW] + k * X[PHASE_SHIFT_RATE],
+                X[FREQUENCY_RATE] + k * shift_2,
+                X[OFFSET_NOW],
+                X[OFFSET_RATE],
+                offset_2,
+            )
+            k += 1.0
+
+
+@kernel
+@no_type_check
+def actuator(J, i, angle, rate, R):
+    """Torque of a free joint's actuator, and its slopes."""
+    if J[i, LAW] == PASSIVE:
+        return 0.0, 0.0, 0.0
+    if J[i, LAW] == PD:
+        return pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, GAIN], J[i, RATE_GAIN])
+    motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+    torque, slope_p, slope_d, _ = servo(angle, rate, R[0, i], J[i, GAIN], motor[0], motor[1], motor[2], motor[3])
+    return torque, slope_p, slope_d
+
+
+@kernel
+@no_type_check
+def count_work(N, X, C, J, U, P, qvel, dt):
+    """The work since the last step by the trapezoidal rule; P keeps the powers."""
+    nv = N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
+    for i in range(J.shape[0]):
+        rate = qvel[nv + i]
+        power = U[i] * rate
+        absolute += magnitude(power)
+        net += power
+        positive += 0.5 * (power + magnitude(power))
+        if J[i, STALL_POWER] > 0.0:
+            motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
+            electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
+        P[k] = power

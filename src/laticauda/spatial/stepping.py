@@ -1,0 +1,268 @@
+"""March a robot in MuJoCo through time with two fixed-step integrators.
+
+MuJoCo evaluates (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations); the steps are
+those of the planar model, so that both bodies share their orders:
+
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is.
+  Each of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it;
+  what it would have been off by, times that inertia, is the joint's torque.
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `planar.stepping`): linearly implicit in the
+  joint law, in M + A.
+
+What stands where in the arrays is in `rows`; what moves the joints in `drives`; what is logged in `sampling`.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
+import hashlib
+from pathlib import Path
+from typing import Any, no_type_check
+
+import numpy as np
+from numba import njit
+
+from laticauda.compiling import kernel
+from laticauda.compiling.lanes import OPTIONS
+from laticauda.spatial.drives import actuator, advance_reference, count_work, set_reference
+from laticauda.spatial.native import forward_skip, integrate_positions
+from laticauda.spatial.rows import *
+from laticauda.spatial.sampling import follow_links, write_sample
+from laticauda.spatial.vectors import field
+
+GAMMA = 1.0 - 0.5**0.5
+HOLD = 1e8  # kg m^2
+
+
+@kernel
+@no_type_check
+def evaluate(N):
+    """Accelerations at the state in the data."""
+    forward_skip(N[FORWARD_SKIP], N[MODEL], N[DATA], 0, 1)
+
+
+@kernel
+@no_type_check
+def put_on_reference(N, qpos, qvel, J, R, hold):
+    """Prescribed joints: where the reference is, and held to its acceleration."""
+    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
+            hold[nv + i] = HOLD
+            hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
+
+
+@kernel
+@no_type_check
+def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
+    """Accelerations with the prescribed joints on the reference, and the torque of every one of their actuators."""
+    put_on_reference(N, qpos, qvel, J, R, hold)
+    evaluate(N)
+    nv = N[N_BASE_QVEL]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
+            U[i] = HOLD * (R[2, i] - qacc[nv + i])
+
+
+@kernel
+@no_type_check
+def any_prescribed(J):
+    """Whether the angle of any joint is given."""
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            return True
+    return False
+
+
+@kernel
+@no_type_check
+def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
+    """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            continue
+        rate = qvel[nv + i]
+        torque, slope_p, slope_d = actuator(J, i, qpos[nq + i], rate, R)
+        slope_p += J[i, STIFFNESS]
+        slope_d += J[i, DAMPING]
+        U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
+        hold[nv + i] = K[1, i]
+        hold[total + nv + i] = torque - gamma_dt * slope_p * rate
+
+
+@kernel
+@no_type_check
+def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
+    """The same for the second stage, for a = k2 + 2 k1."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    put_on_reference(N, qpos, qvel, J, R, hold)
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            continue
+        torque, _, _ = actuator(J, i, qpos[nq + i], qvel[nv + i], R)
+        rest = qvel[nv + i] - 2.0 * slope[nv + i]
+        hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
+
+
+@kernel
+@no_type_check
+def move(N, qpos, start, velocity, dt):
+    """qpos = start moved with a velocity for dt."""
+    for i in range(N[N_QPOS]):
+        qpos[i] = start[i]
+    integrate_positions(N[INTEGRATE_POS], N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
+
+
+@kernel
+@no_type_check
+def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
+    """Stages 2 to 4; the first one's accelerations are in the data already. B: scratch rows."""
+    q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
+    n = N[N_QVEL]
+    for i in range(N[N_QPOS]):
+        q0[i] = qpos[i]
+    for i in range(n):
+        v0[i] = qvel[i]
+        sum_v[i], sum_a[i] = 0.0, 0.0
+    for stage in range(4):
+        weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
+        ahead = 0.5 * dt if stage < 2 else dt
+        for i in range(n):
+            sum_v[i] += weight * qvel[i]
+            sum_a[i] += weight * qacc[i]
+            now[i] = qvel[i]
+        if stage == 3:
+            break
+        move(N, qpos, q0, now, ahead)
+        for i in range(n):
+            qvel[i] = v0[i] + ahead * qacc[i]
+        if stage != 1:
+            advance_reference(X, C, J, R, 0.5 * dt)
+        evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
+    move(N, qpos, q0, sum_v, 1.0)
+    for i in range(n):
+        qvel[i] = v0[i] + sum_a[i]
+    put_on_reference(N, qpos, qvel, J, R, hold)
+
+
+@kernel
+@no_type_check
+def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
+    """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in the data already."""
+    q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
+    n, gamma_dt = N[N_QVEL], GAMMA * dt
+    for i in range(N[N_QPOS]):
+        q0[i] = qpos[i]
+    for i in range(n):
+        v0[i], first[i] = qvel[i], qacc[i]
+        slope[i] = qvel[i] + gamma_dt * qacc[i]
+    move(N, qpos, q0, slope, dt)
+    for i in range(n):
+        qvel[i] = v0[i] + dt * first[i]
+    advance_reference(X, C, J, R, dt)
+    second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt)
+    evaluate(N)
+    for i in range(n):
+        second = qacc[i] - 2.0 * first[i]
+        second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
+        total[i] = 1.5 * slope[i] + 0.5 * second_slope
+        v0[i] += dt * (1.5 * first[i] + 0.5 * second)
+    move(N, qpos, q0, total, dt)
+    for i in range(n):
+        qvel[i] = v0[i]
+    put_on_reference(N, qpos, qvel, J, R, hold)
+
+
+@kernel
+@no_type_check
+def all_finite(N, qpos, qvel, U):
+    """Whether positions, rates and torques are still numbers that a swimming robot can have."""
+    for i in range(N[N_QPOS]):
+        if not abs(qpos[i]) < 1e6:
+            return False
+    for i in range(N[N_QVEL]):
+        if not abs(qvel[i]) < 1e6:
+            return False
+    for i in range(U.size):
+        if not abs(U[i]) < 1e12:
+            return False
+    return True
+
+
+@no_type_check
+def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
+    n_q, n_v, n_joints = N[N_QPOS], N[N_QVEL], J.shape[0]
+    qpos, qvel = field(N[DATA], N[AT_QPOS], n_q), field(N[DATA], N[AT_QVEL], n_v)
+    qacc = field(N[DATA], N[AT_QACC], n_v)
+    X, links = state[:STATE_ROWS], state[STATE_ROWS + n_q + n_v :]
+    qpos[:] = state[STATE_ROWS : STATE_ROWS + n_q]
+    qvel[:] = state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v]
+    R, U, K = np.zeros((3, n_joints)), np.zeros(n_joints), np.zeros((2, n_joints))
+    P, B = np.zeros(4), np.zeros((5, n_q))
+    hold[:] = 0.0
+    set_reference(X, C, J, R)
+    two_ways = N[IS_IMPLICIT] != 0 and any_prescribed(J)
+    written = 0
+    for step in range(steps + 1):
+        if C[IS_LED] == 0.0:
+            evaluate(N)
+        elif N[IS_IMPLICIT] == 0 or two_ways:
+            first_stage(N, qpos, qvel, J, R, hold, U, K, 0.0)
+            evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
+        else:
+            first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+            evaluate(N)
+        follow_links(N, order, qpos, links)
+        count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
+        if step % every == 0:
+            if not all_finite(N, qpos, qvel, U):
+                return written
+            write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, log[step // every])
+            written += 1
+        if step == steps:
+            break
+        if N[IS_IMPLICIT] == 0:
+            finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt)
+        else:
+            if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
+                first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+                evaluate(N)
+            finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt)
+    state[STATE_ROWS : STATE_ROWS + n_q] = qpos
+    state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v] = qvel
+    return written
+
+
+def _digest() -> str:
+    package = Path(__file__).parent.parent
+    digest = hashlib.sha256()
+    for source in (
+        "spatial/stepping.py",
+        "spatial/rows.py",
+        "spatial/drives.py",
+        "spatial/sampling.py",
+        "spatial/vectors.py",
+        "spatial/native.py",
+        "gaits/reference.py",
+        "actuation/laws.py",
+    ):
+        digest.update((package / source).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+# Numba files compiled code under the function's qualified name and looks at this file only.
+_run.__qualname__ = f"_run_{_digest()}"
+run: Any = njit(cache=True, **OPTIONS)(_run)
+"""Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
+
+Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
+goes on from the powers at the start of the call.
+"""
+
+
+def is_compiled() -> bool:
+    """Whether the machine code is at hand or on disk; if not, the first run takes some ten seconds."""
+    return bool(run.signatures) or any(Path(run.stats.cache_path).glob(f"*{_run.__qualname__}-*.nbi"))
