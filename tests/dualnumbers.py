@@ -87,7 +87,7 @@ def python_kernels(law=laws.polynomial_drag):
         "expm1": _expm1,
         "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
         "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
-        "lanes": SimpleNamespace(rows_of=lambda width: same),
+        "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
     names = {"WIDTH": 1, "fluid_law": law}
     for template in ("loads", "recursion", "drives", "stepping"):

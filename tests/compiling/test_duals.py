@@ -8,7 +8,7 @@ from dualnumbers import Dual, python_kernels
 from numba import njit
 
 import laticauda as lc
-from laticauda.compiling import compiled, in_lanes, lanes
+from laticauda.compiling import compiled, in_lanes, lane_types, lanes
 from laticauda.interfaces import Command, Start
 from laticauda.planar import functions, rows  # noqa: F401 - functions teaches lanes their sines
 from laticauda.planar.model import PlanarPlant
@@ -18,7 +18,7 @@ from laticauda.robot import PectoralFin, Tether, load_robot, load_water
 WIDTH = 8
 STEP = 2.0**-100
 GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7, offset=0.05)
-rows_of = lanes.rows_of(WIDTH)
+rows_of = lane_types.rows_of(WIDTH)
 rng = np.random.default_rng(3)
 
 
@@ -33,10 +33,10 @@ def by_lanes(function, x, n_out):
             R[i] = found[i]
 
     flat, out = np.zeros((1, WIDTH), complex), np.zeros((n_out, WIDTH), complex)
-    real, imaginary = lanes.split(flat)
+    real, imaginary = lane_types.split(flat)
     real[0], imaginary[0] = x, STEP
     run(flat, out)
-    real, imaginary = lanes.split(out)
+    real, imaginary = lane_types.split(out)
     return real, imaginary / STEP
 
 
@@ -120,7 +120,7 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
     slope[rows.AMPLITUDE_NOW : rows.OFFSET_RATE] = 0.1
     steps = round(seconds / plant.dt)
     flat = np.zeros((S.size, WIDTH), complex)
-    real, imaginary = lanes.split(flat)
+    real, imaginary = lane_types.split(flat)
     real[:], imaginary[:] = S[:, np.newaxis], STEP * slope
     log = np.zeros((2, rows.LOG_STATE, WIDTH), complex)
     settings = joints != "prescribed", steps, plant.dt, steps
@@ -131,7 +131,7 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
     python_kernels().run(numbers, *plant.layout.chain, *settings, slow)
     value = np.array([getattr(x, "real", x) for x in slow[1]], dtype=float)
     derivative = np.array([getattr(x, "slope", 0.0) for x in slow[1]])
-    real, imaginary = lanes.split(log)
+    real, imaginary = lane_types.split(log)
     np.testing.assert_allclose(real[1, :, lane], value, rtol=1e-12, atol=1e-13)
     assert np.abs(derivative[rows.X - rows.TIME : rows.VY - rows.TIME]).min() > 1e-6
     np.testing.assert_allclose(imaginary[1, :, lane] / STEP, derivative, rtol=1e-12, atol=1e-12)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numba import njit
 
-from laticauda.compiling import compiled, in_lanes, lanes
+from laticauda.compiling import compiled, in_lanes, lane_types, lanes
 from laticauda.planar import functions
 
 WIDTH = 8
-rows_of = lanes.rows_of(WIDTH)
+rows_of = lane_types.rows_of(WIDTH)
 rng = np.random.default_rng(7)
 
 

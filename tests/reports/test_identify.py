@@ -6,8 +6,9 @@ import pytest
 from identify.trials import FRICTION, speeds
 
 from laticauda.identify import Unknown
+from laticauda.identify.checking import checked
 from laticauda.identify.tasks import Task
-from laticauda.reports.identify import as_dict, checked, write_identification
+from laticauda.reports.identify import as_dict, write_identification
 from laticauda.reports.identify_figures import short_names
 from laticauda.reports.identify_tables import tables_of
 

@@ -137,11 +137,11 @@ class DesignExperiment:
 
     def _problem(self) -> "tuple[Problem, dict[str, Any]]":
         """The unknowns, and what is known of them."""
+        from laticauda.identify.checking import of_interest
         from laticauda.identify.design import known_from
         from laticauda.identify.identifiability import marginal
         from laticauda.identify.problem import problem
         from laticauda.identify.tasks import load_task
-        from laticauda.reports.identify_figures import of_interest
 
         if self.unknowns.after is not None:
             if self.unknowns.parameters:

@@ -16,9 +16,9 @@ from laticauda.cli.messages import flag, given
 from laticauda.cli.tables import MISSING, aligned, number
 
 if TYPE_CHECKING:
+    from laticauda.identify.checking import Checked
     from laticauda.identify.tasks import Task
     from laticauda.identify.unknowns import Unknown
-    from laticauda.reports.identify import Checked
 
 FOLDER = "identification"
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
@@ -114,7 +114,8 @@ class Identify:
     def __call__(self) -> int:
         """Identify, write, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
-        from laticauda.reports.identify import as_dict, checked, write_identification
+        from laticauda.identify.checking import checked
+        from laticauda.reports.identify import as_dict, write_identification
         from laticauda.reports.reproduce import writable_folder
 
         task = self._task()
@@ -287,7 +288,7 @@ def as_text(done: "Checked", folder: Path) -> str:
         done: What was found.
         folder: Where it was written.
     """
-    from laticauda.reports.identify_figures import of_interest
+    from laticauda.identify.checking import of_interest
 
     found = done.found
     rows = [["parameter", "value", "", "+-", f"{100 * found.confidence:g} % interval", "", ""]]

@@ -14,6 +14,7 @@ from numba.extending import overload
 
 from laticauda import scalars
 from laticauda.compiling import lanes
+from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import INLINED, OPTIONS
 
 
@@ -88,7 +89,7 @@ def _all_or_each(function: Any) -> Any:
     @overload(call, jit_options=INLINED)
     @no_type_check  # Numba compares this signature with that of the lambdas
     def choose(*arguments):  # pyright: ignore[reportUnusedFunction]
-        if any(isinstance(kind, lanes.Lanes) for kind in arguments):
+        if any(isinstance(kind, Lanes) for kind in arguments):
             try:
                 function.get_call_template(arguments, {})
             except NumbaError:

@@ -20,190 +20,21 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.typeconv.castgraph import Conversion
 from numba.extending import (
     intrinsic,
     lower_builtin,
     lower_cast,
-    models,
     overload_attribute,
-    register_model,
     type_callable,
 )
 
 from laticauda.compiling import duals
+from laticauda.compiling.lane_types import Duals, Lanes, Mask, joined, parted, vector
 
 # Contraction to fused multiply-adds is all of "fast math" that is wanted: it does not reorder anything.
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 # Inlining lets the compiler see whole loops.
 INLINED: Any = {"forceinline": True, **OPTIONS}
-
-
-class Lanes(types.Type):
-    """One float per lane."""
-
-    def __init__(self, dtype, width):
-        self.dtype, self.width = dtype, width
-        super().__init__(f"Lanes({dtype}, {width})")
-
-    def can_convert_from(self, typingctx, other):
-        """A plain number is the same in all lanes."""
-        return Conversion.safe if isinstance(other, types.Float | types.Integer) else None
-
-    def unify(self, typingctx, other):
-        """A variable that holds a plain number first and lanes later holds lanes."""
-        return self if isinstance(other, types.Float | types.Integer) else None
-
-
-class Duals(Lanes):
-    """One float and an imaginary part, its derivative times some step, per lane; comparisons look at the floats."""
-
-    def __init__(self, dtype, width):
-        super().__init__(dtype, width)
-        self.part = dtype if width == 1 else Lanes(dtype, width)
-        self.name = f"Duals({dtype}, {width})"
-
-    def can_convert_from(self, typingctx, other):
-        """What has no imaginary part is a number whose derivative is 0."""
-        return Conversion.safe if other == self.part else super().can_convert_from(typingctx, other)
-
-    def unify(self, typingctx, other):
-        """As for lanes."""
-        return self if other == self.part else super().unify(typingctx, other)
-
-
-class Mask(types.Type):
-    """One truth value per lane."""
-
-    def __init__(self, width):
-        self.width = width
-        super().__init__(f"Mask({width})")
-
-    def can_convert_from(self, typingctx, other):
-        """A plain truth value is the same in all lanes."""
-        return Conversion.safe if other == types.boolean else None
-
-    def unify(self, typingctx, other):
-        """As for lanes."""
-        return self if other == types.boolean else None
-
-
-class Rows(types.Type):
-    """The flat array of `rows`: item `q` is row `q` of all lanes."""
-
-    def __init__(self, dtype, width):
-        self.dtype, self.width = dtype, width
-        if width == 1:
-            self.item = dtype
-        elif isinstance(dtype, types.Complex):
-            self.item = Duals(dtype.underlying_float, width)
-        else:
-            self.item = Lanes(dtype, width)
-        super().__init__(f"Rows({dtype}, {width})")
-
-
-def _vector(kind):
-    if isinstance(kind, Mask):
-        return ir.VectorType(ir.IntType(1), kind.width)
-    return ir.VectorType(ir.FloatType() if kind.dtype == types.float32 else ir.DoubleType(), kind.width)
-
-
-@register_model(Lanes)
-@register_model(Mask)
-class _VectorModel(models.PrimitiveModel):
-    def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, _vector(fe_type))
-
-
-@register_model(Duals)
-class _DualsModel(models.StructModel):
-    def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, [("real", fe_type.part), ("imag", fe_type.part)])
-
-
-@register_model(Rows)
-class _RowsModel(models.PrimitiveModel):
-    def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, ir.PointerType(dmm[fe_type.item].get_data_type()))
-
-
-# ---- rows ------------------------------------------------------------------------------------------------------------
-
-
-def rows_of(width):
-    """The compiled function that takes an array, contiguous, the lanes of a row next to each other, as `Rows`.
-
-    A row of several complex numbers holds all real parts, then all imaginary parts (see `split`).
-    """
-
-    @intrinsic
-    def as_rows(typingctx, array):
-        kind = Rows(array.dtype, width)
-
-        def codegen(context, builder, sig, args):
-            data = context.make_array(sig.args[0])(context, builder, args[0]).data
-            return builder.bitcast(data, context.get_value_type(kind))
-
-        return kind(array), codegen
-
-    return as_rows
-
-
-def split(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Real and imaginary parts, as views, of an array that the kernels take as rows of complex numbers."""
-    parts = flat.view(np.real(flat).dtype).reshape(*flat.shape[:-1], 2, flat.shape[-1])
-    return parts[..., 0, :], parts[..., 1, :]
-
-
-@type_callable(operator.getitem)
-def _type_getitem(context):
-    def typer(rows, index):
-        if isinstance(rows, Rows) and isinstance(index, types.Integer):
-            return rows.item
-        return None
-
-    return typer
-
-
-@type_callable(operator.setitem)
-def _type_setitem(context):
-    def typer(rows, index, value):
-        if isinstance(rows, Rows) and isinstance(index, types.Integer):
-            return types.none
-        return None
-
-    return typer
-
-
-def _address(context, builder, sig, args):
-    index = context.cast(builder, args[1], sig.args[1], types.intp)
-    return builder.gep(args[0], [index], inbounds=True)
-
-
-@lower_builtin(operator.getitem, Rows, types.Integer)
-def _getitem(context, builder, sig, args):
-    rows = sig.args[0]
-    address = _address(context, builder, sig, args)
-    if rows.width == 1:
-        return context.unpack_value(builder, rows.item, address)
-    if isinstance(rows.item, Duals):
-        parts = [cgutils.gep_inbounds(builder, address, 0, k) for k in range(2)]
-        return _joined(context, builder, rows.item, [builder.load(part, align=8) for part in parts])
-    return builder.load(address, align=8)  # of the lane: arrays need not be aligned to whole rows
-
-
-@lower_builtin(operator.setitem, Rows, types.Integer, types.Any)
-def _setitem(context, builder, sig, args):
-    rows = sig.args[0]
-    address = _address(context, builder, sig, args)
-    value = context.cast(builder, args[2], sig.args[2], rows.item)
-    if rows.width == 1:
-        context.pack_value(builder, rows.item, value, address)
-    elif isinstance(rows.item, Duals):
-        for k, part in enumerate(_parted(context, builder, rows.item, rows.item, value)):
-            builder.store(part, cgutils.gep_inbounds(builder, address, 0, k), align=8)
-    else:
-        builder.store(value, address, align=8)
 
 
 # ---- arithmetic ------------------------------------------------------------------------------------------------------
@@ -215,31 +46,16 @@ def _setitem(context, builder, sig, args):
 @lower_cast(Lanes, Duals)
 def _broadcast(context, builder, fromty, toty, value):
     if isinstance(toty, Duals):
-        real, _ = _parted(context, builder, fromty, toty, value)
-        return _joined(context, builder, toty, (real, ir.Constant(real.type, None)))
+        real, _ = parted(context, builder, fromty, toty, value)
+        return joined(context, builder, toty, (real, ir.Constant(real.type, None)))
     scalar = value if isinstance(toty, Mask) else context.cast(builder, value, fromty, toty.dtype)
-    return _splat(builder, _vector(toty), scalar)
+    return _splat(builder, vector(toty), scalar)
 
 
 def _splat(builder, vector, scalar):
     nothing, index = ir.Constant(vector, ir.Undefined), ir.IntType(32)
     first = builder.insert_element(nothing, scalar, ir.Constant(index, 0))
     return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(index, vector.count), None))
-
-
-def _parted(context, builder, fromty, kind, value):
-    """Real and imaginary part of anything that can become duals; the imaginary part is None where there is none."""
-    if isinstance(fromty, Duals):
-        pair = cgutils.create_struct_proxy(fromty)(context, builder, value=value)
-        return pair.real, pair.imag
-    return context.cast(builder, value, fromty, kind.part), None
-
-
-def _joined(context, builder, kind, parts):
-    pair = cgutils.create_struct_proxy(kind)(context, builder)
-    pair.real = parts[0]
-    pair.imag = ir.Constant(parts[0].type, None) if parts[1] is None else parts[1]
-    return pair._getvalue()
 
 
 def _lanes_among(args):
@@ -273,10 +89,10 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
     def lower(context, builder, sig, args):
         kind = _lanes_among(sig.args)
         if isinstance(kind, Duals):
-            parts = [_parted(context, builder, t, kind, v) for v, t in zip(args, sig.args, strict=True)]
+            parts = [parted(context, builder, t, kind, v) for v, t in zip(args, sig.args, strict=True)]
             if dual is None:
                 return emit(builder, kind.part, *(real for real, _ in parts))
-            return _joined(context, builder, kind, dual(builder, functools.partial(emit, builder, kind.part), *parts))
+            return joined(context, builder, kind, dual(builder, functools.partial(emit, builder, kind.part), *parts))
         vectors = [context.cast(builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)]
         return emit(builder, kind, *vectors)
 
@@ -343,7 +159,7 @@ _define(max, _picked(">"), dual=duals.pick(">"))
 
 @intrinsic
 def _real_part(typingctx, x):
-    return x.part(x), lambda context, builder, sig, args: _parted(context, builder, x, x, args[0])[0]
+    return x.part(x), lambda context, builder, sig, args: parted(context, builder, x, x, args[0])[0]
 
 
 @overload_attribute(Lanes, "real", inline="always")
@@ -404,8 +220,8 @@ def magnitude(typingctx, x):
 
     def codegen(context, builder, sig, args):
         if isinstance(x, Duals):
-            parts = _parted(context, builder, x, x, args[0])
-            return _joined(context, builder, x, duals.magnitude(builder, None, parts))
+            parts = parted(context, builder, x, x, args[0])
+            return joined(context, builder, x, duals.magnitude(builder, None, parts))
         if not isinstance(x, types.Complex):
             return _elementwise("fabs")(builder, x, args[0])
         number, out = context.make_complex(builder, x, value=args[0]), context.make_complex(builder, x)
@@ -424,7 +240,7 @@ def any_lane(typingctx, condition):
     def codegen(context, builder, sig, args):
         if not isinstance(condition, Mask):
             return args[0]
-        signature = ir.FunctionType(ir.IntType(1), [_vector(condition)])
+        signature = ir.FunctionType(ir.IntType(1), [vector(condition)])
         name = f"llvm.vector.reduce.or.v{condition.width}i1"
         return builder.call(cgutils.get_or_insert_function(builder.module, signature, name), args)
 
@@ -504,8 +320,8 @@ def _alone(kind):
 def _picked_lane(context, builder, kind, value, lane):
     at = ir.Constant(ir.IntType(32), lane)
     if isinstance(kind, Duals):
-        parts = _parted(context, builder, kind, kind, value)
-        return _joined(context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts])
+        parts = parted(context, builder, kind, kind, value)
+        return joined(context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts])
     return builder.extract_element(value, at) if isinstance(kind, Lanes) else value
 
 
@@ -513,6 +329,6 @@ def _with_lane(context, builder, kind, value, scalar, lane):
     at = ir.Constant(ir.IntType(32), lane)
     if not isinstance(kind, Duals):
         return builder.insert_element(value, scalar, at)
-    parts = _parted(context, builder, kind, kind, value)
-    new = _parted(context, builder, _alone(kind), _alone(kind), scalar)
-    return _joined(context, builder, kind, [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)])
+    parts = parted(context, builder, kind, kind, value)
+    new = parted(context, builder, _alone(kind), _alone(kind), scalar)
+    return joined(context, builder, kind, [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)])

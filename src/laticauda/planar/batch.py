@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling import fingerprint
-from laticauda.compiling.lanes import split
+from laticauda.compiling.lane_types import split
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout

@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 from numba.extending import overload
 
-from laticauda.compiling.lanes import INLINED, Lanes, bit, power_of_two, where
+from laticauda.compiling.lane_types import Lanes
+from laticauda.compiling.lanes import INLINED, bit, power_of_two, where
 
 # Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
 SHIFT = 6755399441055744.0

@@ -37,6 +37,7 @@ _SOURCES = (
     "planar/specialize.py",
     "scalars.py",
     "compiling/__init__.py",
+    "compiling/lane_types.py",
     "compiling/lanes.py",
     "fluid/laws.py",
     "actuation/laws.py",

@@ -15,13 +15,13 @@ A template (see `specialize`); its entry points are what Python calls.
 
 from typing import no_type_check
 
-from laticauda.compiling import entry, kernel, lanes
+from laticauda.compiling import entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.planar.rows import *
 from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
-rows_of = lanes.rows_of(_names["WIDTH"])
+rows_of = lane_types.rows_of(_names["WIDTH"])
 body_forces = _names["loads"].body_forces
 accelerations = _names["recursion"].accelerations
 holding_torques = _names["recursion"].holding_torques

@@ -7,6 +7,7 @@ import numpy as np
 
 from laticauda.figures import identification as draw
 from laticauda.figures import new_figure, style
+from laticauda.identify.checking import of_interest
 from laticauda.identify.measurements import SERIES
 from laticauda.simulate.sensitivities import UNITS
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from laticauda.identify import Fit
-    from laticauda.reports.identify import Checked
+    from laticauda.identify.checking import Checked
 
 _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
 _MOST_BARS = 60
@@ -36,16 +37,6 @@ def figures_of(done: "Checked") -> "Iterator[tuple[str, str, Figure]]":
     yield "intervals", "Uncertainty of every parameter as a share of its value.", _intervals(done)
     if len(of_interest(found)) > 1:
         yield "correlations", "Correlations of the parameters' errors.", _correlations(found)
-
-
-def of_interest(found: "Fit") -> list[int]:
-    """Numbers of the unknowns that figures show: all but where single trials began.
-
-    Args:
-        found: The fit.
-    """
-    unknowns = found.problem.unknowns
-    return [k for k, unknown in enumerate(unknowns) if not unknown.parameter.name.startswith("start.")]
 
 
 def short_names(names: Sequence[str]) -> list[str]:

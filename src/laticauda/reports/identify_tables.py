@@ -1,21 +1,16 @@
 """Tables of an identification's report."""
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from laticauda.reports.identify_figures import of_interest
+from laticauda.identify.checking import Checked, of_interest
 from laticauda.reports.tables import Cell, Column, Table, in_digits
-
-if TYPE_CHECKING:
-    from laticauda.reports.identify import Checked
-
 
 _PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
 
-def tables_of(done: "Checked") -> dict[str, Table]:
+def tables_of(done: Checked) -> dict[str, Table]:
     """All of them by name.
 
     Args:
@@ -30,7 +25,7 @@ def tables_of(done: "Checked") -> dict[str, Table]:
     return {table.name: table for table in tables}
 
 
-def parameters_table(done: "Checked") -> Table:
+def parameters_table(done: Checked) -> Table:
     """Values, uncertainties and what is to be known about them."""
     found = done.found
     profiles = {one.name: one for one in done.profiles}
@@ -69,7 +64,7 @@ def parameters_table(done: "Checked") -> Table:
     )
 
 
-def began_table(done: "Checked") -> Table:
+def began_table(done: Checked) -> Table:
     """Where single trials began, as far as it was identified."""
     found = done.found
     shown = [k for k in range(len(found.estimates)) if k not in of_interest(found)]
@@ -94,7 +89,7 @@ def _end(value: float) -> str:
     return in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
-def directions_table(done: "Checked") -> Table:
+def directions_table(done: Checked) -> Table:
     """What the measurements see of combinations."""
     shown = of_interest(done.found)
     directions = [
@@ -115,7 +110,7 @@ def directions_table(done: "Checked") -> Table:
     )
 
 
-def residuals_table(done: "Checked") -> Table:
+def residuals_table(done: Checked) -> Table:
     """Every measurement beside its prediction."""
     left_out = _left_out(done)
     return Table(
@@ -153,7 +148,7 @@ def residuals_table(done: "Checked") -> Table:
     )
 
 
-def _left_out(done: "Checked") -> dict[tuple[str, str], float | None]:
+def _left_out(done: Checked) -> dict[tuple[str, str], float | None]:
     """Figures as the others predict them."""
     found: dict[tuple[str, str], float | None] = {}
     at = 0
@@ -166,7 +161,7 @@ def _left_out(done: "Checked") -> dict[tuple[str, str], float | None]:
     return found
 
 
-def groups_table(done: "Checked") -> Table:
+def groups_table(done: Checked) -> Table:
     """Errors by group."""
     rows: list[tuple[Cell, ...]] = []
     residuals = done.found.residuals
@@ -200,7 +195,7 @@ def groups_table(done: "Checked") -> Table:
     )
 
 
-def errors_table(done: "Checked") -> Table:
+def errors_table(done: Checked) -> Table:
     """Mean errors of the speeds, fitted and left out, beside null models."""
     n, by_group = len(done.found.estimates), done.by_group
     rows: list[tuple[Cell, ...]] = [
@@ -230,7 +225,7 @@ def errors_table(done: "Checked") -> Table:
     )
 
 
-def starts_table(done: "Checked") -> Table:
+def starts_table(done: Checked) -> Table:
     """Where every search began and ended."""
     every = done.found.problem.names
     names = [every[k] for k in of_interest(done.found)]
@@ -252,7 +247,7 @@ def starts_table(done: "Checked") -> Table:
     )
 
 
-def correlations_table(done: "Checked") -> Table:
+def correlations_table(done: Checked) -> Table:
     """The matrix."""
     names = done.found.problem.names
     return Table(
