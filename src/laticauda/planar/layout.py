@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from laticauda.fluid import Coefficients, link_coefficients
 from laticauda.planar import rows
 from laticauda.planar.fin import FinBody, fin_bodies
-from laticauda.robot import Environment, Ground, Joint, Module, Robot, Thruster, Water, has_power_model
+from laticauda.robot import Environment, Ground, Joint, Module, PectoralFin, Robot, Thruster, Water, has_power_model
 
 Thing = TypeVar("Thing")
 
@@ -84,17 +84,8 @@ def layout(
     Returns:
         The layout, straight and at rest at the origin.
     """
-    # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
     coefficients = coefficients or link_coefficients(robot, environment)
-    part = {id(module): _own_part(module) for module in _distinct(robot.modules)}
-    links = [
-        _Body(length=m.length, parts=[part[id(m)]], water=coefficients, index=i) for i, m in enumerate(robot.modules)
-    ]
-    pieces: list[FinBody] = []
-    if robot.caudal_fin is not None and coefficients.fin is not None:
-        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=JOINT_LAWS[joints], as_links=fin_as_links)
-        if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
-            _fold(links[0], pieces.pop())
+    links, pieces = _links_and_fin(robot, coefficients, joints, fin_as_links=fin_as_links)
     fin = [_fin_body(piece, coefficients) for piece in pieces]
     bodies = [*reversed(fin), *links]
     n = len(bodies)
@@ -113,28 +104,12 @@ def layout(
             _write_strips(strips[first_strip[i] : first_strip[i + 1]], body.strips)
     for thruster in robot.thrusters:
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
-    has_power = has_power_model(robot, joints)
-    for joint in _distinct(robot.joints):
-        alike = [len(fin) + 1 + i for i, other in enumerate(robot.joints) if other is joint]
-        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = _joint_numbers(joint, joints, has_power=has_power)
-    law = np.full(n, JOINT_LAWS[joints])
-    law[0] = rows.LOCKED
-    for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
-        law[len(fin) - i] = piece.law
-        _write_hinge(records[len(fin) - i], piece, joints, has_power=has_power)
+    law = _write_joints(records, robot, pieces, joints)
     half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
-    for e, plate in enumerate(p for group in plates for p in group):
-        at = S[size + e * rows.PLATE_ROWS :]
-        at[: rows.PLATE_ROWS] = (
-            plate.x + robot.modules[plate.link].length / 2.0,
-            plate.y,
-            plate.angle,
-            half_density * plate.area,
-            plate.lift_slope,
-            plate.stall_angle,
-            plate.stall_sharpness,
-            plate.parasitic_drag,
-        )
+    for record, plate in zip(
+        S[size:].reshape(-1, rows.PLATE_ROWS), (p for group in plates for p in group), strict=True
+    ):
+        record[:] = _plate_numbers(plate, robot.modules[plate.link], half_density)
     wake = S[rows.WAKE_MASS] > 0.0
     pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
@@ -151,6 +126,23 @@ def layout(
 def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
     """Every object once."""
     return {id(thing): thing for thing in things}.values()
+
+
+def _links_and_fin(
+    robot: Robot, coefficients: Coefficients, joints: str, *, fin_as_links: bool
+) -> tuple[list[_Body], list[FinBody]]:
+    """Bodies of the links, and the pieces of a fin that moves on its own; a rigid one is folded into the tail link."""
+    # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
+    part = {id(module): _own_part(module) for module in _distinct(robot.modules)}
+    links = [
+        _Body(length=m.length, parts=[part[id(m)]], water=coefficients, index=i) for i, m in enumerate(robot.modules)
+    ]
+    pieces: list[FinBody] = []
+    if robot.caudal_fin is not None and coefficients.fin is not None:
+        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=JOINT_LAWS[joints], as_links=fin_as_links)
+        if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
+            _fold(links[0], pieces.pop())
+    return links, pieces
 
 
 def _own_part(module: Module) -> _Part:
@@ -267,6 +259,35 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
     x = robot.modules[link].length / 2.0 + thruster.x
     record[[rows.THRUST_T, rows.THRUST_N]] += along, across
     record[rows.THRUST_MOMENT] += x * across - thruster.y * along
+
+
+def _write_joints(
+    records: np.ndarray, robot: Robot, pieces: Sequence[FinBody], joints: str
+) -> Int[np.ndarray, " n_bodies"]:
+    """Numbers of the joint at the tail end of every body; returns their laws."""
+    n_fin, has_power = len(pieces), has_power_model(robot, joints)
+    for joint in _distinct(robot.joints):
+        alike = [n_fin + 1 + i for i, other in enumerate(robot.joints) if other is joint]
+        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = _joint_numbers(joint, joints, has_power=has_power)
+    law = np.full(len(records), JOINT_LAWS[joints])
+    law[0] = rows.LOCKED
+    for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
+        law[n_fin - i] = piece.law
+        _write_hinge(records[n_fin - i], piece, joints, has_power=has_power)
+    return law
+
+
+def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> tuple[float, ...]:
+    return (
+        plate.x + module.length / 2.0,
+        plate.y,
+        plate.angle,
+        half_density * plate.area,
+        plate.lift_slope,
+        plate.stall_angle,
+        plate.stall_sharpness,
+        plate.parasitic_drag,
+    )
 
 
 def _write_hinge(record: np.ndarray, piece: FinBody, drive: str, *, has_power: bool) -> None:
