@@ -1,7 +1,7 @@
 """Random robots, their states, and both ways to compute their accelerations."""
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -137,9 +137,15 @@ def fill(a: Layout, state: State):
     return S, body
 
 
+@lru_cache(maxsize=8)
+def laid_out(robot, water, fin_as_links):
+    """The layout, once for all states of a robot."""
+    return layout(robot, water, fin_as_links=fin_as_links)
+
+
 def recursion(robot, water, state, *, joint_acceleration=None, joint_torque=None, fin_as_links=False):
     """Accelerations by the kernel: theta'' of the body's links, p'', joint accelerations, joint torques."""
-    a = layout(robot, water, fin_as_links=fin_as_links)
+    a = laid_out(robot, water, fin_as_links)
     S, body = fill(a, state)
     is_free = np.zeros(a.n_bodies, dtype=bool)
     if joint_torque is None:

@@ -10,9 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import jaxtyping
 import pytest
 from hypothesis import settings
-from jaxtyping import install_import_hook
+from typechecker import shaped
 
 if TYPE_CHECKING:
     from laticauda.studies import EfficiencyStudy, PathFollowingStudy
@@ -32,7 +33,8 @@ def _states_shapes(path: Path) -> bool:
     return "from jaxtyping import" in text and "njit" not in text
 
 
-install_import_hook(
+jaxtyping.jaxtyped = shaped  # what the hook's decorator is called by
+jaxtyping.install_import_hook(
     [
         ".".join(path.relative_to(SOURCES).with_suffix("").parts).removesuffix(".__init__")
         for path in sorted(SOURCES.rglob("*.py"))

@@ -4,13 +4,15 @@ Every page is followed from top to bottom, as a reader would, in an empty folder
 
 - a block whose fence names a file (``title="eel.toml"``) is written to that file;
 - ``python`` blocks run in one namespace;
-- of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must exist.
+- of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must exist. Those of
+  the README run in a shell, by the installed command; the others in this process, which has loaded all they need.
 
 A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example are run elsewhere.
 """
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +20,8 @@ from typing import NamedTuple
 
 import pytest
 from rendering import skip_without_rendering
+
+from laticauda.cli import main
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -62,6 +66,10 @@ def run_in_shell(line: str) -> None:
     assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
 
 
+def run_here(line: str) -> None:
+    assert main(shlex.split(line)[1:]) == 0, line
+
+
 def follow(page: Path) -> None:
     namespace: dict[str, object] = {"__name__": "__main__"}
     for block in blocks(page):
@@ -73,7 +81,7 @@ def follow(page: Path) -> None:
         elif block.language == "bash":
             for line in shell_lines(block.code):
                 if line.startswith("laticauda "):
-                    run_in_shell(line)
+                    (run_in_shell if page.name == "README.md" else run_here)(line)
                 elif line.startswith("make "):
                     run_in_shell(f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}")
 

@@ -5,11 +5,14 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from jaxtyping import TypeCheckError
+from beartype.roar import BeartypeCallHintViolation
+from jaxtyping import Float, TypeCheckError
+from typechecker import check, shaped
 
 ROOT = Path(__file__).parent.parent
 HEAVY = [
@@ -66,6 +69,38 @@ def test_shapes_are_checked_while_tests_run():
 
     with pytest.raises(TypeCheckError):
         kinematics.link_angles(np.zeros(3), angle=np.zeros(2))
+
+
+def test_results_the_fields_of_dataclasses_and_axes_of_one_name_are_checked_too():
+    checked = shaped(typechecker=check)
+
+    @checked
+    def both(a: Float[np.ndarray, " n"], b: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+        return a[: len(a) - int(b[0])]
+
+    @checked
+    @dataclass
+    class Point:
+        place: Float[np.ndarray, " 2"]
+        name: str = ""
+
+    @checked
+    def half(x: int) -> int:
+        return x / 2  # pyright: ignore[reportReturnType]
+
+    assert len(both(np.zeros(3), np.zeros(3))) == 3
+    assert Point(np.zeros(2)).name == ""
+    for wrong in (
+        lambda: both(np.zeros(3), np.zeros(2)),
+        lambda: both(np.zeros(3), np.ones(3)),
+        lambda: Point(np.zeros(3)),
+        lambda: Point(np.zeros(2), 3),  # pyright: ignore[reportArgumentType]
+    ):
+        with pytest.raises(TypeCheckError):
+            wrong()
+    for argument in (3, "x"):
+        with pytest.raises(BeartypeCallHintViolation):
+            half(argument)
 
 
 def test_no_file_names_a_path_of_somebodys_machine():

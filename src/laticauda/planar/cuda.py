@@ -145,6 +145,7 @@ def _target() -> Target:
 
     return Target(
         kernel=device,
+        law=device,
         entry=device,
         in_lanes=lambda function: function,
         where=where,
