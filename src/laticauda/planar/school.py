@@ -55,6 +55,7 @@ class Motion:
     """What `mean_power` counts, since its start: electrical where the robot has a power model, else mechanical [J]."""
 
 
+_NAMES = tuple(part.name for part in fields(Motion))
 _ROWS = np.array([part.metadata["row"] for part in fields(Motion)]) - rows.TIME
 _COMMANDS = {
     "amplitude": rows.AMPLITUDE,
@@ -99,12 +100,17 @@ class School:
         has_power = has_power_model(plant.robot, plant.joints)
         self._wanted = _ROWS.copy()
         self._wanted[-1] = (rows.WORK_ELECTRICAL if has_power else rows.WORK_ABSOLUTE) - rows.TIME
+        kernel: Any = plant.kernels_of(self._width).run
+        steps = plant.steps_in(self.interval)
+        self._kernel, self._shape = kernel, plant.layout.chain
+        self._steps = (plant.is_implicit, steps, self.interval / steps, steps)
         self._seen = self._look()
+        self._motion = self._named()
 
     @property
     def motion(self) -> Motion:
         """How they move; of one that failed, the last that made sense."""
-        return Motion(**{part.name: self._seen[i] for i, part in enumerate(fields(Motion))})
+        return self._motion
 
     @property
     def is_well(self) -> Bool[np.ndarray, " n"]:
@@ -138,7 +144,7 @@ class School:
         ):
             self._lanes[block, row, lane] = values
         self._well[which] = True
-        self._seen = np.where(self._well, self._look(), self._seen)
+        self._keep_seen()
 
     def tell(self, command: Mapping[str, Float[np.ndarray, " n"]]) -> None:
         """Ask every robot for something else from now on.
@@ -159,7 +165,7 @@ class School:
         else:
             list(self._workers.map(self._swim, self._shares))
         self._well &= self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
-        self._seen = np.where(self._well, self._look(), self._seen)
+        self._keep_seen()
 
     def state(self, which: int) -> PlanarState:
         """The state of one of them, for `PlanarPlant`."""
@@ -179,13 +185,18 @@ class School:
             self._workers.shutdown()
 
     def _swim(self, blocks: np.ndarray) -> None:
-        plant = self.plant
-        kernel: Any = plant.kernels_of(self._width).run
-        steps = plant.steps_in(self.interval)
         sample = np.empty((2, 1, self._width))  # the kernel's log; the lanes themselves say all that is needed
         for block in blocks:
             lanes = self._lanes[block] if self._width > 1 else self._lanes[block, :, 0]
-            kernel(lanes, *plant.layout.chain, plant.is_implicit, steps, self.interval / steps, steps, sample)
+            self._kernel(lanes, *self._shape, *self._steps, sample)
+
+    def _keep_seen(self) -> None:
+        self._seen = np.where(self._well, self._look(), self._seen)
+        self._motion = self._named()
+
+    def _named(self) -> Motion:
+        self._seen.flags.writeable = False  # it is handed out
+        return Motion(**dict(zip(_NAMES, self._seen, strict=True)))
 
     def _look(self) -> np.ndarray:
         return self._of_each(self._lanes[:, STATE])[self._wanted]
