@@ -80,9 +80,7 @@ class School:
         ValueError: If an argument is out of its range.
     """
 
-    def __init__(
-        self, plant: PlanarPlant, command: Command, n: int, interval: float, *, threads: int = 1
-    ) -> None:
+    def __init__(self, plant: PlanarPlant, command: Command, n: int, interval: float, *, threads: int = 1) -> None:
         if not isinstance(plant.environment, Water):
             raise ValueError("`plant` must swim in water, got one on the ground.")
         self.plant, self.n = plant, whole("n", n, 1)

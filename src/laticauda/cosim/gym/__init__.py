@@ -7,6 +7,8 @@
 or, in one go, ``gymnasium.make("laticauda.cosim.gym:laticauda/PathFollowing-v0")``.
 """
 
+# pyright: reportUnknownVariableType=false
+
 from typing import TYPE_CHECKING, Any
 
 from laticauda.errors import MissingExtra

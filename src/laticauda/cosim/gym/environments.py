@@ -1,4 +1,4 @@
-"""The door of Gymnasium: an environment with one robot, and one with many in lanes. Both are `Episodes`."""
+"""What Gymnasium makes: an environment with one robot, and one with many in lanes. Both are `Episodes`."""
 
 # pyright: reportMissingTypeArgument=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
@@ -7,7 +7,12 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
+import gymnasium
 import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
 
 from laticauda.cosim.gym.efficiency import Efficiency
 from laticauda.cosim.gym.episodes import BOUND, Episodes
@@ -15,16 +20,7 @@ from laticauda.cosim.gym.following import PathFollowing
 from laticauda.cosim.gym.station import StationKeeping
 from laticauda.cosim.gym.swimming import Swimming
 from laticauda.cosim.messages import known
-from laticauda.errors import MissingExtra, one_of, whole
-
-try:
-    import gymnasium
-    from gymnasium.error import ResetNeeded
-    from gymnasium.utils.seeding import np_random
-    from gymnasium.vector import AutoresetMode, VectorEnv
-    from gymnasium.vector.utils import batch_space
-except ImportError as error:  # pragma: no cover - CI has it; `laticauda.cosim.gym` says the same
-    raise MissingExtra("Learning", "gymnasium", "learn") from error
+from laticauda.errors import one_of, whole
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
 _NOT_BEGUN = "`reset` must be called before the first `step`."
@@ -124,7 +120,7 @@ class SwimmingEnv(gymnasium.Env):
         """
         if not self._has_begun:
             raise ResetNeeded(_NOT_BEGUN)
-        done = self.episodes.step(_checked(action, self.action_space.shape)[np.newaxis])
+        done = self.episodes.step(_checked(action, self.action_space.shape or ())[np.newaxis])
         info = self._info(done.power.item())
         return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
 
@@ -206,9 +202,7 @@ class SwimmingVectorEnv(VectorEnv):
         self._begin(which, given)
         return self._observation.copy(), self._infos(np.zeros(self.num_envs))
 
-    def step(
-        self, actions: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Let one interval go by in every lane.
 
         Args:

@@ -6,13 +6,14 @@ alone: the n-th lane of many does what a single one does that was given its seed
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.cosim.gym.swimming import Step, Swimming
-from laticauda.errors import finite
 from laticauda.cosim.messages import known
+from laticauda.errors import finite
 from laticauda.interfaces import Observation
 from laticauda.planar.school import Motion, School
 
@@ -81,7 +82,7 @@ class Episodes:
         self,
         which: Bool[np.ndarray, " n"],
         generators: Sequence[np.random.Generator],
-        given: Mapping[str, object] | None = None,
+        given: Mapping[str, Any] | None = None,
     ) -> None:
         """Let some lanes begin another episode.
 
@@ -98,7 +99,7 @@ class Episodes:
         if lanes.size == 0:
             return
         draws = self.task.draws
-        share = np.array([generators[lane].random(len(draws)) for lane in lanes])
+        share = np.array([generators[lane].random(len(draws)) for lane in lanes.tolist()])
         for i, draw in enumerate(draws):
             drawn = draw.low + share[:, i] * (draw.high - draw.low)
             self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else drawn
@@ -149,11 +150,11 @@ class Episodes:
     def _observed(self, step: Step) -> np.ndarray:
         return np.clip(np.stack(self.task.see(step), axis=1) / self._units, -BOUND, BOUND)
 
-    def _fixed(self, given: Mapping[str, object]) -> dict[str, np.ndarray]:
+    def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
         known("`options`", given, self._drawn)
         fixed: dict[str, np.ndarray] = {}
         for name, value in given.items():
-            if isinstance(value, np.ndarray) and value.shape == (self.n,):
+            if np.shape(value) == (self.n,):
                 fixed[name] = np.array([finite(f"{name}[{i}]", one) for i, one in enumerate(value)])
             else:
                 fixed[name] = np.full(self.n, finite(name, value))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, current_draws, settle, soft_square
+from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, current_draws, log_square, settle
 from laticauda.errors import not_negative, positive
 
 
@@ -14,7 +14,7 @@ from laticauda.errors import not_negative, positive
 class PathFollowing(Swimming):
     """Follow the x axis, in a current that is not seen; the action is what steering adds, as for line of sight.
 
-        r = (x(t + h) - x(t)) / v_1 - h (2 (sqrt(1 + (e/e_1)^2) - 1) + P/P_1)
+        r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + P/P_1)
 
     Raises:
         ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
@@ -93,5 +93,5 @@ class PathFollowing(Swimming):
     def reward(self, step: Step) -> Numbers:
         """Progress along the path, less what distance from it and power cost in `step`."""
         progress = (step.after.x - step.before.x) / self.speed_unit
-        error = soft_square(step.after.y, self.cross_track_tolerance)
+        error = log_square(step.after.y, self.cross_track_tolerance)
         return progress - step.interval * (error + step.power / self.power_unit)

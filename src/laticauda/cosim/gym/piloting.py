@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from laticauda.cosim.gym.episodes import Episodes
 from laticauda.interfaces import Command, Controller
@@ -23,12 +22,14 @@ class Pilots:
     def __init__(self, controller: Controller[Any], episodes: Episodes) -> None:
         interval = episodes.task.interval
         if abs(controller.interval - interval) > 1e-9:
-            raise ValueError(f"`controller.interval` must be that of the task, {interval} s, got {controller.interval}.")
+            raise ValueError(
+                f"`controller.interval` must be that of the task, {interval} s, got {controller.interval}."
+            )
         self._controller, self._episodes = controller, episodes
         self._thoughts = [controller.init() for _ in range(episodes.n)]
 
-    def actions(self) -> Float[np.ndarray, "n n_actions"]:
-        """What they ask for now; a lane whose episode has just begun gets a pilot who knows nothing yet."""
+    def actions(self) -> np.ndarray:
+        """What they ask for now, one row per lane; a lane whose episode has just begun gets a pilot who knows nothing yet."""
         time = self._episodes.motion.time
         asked = np.zeros((self._episodes.n, len(self._episodes.task.actions)))
         for lane in range(self._episodes.n):

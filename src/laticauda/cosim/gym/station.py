@@ -14,9 +14,9 @@ from laticauda.cosim.gym.swimming import (
     Swimming,
     current_draws,
     in_body_axes,
+    log_square,
     settle,
     settle_ends,
-    soft_square,
 )
 from laticauda.errors import not_negative, positive
 
@@ -25,7 +25,7 @@ from laticauda.errors import not_negative, positive
 class StationKeeping(Swimming):
     """Stay at the origin in a current that is not seen; the actions are what steering adds, and the frequency.
 
-        r = -h (2 (sqrt(1 + (d/d_1)^2) - 1) + P/P_1)
+        r = -h (ln(1 + (d/d_1)^2) + P/P_1)
 
     Raises:
         ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
@@ -105,5 +105,5 @@ class StationKeeping(Swimming):
 
     def reward(self, step: Step) -> Numbers:
         """What distance and power cost in `step`."""
-        distance = soft_square(np.hypot(step.after.x, step.after.y), self.distance_tolerance)
+        distance = log_square(np.hypot(step.after.x, step.after.y), self.distance_tolerance)
         return -step.interval * (distance + step.power / self.power_unit)
