@@ -1,9 +1,9 @@
 """A learner against line of sight: path following in a current, three seeds, a stated budget.
 
 Question: does PPO of stable-baselines3 follow a line better than the paper's line of sight, than the best of a grid of
-that law and of the integral law? All of them steer the same robot through the same environment, every 0.2 s, in the same
-256 episodes, which neither the learner nor the grid has seen. The return is what counts; what it is made of stands
-beside it, of the last 20 s of each episode.
+that law and of the integral law? All of them steer the same robot through the same environment, every 0.2 s, in the
+same 256 episodes, which neither the learner nor the grid has seen. The return is what counts; what it is made of
+stands beside it, of the last 20 s of each episode.
 
     pip install "laticauda[learn]"
     python campaigns/learning.py --budget 1000000
@@ -30,8 +30,8 @@ LANES = 64
 EPISODES = 256
 UNSEEN = 3_000_000  # seed of the first episode of the comparison
 TUNING = 2_000_000  # of those that the grid is searched with
-DISTANCES, GAINS = (0.18, 0.36, 0.72, 1.08, 1.62), (0.25, 0.4, 0.6, 0.9)  # m, -
-INTEGRAL_GAINS = (0.03, 0.06, 0.12)  # m/s
+DISTANCES, GAINS = (0.09, 0.18, 0.36, 0.72, 1.62), (0.25, 0.4, 0.6, 0.9, 1.4)  # m, -
+INTEGRAL_GAINS = (0.01, 0.02, 0.04, 0.12)  # m/s
 # Steps per lane and update, and a smaller spread at first: offsets that jump by all they can every 0.2 s turn nothing.
 SETTINGS = {"n_steps": 128, "batch_size": 512, "learning_rate": 1e-3, "policy_kwargs": {"log_std_init": -1.0}}
 Act = Callable[[np.ndarray], np.ndarray]

@@ -19,6 +19,7 @@ HEAVY = [
     "dask",
     "distributed",
     "ezc3d",
+    "gymnasium",
     "matplotlib",
     "mcap",
     "mujoco",

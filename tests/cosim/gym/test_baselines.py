@@ -68,7 +68,7 @@ def test_ppo_learns_in_it_and_the_same_seed_learns_the_same():
 def test_another_way_from_episode_to_episode_is_refused():
     from laticauda.cosim.gym import StableBaselines
 
-    with pytest.raises(ValueError, match="`envs.autoreset_mode` must be `SameStep`, got 'NextStep'"):
+    with pytest.raises(ValueError, match=r"`envs\.autoreset_mode` must be `SameStep`, got 'NextStep'"):
         StableBaselines(SwimmingVectorEnv(2))
     with pytest.raises(ValueError, match="`envs` must be of class SwimmingVectorEnv, got int"):
         StableBaselines(3)

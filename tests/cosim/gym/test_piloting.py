@@ -57,5 +57,5 @@ def test_a_new_episode_gets_a_new_pilot():
 
 def test_a_controller_of_another_pace_is_refused():
     envs = SwimmingVectorEnv(2, task=TASK)
-    with pytest.raises(ValueError, match=r"`controller.interval` must be that of the task, 0.2 s, got 0.05"):
+    with pytest.raises(ValueError, match=r"`controller.interval` must be the task's, 0.2 s, got 0.05"):
         Pilots(sight(0.05), envs.episodes)

@@ -22,14 +22,12 @@ class Pilots:
     def __init__(self, controller: Controller[Any], episodes: Episodes) -> None:
         interval = episodes.task.interval
         if abs(controller.interval - interval) > 1e-9:
-            raise ValueError(
-                f"`controller.interval` must be that of the task, {interval} s, got {controller.interval}."
-            )
+            raise ValueError(f"`controller.interval` must be the task's, {interval} s, got {controller.interval}.")
         self._controller, self._episodes = controller, episodes
         self._thoughts = [controller.init() for _ in range(episodes.n)]
 
     def actions(self) -> np.ndarray:
-        """What they ask for now, one row per lane; a lane whose episode has just begun gets a pilot who knows nothing yet."""
+        """What they ask for now, one row per lane; in an episode that has just begun the pilot knows nothing yet."""
         time = self._episodes.motion.time
         asked = np.zeros((self._episodes.n, len(self._episodes.task.actions)))
         for lane in range(self._episodes.n):

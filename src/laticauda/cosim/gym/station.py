@@ -77,7 +77,7 @@ class StationKeeping(Swimming):
 
     @property
     def sights(self) -> tuple[Sight, ...]:
-        """Where the origin is seen from the robot, its velocity over ground; phase, frequency and offset of the gait."""
+        """Where the origin is seen, velocity over ground; phase, frequency and offset of the gait."""
         return (
             Sight(name="origin_along"),
             Sight(name="origin_across"),
