@@ -98,17 +98,8 @@ def best_of(laws: list[tuple[Any, float]]) -> tuple[Any, float]:
     return max(laws, key=worth)
 
 
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--budget", type=int, default=1_000_000, help="steps of 0.2 s that each learner may take")
-    parser.add_argument("--seeds", type=int, default=3)
-    args = parser.parse_args()
-    if importlib.util.find_spec("stable_baselines3") is None:
-        print('This needs stable-baselines3; run `pip install "laticauda[learn]"`.', file=sys.stderr)
-        return
-    print("| who steers | return | rms error [mm] | along [m/s] | power [W] |")
-    print("|---|---|---|---|---|")
+def print_laws() -> None:
+    """The rows of those that do not learn."""
     sight = [(lc.LineOfSight(look_ahead_distance=d), k) for d, k in itertools.product(DISTANCES, GAINS)]
     learns = [
         (lc.IntegralLineOfSight(look_ahead_distance=d, integral_gain=s), k)
@@ -126,7 +117,23 @@ def main() -> None:
     for name, law in laws.items():
         make: Any = (lambda envs: lambda _: np.zeros((EPISODES, 1))) if law is None else None
         print(row(name, evaluated(make or (lambda envs, law=law: steers(envs, *law)), UNSEEN, EPISODES)), flush=True)
-    for seed in range(1, args.seeds + 1):
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--budget", type=int, default=1_000_000, help="steps of 0.2 s that each learner may take")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the learners")
+    parser.add_argument("--learners", action="store_true", help="the learners alone")
+    args = parser.parse_args()
+    if importlib.util.find_spec("stable_baselines3") is None:
+        print('This needs stable-baselines3; run `pip install "laticauda[learn]"`.', file=sys.stderr)
+        return
+    print("| who steers | return | rms error [mm] | along [m/s] | power [W] |")
+    print("|---|---|---|---|---|")
+    if not args.learners:
+        print_laws()
+    for seed in args.seeds:
         model, seconds = learned(seed, args.budget)
         act: Act = lambda seen, model=model: model.predict(seen, deterministic=True)[0]  # noqa: E731
         figures = evaluated(lambda envs, act=act: act, UNSEEN, EPISODES)
