@@ -22,6 +22,7 @@ HEAVY = [
     "dask",
     "distributed",
     "ezc3d",
+    "gymnasium",
     "matplotlib",
     "mcap",
     "mujoco",

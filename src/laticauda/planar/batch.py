@@ -112,7 +112,7 @@ def march_many(
         kind = float if runs[0].slope is None else complex
         first = runs[int(task[0][0])].plant  # as to kernel and rows, like all runs of a kind
         n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
-        log = _aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
+        log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), kind)
         kernel = first.kernels_of(WIDTH).run
         return [use(_march([runs[int(i)] for i in index], index, kernel, duration, n_intervals, log)) for index in task]
 
@@ -210,7 +210,7 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
 def _side_by_side(values: Sequence[np.ndarray], slopes: Sequence[np.ndarray | None]) -> np.ndarray:
     """Rows of up to WIDTH runs as lanes, complex if they have slopes; lanes without a run repeat the last one."""
     index = np.minimum(np.arange(WIDTH), len(values) - 1)
-    S = _aligned((values[0].size, WIDTH), float if slopes[0] is None else complex)
+    S = aligned((values[0].size, WIDTH), float if slopes[0] is None else complex)
     if slopes[0] is None:
         S[:] = np.stack(values, axis=1)[:, index]
         return S
@@ -228,7 +228,7 @@ def _numbers(lanes: np.ndarray) -> np.ndarray:
     return real + 1j * imaginary
 
 
-def _aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
+def aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array of zeros that begins where a vector register's worth of memory does."""
     size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
     raw: np.ndarray = np.zeros(size + 8)

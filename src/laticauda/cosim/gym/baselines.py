@@ -1,0 +1,88 @@
+"""The door of stable-baselines3: many robots in lanes as the vector environment that its learners take."""
+
+# pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
+# pyright: reportUntypedBaseClass=false, reportUnknownArgumentType=false
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from laticauda.cosim.gym.environments import SwimmingVectorEnv
+from laticauda.errors import MissingExtra, instance
+
+try:
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnv
+except ImportError as error:
+    raise MissingExtra("Learning with stable-baselines3", "stable-baselines3", "learn") from error
+
+
+class StableBaselines(VecEnv):
+    """What stable-baselines3 sees of an environment with many lanes.
+
+    Args:
+        envs: Made with ``autoreset_mode="SameStep"``, which is how stable-baselines3 goes from one episode to the next.
+
+    Raises:
+        ValueError: If they were not.
+
+    Example:
+        ``PPO("MlpPolicy", StableBaselines(SwimmingVectorEnv(64, autoreset_mode="SameStep")), seed=0)``
+    """
+
+    def __init__(self, envs: SwimmingVectorEnv) -> None:
+        instance("envs", envs, SwimmingVectorEnv)
+        if envs.autoreset_mode.value != "SameStep":
+            raise ValueError(f"`envs.autoreset_mode` must be `SameStep`, got {envs.autoreset_mode.value!r}.")
+        self.envs, self.render_mode = envs, None
+        super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
+
+    def reset(self) -> np.ndarray:
+        """Begin an episode in every lane, with the seeds that `seed` left."""
+        observation, _ = self.envs.reset(seed=self._seeds)
+        self._reset_seeds()
+        return observation
+
+    def step_async(self, actions: np.ndarray) -> None:
+        """Take the `actions`, one row per lane."""
+        self._actions = actions
+
+    def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
+        """Let one interval go by: observations, rewards, whether episodes are over, infos of those that are."""
+        observation, reward, terminated, truncated, info = self.envs.step(self._actions)
+        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
+        for lane in np.flatnonzero(terminated | truncated):
+            infos[lane]["terminal_observation"] = info["final_obs"][lane]
+            infos[lane]["TimeLimit.truncated"] = bool(truncated[lane])
+        return observation, reward, terminated | truncated, infos
+
+    def close(self) -> None:
+        """Let threads go."""
+        self.envs.close()
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """An attribute of the environment, which its lanes share."""
+        return [getattr(self.envs, attr_name) for _ in self._lanes(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Refused: lanes have no attributes of their own.
+
+        Raises:
+            ValueError: Always.
+        """
+        raise ValueError(f"`{attr_name}` must be given when the environment is made: its lanes share it.")
+
+    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+        """Refused, for the same reason.
+
+        Raises:
+            ValueError: Always.
+        """
+        raise ValueError(f"`{method_name}` must be called on `envs`: its lanes are no environments of their own.")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """They never are."""
+        return [False for _ in self._lanes(indices)]
+
+    def _lanes(self, indices: Any) -> Iterable[int]:
+        return self._get_indices(indices)

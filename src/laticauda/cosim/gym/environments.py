@@ -1,0 +1,286 @@
+"""What Gymnasium makes: an environment with one robot, and one with many in lanes. Both are `Episodes`."""
+
+# pyright: reportMissingTypeArgument=false, reportUnknownMemberType=false, reportUnknownVariableType=false
+# pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.utils.seeding import np_random
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from laticauda.cosim.gym.efficiency import Efficiency
+from laticauda.cosim.gym.episodes import BOUND, Episodes
+from laticauda.cosim.gym.following import PathFollowing
+from laticauda.cosim.gym.station import StationKeeping
+from laticauda.cosim.gym.swimming import Swimming
+from laticauda.cosim.messages import known
+from laticauda.errors import one_of, whole
+
+TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
+_NOT_BEGUN = "`reset` must be called before the first `step`."
+
+
+def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
+    """A task by its name and its fields, or as it is.
+
+    Args:
+        task: The name, or the task itself.
+        settings: Fields of the task.
+
+    Raises:
+        ValueError: If there is no such task or field, or a field is out of its range.
+    """
+    if isinstance(task, Swimming):
+        if settings:
+            raise ValueError(f"`task` must be a name where fields of it are given, got {task} and {set(settings)}.")
+        return task
+    kind = TASKS[one_of("task", task, tuple(TASKS))]
+    known(f"`{task}`", settings, [field.name for field in dataclasses.fields(kind)])
+    return kind(**settings)
+
+
+def _spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Of observations and of actions."""
+    sees = gymnasium.spaces.Box(-BOUND, BOUND, (len(task.sights),), np.float64)
+    return sees, gymnasium.spaces.Box(-1.0, 1.0, (len(task.actions),), np.float64)
+
+
+def _checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
+    try:
+        numbers = np.asarray(actions, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    if numbers.shape != shape or not np.isfinite(numbers).all():
+        wrong = "one that is not finite" if numbers.shape == shape else f"shape {np.shape(numbers)}"
+        raise ValueError(f"`action` must be finite numbers of shape {shape}, got {wrong}.")
+    return numbers
+
+
+class SwimmingEnv(gymnasium.Env):
+    """One robot at a task.
+
+    Args:
+        task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
+        render_mode: None: there are no pictures; `laticauda.Trial` and `laticauda view` have them.
+        settings: Fields of the task.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}  # pyright: ignore[reportIncompatibleVariableOverride]
+
+    def __init__(
+        self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(f"`render_mode` must be None, got {render_mode!r}.")
+        self.task = task_of(task, settings)
+        self.episodes = Episodes(self.task, 1)
+        self.observation_space, self.action_space = _spaces(self.task)
+        self._has_begun = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: Of what the episodes from now on draw; None: go on.
+            options: What is not to be drawn, by its name in the task's `draws` [SI].
+
+        Returns:
+            The observation, and where the robot is in SI units.
+
+        Raises:
+            ValueError: If an option is unknown or no finite number.
+        """
+        super().reset(seed=seed)
+        self.episodes.begin(np.array([True]), [self.np_random], options)
+        self._has_begun = True
+        return self.episodes.seen[0], self._info(0.0)
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Let one interval go by.
+
+        Args:
+            action: What is asked for, from -1 to 1 [-].
+
+        Returns:
+            Observation, reward, whether the motion has diverged, whether the time is over, where the robot is.
+
+        Raises:
+            ValueError: If the action has another shape or is not finite.
+        """
+        if not self._has_begun:
+            raise ResetNeeded(_NOT_BEGUN)
+        done = self.episodes.step(_checked(action, self.action_space.shape or ())[np.newaxis])
+        info = self._info(done.power.item())
+        return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def _info(self, power: float) -> dict[str, Any]:
+        motion = self.episodes.motion
+        return {"x": motion.x.item(), "y": motion.y.item(), "heading": motion.heading.item(), "power": power}
+
+
+class SwimmingVectorEnv(VectorEnv):
+    """Many robots at the same task, side by side in one process.
+
+    Lane i is seeded with seed + i, as in Gymnasium's own vector environments, and does what a single environment with
+    that seed does, to the last bit.
+
+    Args:
+        num_envs: How many.
+        task: As for `SwimmingEnv`.
+        autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
+        threads: As for `laticauda.planar.school.School`.
+        render_mode: None.
+        settings: Fields of the task.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        task: str | Swimming = "PathFollowing",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int = 1,
+        render_mode: str | None = None,
+        **settings: Any,
+    ) -> None:
+        if render_mode is not None:
+            raise ValueError(f"`render_mode` must be None, got {render_mode!r}.")
+        mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
+        self.autoreset_mode = AutoresetMode(one_of("autoreset_mode", mode, [each.value for each in AutoresetMode]))
+        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
+        self.num_envs = whole("num_envs", num_envs, 1)
+        self.task = task_of(task, settings)
+        self.episodes = Episodes(self.task, self.num_envs, threads=threads)
+        self.single_observation_space, self.single_action_space = _spaces(self.task)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._generators: list[np.random.Generator] = []
+        self._observation: np.ndarray = np.zeros(0)
+        self._is_over = np.full(self.num_envs, False)
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode in every lane, or in those that ``options["reset_mask"]`` says.
+
+        Args:
+            seed: Lane i gets seed + i; or one for each lane; None: go on.
+            options: As for `SwimmingEnv`, each a number or one for each lane; and `reset_mask`, a truth value for each.
+
+        Returns:
+            The observations, and where the robots are in SI units.
+
+        Raises:
+            ValueError: If an argument does not fit.
+        """
+        given = dict(options or {})
+        which = self._mask(given.pop("reset_mask", np.full(self.num_envs, True)))
+        if not self._generators:
+            if not which.all():
+                raise ResetNeeded(_NOT_BEGUN)
+            self._generators = [np_random(None)[0] for _ in range(self.num_envs)]
+        for lane, one in enumerate(self._seeds(seed)):
+            if one is not None and which[lane]:
+                self._generators[lane] = np_random(one)[0]
+        self._begin(which, given)
+        return self._observation.copy(), self._infos(np.zeros(self.num_envs))
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Let one interval go by in every lane.
+
+        Args:
+            actions: What each is asked for, from -1 to 1; one row per lane [-].
+
+        Returns:
+            As for `SwimmingEnv`, with one row or entry per lane.
+
+        Raises:
+            ValueError: If the actions have another shape or are not finite, or an episode is over and nobody began the
+                next one.
+        """
+        if not self._generators:
+            raise ResetNeeded(_NOT_BEGUN)
+        waiting = self._is_over
+        if self.autoreset_mode is AutoresetMode.DISABLED and waiting.any():
+            lanes = np.flatnonzero(waiting).tolist()
+            raise ValueError(f"`reset` must be called with a `reset_mask` for the lanes that are over, {lanes}.")
+        done = self.episodes.step(_checked(actions, self.action_space.shape or ()))
+        self._observation, infos = done.observation, {}
+        reward, terminated, truncated = done.reward, done.terminated, done.truncated
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            self._is_over = terminated | truncated
+            if self._is_over.any():
+                infos = self._finals(done.power)
+                self._begin(self._is_over, {})
+        else:
+            # What those did that were over already does not count: this step is their reset.
+            reward, terminated, truncated = (np.where(waiting, 0, each) for each in (reward, terminated, truncated))
+            terminated, truncated = terminated.astype(bool), truncated.astype(bool)
+            self._begin(waiting, {})
+            self._is_over = terminated | truncated
+        power = np.where(waiting, 0.0, done.power)
+        return self._observation.copy(), reward, terminated, truncated, self._infos(power) | infos
+
+    def close_extras(self, **_: Any) -> None:
+        """Let threads go."""
+        self.episodes.close()
+
+    def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:
+        if which.any() or given:
+            self.episodes.begin(which, self._generators, given)
+            whole_school = which.all()
+            seen = self.episodes.seen
+            self._observation = seen if whole_school else np.where(which[:, np.newaxis], seen, self._observation)
+            self._is_over = self._is_over & ~which
+
+    def _finals(self, power: np.ndarray) -> dict[str, Any]:
+        """What Gymnasium wants to know of episodes whose end is not in the observations."""
+        over = self._is_over
+        finals = np.full(self.num_envs, None, dtype=object)
+        for lane in np.flatnonzero(over):
+            finals[lane] = self._observation[lane].copy()
+        return {
+            "final_obs": finals,
+            "_final_obs": over.copy(),
+            "final_info": self._infos(power, over),
+            "_final_info": over.copy(),
+        }
+
+    def _infos(self, power: np.ndarray, which: np.ndarray | None = None) -> dict[str, Any]:
+        motion = self.episodes.motion
+        infos: dict[str, Any] = {}
+        for name, values in (("x", motion.x), ("y", motion.y), ("heading", motion.heading), ("power", power)):
+            infos[name] = values.copy()
+            infos[f"_{name}"] = np.full(self.num_envs, True) if which is None else which.copy()
+        return infos
+
+    def _mask(self, given: object) -> np.ndarray:
+        if not isinstance(given, np.ndarray) or given.dtype != bool or given.shape != (self.num_envs,):
+            raise ValueError(f"`reset_mask` must be an array of {self.num_envs} truth values, got {given!r}.")
+        return given
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, int | np.integer):
+            return [int(seed) + lane for lane in range(self.num_envs)]
+        if len(seed) != self.num_envs:
+            raise ValueError(f"`seed` must be a number or one for each of {self.num_envs} lanes, got {len(seed)}.")
+        return seed

@@ -1,0 +1,161 @@
+"""Episodes of one task in any number of lanes; knows nothing of Gymnasium.
+
+Every lane has a generator of random numbers of its own, so that what happens in it depends on its seed and its actions
+alone: the n-th lane of many does what a single one does that was given its seed.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.cosim.gym.swimming import Step, Swimming
+from laticauda.cosim.messages import known
+from laticauda.errors import finite
+from laticauda.interfaces import Observation
+from laticauda.planar.school import Motion, School
+
+BOUND = 10.0
+"""Numbers of an observation are cut off there [-]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outcome:
+    """What a step leaves behind, one entry per lane."""
+
+    observation: Float[np.ndarray, "n n_sights"]
+    """In the units of the task's `sights`, cut off at `BOUND` [-]."""
+    reward: Float[np.ndarray, " n"]
+    """[-]."""
+    terminated: Bool[np.ndarray, " n"]
+    """Whether the motion has diverged."""
+    truncated: Bool[np.ndarray, " n"]
+    """Whether the episode's time is over."""
+    power: Float[np.ndarray, " n"]
+    """Mean over the interval [W]."""
+
+
+class Episodes:
+    """Robots that are at a task, each in an episode of its own.
+
+    Args:
+        task: What they are to do.
+        n: How many.
+        threads: As for `School`.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+
+    def __init__(self, task: Swimming, n: int, *, threads: int = 1) -> None:
+        self.task = task
+        self._school = School(task.plant, task.command, n, task.interval, threads=threads)
+        self._n_steps = np.zeros(n, dtype=int)
+        self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
+        self._units = np.array([sight.unit for sight in task.sights])
+        self._middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
+        self._half = np.array([0.5 * (action.high - action.low) for action in task.actions])
+
+    @property
+    def n(self) -> int:
+        """How many lanes there are."""
+        return self._school.n
+
+    @property
+    def motion(self) -> Motion:
+        """How they move now."""
+        return self._school.motion
+
+    @property
+    def drawn(self) -> dict[str, Float[np.ndarray, " n"]]:
+        """What the episodes have drawn, by name [SI]."""
+        return {name: values.copy() for name, values in self._drawn.items()}
+
+    @property
+    def seen(self) -> Float[np.ndarray, "n n_sights"]:
+        """What is observed where nothing has happened yet; for lanes that have just begun."""
+        return self._observed(self._step(self.motion))
+
+    def begin(
+        self,
+        which: Bool[np.ndarray, " n"],
+        generators: Sequence[np.random.Generator],
+        given: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Let some lanes begin another episode.
+
+        Args:
+            which: These.
+            generators: Of random numbers, one for each lane.
+            given: What is not to be drawn, by its name: a number, or one for each lane [SI].
+
+        Raises:
+            ValueError: If the task draws nothing of such a name, or a value is no finite number.
+        """
+        fixed = self._fixed(given or {})
+        lanes = np.flatnonzero(which)
+        if lanes.size == 0:
+            return
+        draws = self.task.draws
+        share = np.array([generators[lane].random(len(draws)) for lane in lanes.tolist()])
+        for i, draw in enumerate(draws):
+            drawn = draw.low + share[:, i] * (draw.high - draw.low)
+            self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else drawn
+        zero = np.zeros(self.n)
+        x, y, heading, speed, direction = (
+            self._drawn.get(name, zero)[lanes] for name in ("x", "y", "heading", "current_speed", "current_direction")
+        )
+        self._school.place(
+            lanes,
+            center_of_mass=np.stack((x, y), axis=1),
+            heading=heading,
+            current=np.stack((speed * np.cos(direction), speed * np.sin(direction)), axis=1),
+        )
+        self._n_steps[lanes] = 0
+
+    def step(self, actions: Float[np.ndarray, "n n_actions"]) -> Outcome:
+        """One interval.
+
+        Args:
+            actions: What is asked for, from -1 to 1; what is beyond that is cut off [-].
+        """
+        asked = self._middle + self._half * np.clip(actions, -1.0, 1.0)
+        self._school.tell({action.name: asked[:, i] for i, action in enumerate(self.task.actions)})
+        before = self.motion
+        self._school.march()
+        self._n_steps += 1
+        step = self._step(before)
+        failed = ~self._school.is_well
+        return Outcome(
+            observation=self._observed(step),
+            reward=np.where(failed, self.task.failure_reward, self.task.reward(step)),
+            terminated=failed,
+            truncated=~failed & (self._n_steps >= self.task.n_steps),
+            power=step.power,
+        )
+
+    def observe(self, lane: int) -> Observation:
+        """What a controller sees of the robot in a lane."""
+        return self._school.observe(lane)
+
+    def close(self) -> None:
+        """Let threads go."""
+        self._school.close()
+
+    def _step(self, before: Motion) -> Step:
+        return Step(drawn=self._drawn, before=before, after=self.motion, interval=self.task.interval)
+
+    def _observed(self, step: Step) -> np.ndarray:
+        return np.clip(np.stack(self.task.see(step), axis=1) / self._units, -BOUND, BOUND)
+
+    def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        known("`options`", given, self._drawn)
+        fixed: dict[str, np.ndarray] = {}
+        for name, value in given.items():
+            if np.shape(value) == (self.n,):
+                fixed[name] = np.array([finite(f"{name}[{i}]", one) for i, one in enumerate(value)])
+            else:
+                fixed[name] = np.full(self.n, finite(name, value))
+        return fixed

@@ -1,0 +1,84 @@
+"""What stable-baselines3 sees of the lanes. CI does not have it: it brings torch along."""
+
+import builtins
+import importlib
+import sys
+
+import numpy as np
+import pytest
+
+from laticauda.cosim.gym import SwimmingVectorEnv
+from laticauda.errors import MissingExtra
+
+
+def test_who_lacks_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch):
+    real = builtins.__import__
+
+    def without(name: str, *rest: object):
+        if name.startswith("stable_baselines3"):
+            raise ImportError(name)
+        return real(name, *rest)
+
+    monkeypatch.delitem(sys.modules, "laticauda.cosim.gym.baselines", raising=False)
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(MissingExtra, match=r'needs stable-baselines3; run `pip install "laticauda\[learn\]"`'):
+        importlib.import_module("laticauda.cosim.gym.baselines")
+
+
+def lanes(n: int = 3, **settings):
+    baselines = importlib.import_module("laticauda.cosim.gym.baselines")
+    return baselines.StableBaselines(SwimmingVectorEnv(n, autoreset_mode="SameStep", duration=1.0, **settings))
+
+
+@pytest.fixture(autouse=True)
+def library(request: pytest.FixtureRequest):
+    if "told" not in request.node.name:
+        pytest.importorskip("stable_baselines3")
+
+
+def test_the_end_of_an_episode_is_in_its_infos():
+    envs, plain = lanes(), SwimmingVectorEnv(3, autoreset_mode="SameStep", duration=1.0)
+    envs.seed(4)
+    np.testing.assert_array_equal(envs.reset(), plain.reset(seed=4)[0])
+    for step in range(7):
+        action = np.full((3, 1), 0.1 * step)
+        observation, reward, done, infos = envs.step(action)
+        expected = plain.step(action)
+        np.testing.assert_array_equal(observation, expected[0])
+        np.testing.assert_array_equal(reward, expected[1])
+        assert done.tolist() == [step == 4] * 3
+        if step == 4:
+            np.testing.assert_array_equal(infos[1]["terminal_observation"], expected[-1]["final_obs"][1])
+            assert infos[1]["TimeLimit.truncated"] is True
+        else:
+            assert infos == [{}, {}, {}]
+    envs.close()
+
+
+def test_ppo_learns_in_it_and_the_same_seed_learns_the_same():
+    from stable_baselines3 import PPO
+
+    learned = []
+    for _ in range(2):
+        model = PPO("MlpPolicy", lanes(8), n_steps=16, batch_size=32, n_epochs=1, seed=3, device="cpu").learn(256)
+        learned.append(model.predict(np.ones((1, 9)), deterministic=True)[0])
+    np.testing.assert_array_equal(*learned)
+
+
+def test_another_way_from_episode_to_episode_is_refused():
+    from laticauda.cosim.gym import StableBaselines
+
+    with pytest.raises(ValueError, match=r"`envs\.autoreset_mode` must be `SameStep`, got 'NextStep'"):
+        StableBaselines(SwimmingVectorEnv(2))
+    with pytest.raises(ValueError, match="`envs` must be of class SwimmingVectorEnv, got int"):
+        StableBaselines(3)
+
+
+def test_lanes_share_their_attributes():
+    envs = lanes()
+    assert envs.get_attr("render_mode", [0, 2]) == [None, None]
+    assert envs.env_is_wrapped(object) == [False] * 3
+    with pytest.raises(ValueError, match="`task` must be given when the environment is made"):
+        envs.set_attr("task", 1)
+    with pytest.raises(ValueError, match="`reset` must be called on `envs`"):
+        envs.env_method("reset")

@@ -1,0 +1,272 @@
+import json
+import subprocess
+import sys
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+
+from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, SwimmingEnv, SwimmingVectorEnv
+
+SHORT = {"duration": 1.0}  # five steps
+INFOS = ("x", "y", "heading", "power")
+
+
+def actions_of(envs, count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-1.2, 1.2, (count, *envs.action_space.shape))
+
+
+def rolled(envs, count: int = 12, seed: int | None = 5) -> list[tuple]:
+    """Everything that an environment says in some steps."""
+    said = [envs.reset(seed=seed)]
+    said += [envs.step(action) for action in actions_of(envs, count)]
+    return said
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_gymnasium_has_no_complaint_about_the_single_environment(name: str):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make(name, **SHORT).unwrapped)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_gymnasium_makes_the_one_with_lanes_by_itself(name: str):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        envs = gymnasium.make_vec(name, num_envs=3)
+    assert isinstance(envs, SwimmingVectorEnv)
+    assert envs.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    observation, info = envs.reset(seed=1)
+    assert envs.observation_space.contains(observation)
+    observation, reward, terminated, truncated, info = envs.step(envs.action_space.sample())
+    assert envs.observation_space.contains(observation)
+    assert reward.shape == terminated.shape == truncated.shape == (3,)
+    assert (reward.dtype, terminated.dtype, truncated.dtype) == (float, bool, bool)
+    assert {f"_{key}" for key in INFOS} | set(INFOS) == set(info)
+    envs.close()
+
+
+def test_a_module_and_a_name_are_enough_and_importing_laticauda_loads_none_of_it():
+    code = """
+import sys, laticauda, laticauda.cosim
+print([name for name in ("gymnasium", "numba") if name in sys.modules])
+import gymnasium
+gymnasium.make("laticauda.cosim.gym:laticauda/StationKeeping-v0")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_who_lacks_gymnasium_is_told_what_to_install():
+    code = "import sys; sys.modules['gymnasium'] = None; import laticauda.cosim.gym"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert 'Learning needs gymnasium; run `pip install "laticauda[learn]"`.' in done.stderr
+
+
+def test_what_gymnasium_knows_of_an_environment_can_be_stored():
+    spec = gymnasium.make(IDS[0], max_offset=0.2).spec
+    again = gymnasium.make(type(spec).from_json(spec.to_json()))
+    assert again.unwrapped.task.max_offset == 0.2
+    assert json.loads(spec.to_json())["kwargs"] == {"task": "PathFollowing", "max_offset": 0.2}
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_the_same_seed_gives_the_same_bits(name: str):
+    a, b = (rolled(gymnasium.make_vec(name, num_envs=9, **SHORT)) for _ in range(2))
+    for one, other in zip(a, b, strict=True):
+        for x, y in zip(one[:-1], other[:-1], strict=True):
+            np.testing.assert_array_equal(x, y)
+        for key in INFOS:
+            np.testing.assert_array_equal(one[-1][key], other[-1][key])
+    c = rolled(gymnasium.make_vec(name, num_envs=9, **SHORT), seed=6)
+    assert not np.array_equal(a[0][0], c[0][0])
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_a_lane_does_what_a_single_environment_with_its_seed_does_to_the_last_bit(name: str):
+    """Also through the end of an episode, of which there are two in twelve steps."""
+    many = rolled(gymnasium.make_vec(name, num_envs=10, **SHORT))
+    singles = rolled(gymnasium.make_vec(name, num_envs=10, vectorization_mode="sync", **SHORT))
+    for one, other in zip(many, singles, strict=True):
+        for x, y in zip(one[:-1], other[:-1], strict=True):
+            np.testing.assert_array_equal(x, y)
+        for key in INFOS:
+            np.testing.assert_array_equal(one[-1][key], other[-1][key])
+
+
+def test_both_go_from_one_episode_to_the_next_in_the_same_step_if_they_are_to():
+    settings = {"num_envs": 4, **SHORT}
+    many = SwimmingVectorEnv(autoreset_mode="SameStep", **settings)
+    wrapped = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": AutoresetMode.SAME_STEP}}
+    singles = gymnasium.make_vec(IDS[0], **wrapped, **settings)
+    for one, other in zip(rolled(many), rolled(singles), strict=True):
+        for x, y in zip(one[:-1], other[:-1], strict=True):
+            np.testing.assert_array_equal(x, y)
+        assert ("final_obs" in one[-1]) == ("final_obs" in other[-1])
+        if "final_obs" in one[-1]:
+            np.testing.assert_array_equal(np.stack(one[-1]["final_obs"]), np.stack(other[-1]["final_obs"]))
+            for key in INFOS:
+                np.testing.assert_array_equal(one[-1]["final_info"][key], other[-1]["final_info"][key])
+
+
+def test_threads_change_no_bit():
+    one, two = (rolled(SwimmingVectorEnv(33, threads=threads, **SHORT)) for threads in (1, 2))
+    for x, y in zip(one, two, strict=True):
+        np.testing.assert_array_equal(x[0], y[0])
+
+
+def test_the_step_after_an_episode_is_its_reset():
+    envs = SwimmingVectorEnv(2, **SHORT)
+    said = rolled(envs, count=7)
+    over = [step[3].tolist() for step in said[1:]]
+    assert over == [[False, False]] * 4 + [[True, True]] + [[False, False]] * 2
+    assert said[6][1].tolist() == [0.0, 0.0]
+    assert said[6][-1]["power"].tolist() == [0.0, 0.0]
+    assert envs.episodes.motion.time[0] == pytest.approx(0.2)
+
+
+def test_without_autoreset_a_mask_says_who_begins_anew():
+    envs = SwimmingVectorEnv(3, autoreset_mode="Disabled", **SHORT)
+    said = rolled(envs, count=5)
+    assert said[-1][3].all()
+    action = actions_of(envs, 1)[0]
+    with pytest.raises(ValueError, match=r"`reset` must be called with a `reset_mask` for the lanes .* \[0, 1, 2\]"):
+        envs.step(action)
+    options = {"reset_mask": np.array([True, False, True])}
+    observation, _ = envs.reset(options=options)
+    assert "reset_mask" in options
+    np.testing.assert_array_equal(observation[1], said[-1][0][1])
+    assert not np.array_equal(observation[0], said[-1][0][0])
+    with pytest.raises(ValueError, match=r"\[1\]"):
+        envs.step(action)
+    envs.reset(options={"reset_mask": np.array([False, True, False])})
+    envs.step(action)
+
+
+def test_a_lane_that_diverges_is_terminated_and_harms_no_other():
+    envs, calm = SwimmingVectorEnv(9), SwimmingVectorEnv(9)
+    envs.reset(seed=1)
+    calm.reset(seed=1)
+    envs.episodes._school._lanes[0, :, 3] *= 1e200  # nothing that can be asked for does it
+    action = np.zeros((9, 1))
+    for step in range(3):
+        observation, reward, terminated, truncated, _ = envs.step(action)
+        expected = calm.step(action)
+        assert envs.observation_space.contains(observation)
+        assert np.flatnonzero(terminated).tolist() == ([3] if step == 0 else [])
+        assert not truncated.any()
+        assert reward[3] == -1000.0 if step == 0 else abs(reward[3]) < 100.0
+        others = np.arange(9) != 3
+        np.testing.assert_array_equal(observation[others], expected[0][others])
+        np.testing.assert_array_equal(reward[others], expected[1][others])
+
+
+def test_actions_beyond_their_bounds_ask_for_the_bounds():
+    envs = SwimmingVectorEnv(2)
+    envs.reset(seed=[3, 3])
+    observation = [envs.step(np.array([[1.0], [7.0]]))[0] for _ in range(3)][-1]
+    np.testing.assert_array_equal(observation[0], observation[1])
+
+
+def test_options_say_what_is_not_drawn():
+    envs = SwimmingVectorEnv(3)
+    given = {"y": 0.25, "heading": np.array([0.1, 0.2, 0.3]), "current_speed": 0.05, "current_direction": 0.0}
+    _, info = envs.reset(seed=1, options=given)
+    assert info["y"].tolist() == [0.25] * 3
+    assert info["heading"].tolist() == [0.1, 0.2, 0.3]
+    drawn = envs.episodes.drawn
+    assert drawn["current_speed"].tolist() == [0.05] * 3
+    single = SwimmingEnv()
+    assert single.reset(options={"y": -0.5})[1]["y"] == -0.5
+
+
+BAD = [
+    ({"task": "PathFolowing"}, r"`task` must be one of `PathFollowing`.*did you mean `PathFollowing`\?"),
+    ({"max_ofset": 0.1}, r"`max_ofset` is not a field of `PathFollowing`; did you mean `max_offset`\?"),
+    ({"max_offset": 1.5}, "`max_offset` must be <= 1.047 rad"),
+    ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
+    ({"interval": 2.0, "duration": 1.0}, "`interval` must be between 0 and 1 s, got 2.0"),
+    ({"max_current": -0.1}, "`max_current` must be >= 0 m/s, got -0.1"),
+    ({"failure_reward": 1.0}, "`failure_reward` must be between -1e\\+09 and 0, got 1.0"),
+    ({"joints": "stiff"}, "`joints` must be one of"),
+    ({"robot": 3}, "`robot` must be of class str or Robot, got int"),
+    ({"render_mode": "human"}, "`render_mode` must be None, got 'human'"),
+    ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name where fields of it are given"),
+    ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
+    ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, the lower one first, got 'ab'"),
+    ({"task": "Efficiency", "frequencies": (-1.0, 1.0)}, r"`frequencies\[0\]` must be >= 0 rad/s, got -1.0"),
+    ({"task": "Efficiency", "amplitudes": (0.0, 2.0)}, r"`amplitudes\[1\]` must be <= 1.571 rad, or joint 0 goes"),
+    ({"task": "StationKeeping", "distance_tolerance": 0.0}, "`distance_tolerance` must be > 0 m, got 0.0"),
+]
+
+
+@pytest.mark.parametrize(("settings", "message"), BAD)
+def test_settings_out_of_range_are_refused_by_both(settings: dict, message: str):
+    for kind in (SwimmingEnv, SwimmingVectorEnv):
+        with pytest.raises(ValueError, match=message):
+            kind(**settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"num_envs": 0}, "`num_envs` must be a whole number >= 1, got 0"),
+        ({"threads": 0}, "`threads` must be a whole number >= 1, got 0"),
+        (
+            {"autoreset_mode": "never"},
+            "`autoreset_mode` must be one of `NextStep`, `SameStep`, `Disabled`, got",
+        ),
+    ],
+)
+def test_settings_of_the_lanes_out_of_range_are_refused(settings: dict, message: str):
+    with pytest.raises(ValueError, match=message):
+        SwimmingVectorEnv(**settings)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"options": {"z": 1.0}}, "`z` is not a field of `options`"),
+        ({"options": {"y": np.nan}}, "`y` must be a finite number, got nan"),
+        ({"options": {"y": np.array([0.0, np.inf])}}, r"`y\[1\]` must be a finite number, got inf"),
+        ({"options": {"reset_mask": [True, False]}}, "`reset_mask` must be an array of 2 truth values"),
+        ({"seed": [1, 2, 3]}, "`seed` must be a number or one for each of 2 lanes, got 3"),
+    ],
+)
+def test_resets_that_do_not_fit_are_refused(arguments: dict, message: str):
+    envs = SwimmingVectorEnv(2)
+    with pytest.raises(ValueError, match=message):
+        envs.reset(**arguments)
+
+
+def test_actions_that_do_not_fit_are_refused():
+    envs = SwimmingVectorEnv(2)
+    envs.reset()
+    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got shape \(2,\)"):
+        envs.step(np.zeros(2))
+    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got one that is not"):
+        envs.step(np.array([[0.0], [np.nan]]))
+    single = SwimmingEnv()
+    single.reset()
+    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(1,\), got shape \(\)"):
+        single.step("left")
+
+
+def test_nobody_swims_before_a_reset():
+    for envs in (SwimmingEnv(), SwimmingVectorEnv(2)):
+        with pytest.raises(ResetNeeded, match="`reset` must be called before the first `step`"):
+            envs.step(np.zeros(envs.action_space.shape))
+    with pytest.raises(ResetNeeded, match="`reset` must be called"):
+        SwimmingVectorEnv(2).reset(options={"reset_mask": np.array([True, False])})
+
+
+def test_a_task_of_ones_own_is_taken_as_it_is():
+    task = PathFollowing(robot="mamba", interval=0.1, duration=2.0)
+    envs = SwimmingVectorEnv(2, task=task)
+    assert envs.task is task
+    assert task.n_steps == 20
