@@ -1,6 +1,5 @@
 """FMUs, and hands that move them: FMPy's binding, with every status and every message kept."""
 
-import ctypes
 import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +16,6 @@ fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
 fmi2 = pytest.importorskip("fmpy.fmi2", exc_type=ImportError)
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
-OK, ERROR = 0, 3
 
 
 class Slave:
@@ -28,14 +26,11 @@ class Slave:
         self.number = {v.name: v.valueReference for v in told.modelVariables}
         self.messages: list[str] = []
         callbacks = fmi2.fmi2CallbackFunctions()
-        # Messages are formats: FMPy's own loggers cannot read their arguments, the C library's can.
-        self._logger = ctypes.CFUNCTYPE(
-            None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_char_p
-        )(lambda _, name, status, category, form, text: self.messages.append((text if form == b"%s" else form).decode()))
-        callbacks.logger = ctypes.cast(self._logger, type(callbacks.logger))
-        libc = ctypes.CDLL(None)
-        callbacks.allocateMemory = ctypes.cast(libc.calloc, type(callbacks.allocateMemory))
-        callbacks.freeMemory = ctypes.cast(libc.free, type(callbacks.freeMemory))
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(
+            lambda _, name, status, category, message: self.messages.append(message.decode())
+        )
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
         self._callbacks = callbacks
         self.fmu: Any = fmi2.FMU2Slave(
             guid=guid or told.guid,

@@ -15,9 +15,17 @@ typedef struct {
     void *environment;
 } Callbacks;
 
+/* A message is a format; some tools read no arguments of it, so the text itself is the format. */
 static void say(const Instance *instance, const char *text) {
-    if (instance->logger != NULL)
-        ((Logger)instance->logger)(instance->environment, instance->name, ERROR, "logStatusError", "%s", text);
+    char format[2 * MOST_TEXT];
+    size_t end = 0;
+    if (instance->logger == NULL) return;
+    for (; *text != 0; text++) {
+        if (*text == '%') format[end++] = '%';
+        format[end++] = *text;
+    }
+    format[end] = 0;
+    ((Logger)instance->logger)(instance->environment, instance->name, ERROR, "logStatusError", format);
 }
 
 static Status status_of(int is_done) { return is_done ? OK : ERROR; }

@@ -16,6 +16,7 @@
 
 #define EXPORT __attribute__((visibility("default")))
 #define MOST_STEPS 1e9 /* of one communication step: minutes */
+#define MOST_TEXT 400  /* of a message */
 
 extern int64_t laticauda_move(const int64_t *whole, const double *real, double *variables, double *rows, double interval);
 
@@ -43,7 +44,7 @@ typedef struct Instance {
 static void say(const Instance *instance, const char *text);
 
 static int complain(const Instance *instance, const char *format, ...) {
-    char text[400];
+    char text[MOST_TEXT];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
