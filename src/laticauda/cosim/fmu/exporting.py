@@ -82,7 +82,8 @@ def export_fmu(
     assert isinstance(body, PlanarPlant)
     if inputs == "references" and joints == "prescribed":
         raise ValueError(
-            "`inputs` must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, got 'references'."
+            "`inputs` must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, "
+            "got 'references'."
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
