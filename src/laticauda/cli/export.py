@@ -98,7 +98,7 @@ class Urdf:
 
 @dataclass(frozen=True, kw_only=True)
 class Fmu:
-    """Write a robot in water to an FMU (FMI 2.0 co-simulation, Linux on x86-64) that runs without Python.
+    """Write a robot in water to an FMU (co-simulation, Linux on x86-64) that runs without Python.
 
     Its inputs are the gait's numbers or the references of the joints, and the current; its outputs motion, torques and
     power. Gait, coefficients and start are what it has unless the other tool sets them. It takes a C compiler to write.
@@ -110,6 +110,8 @@ class Fmu:
     """The file to write (.fmu); an older one is replaced."""
     inputs: Annotated[str | None, choice("gait", "references"), default("gait")] = None
     """What drives the joints: the gait's numbers, or an angle for every joint (pd and servo)."""
+    fmi: Annotated[str | None, choice("2.0", "3.0"), default("2.0")] = None
+    """Version of the standard; all tools read 2.0."""
     robot: RobotFlags = field(default_factory=RobotFlags)
     gait: GaitFlags = field(default_factory=GaitFlags)
     environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
@@ -138,9 +140,8 @@ class Fmu:
         if needs_compiling(water):
             print(COMPILING, file=sys.stderr, flush=True)
         start = Start(heading=radians(self.heading_deg, 0.0))
-        variables = export_fmu(
-            self.output, robot, gait, water=water, inputs=self.inputs or "gait", start=start, **settings
-        )
+        settings |= {"inputs": self.inputs or "gait", "fmi": self.fmi or "2.0"}
+        variables = export_fmu(self.output, robot, gait, water=water, start=start, **settings)
         count = {kind: sum(v.causality == kind for v in variables) for kind in ("parameter", "input", "output")}
         if self.json:
             print(_json(self.output, robot, **{f"n_{kind}s": number for kind, number in count.items()}))

@@ -83,16 +83,20 @@ def check_equal(slave: Any, body: Any, state: Any, log: Any, tolerance: float = 
         assert slave.get(f"fin_angle[{k}]") == pytest.approx(log[name][-1], abs=tolerance)
 
 
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_validator_finds_nothing(make, kind):
+def test_the_validator_finds_nothing(make, kind, fmi):
     from fmpy.validation import validate_fmu
 
-    assert validate_fmu(str(make(**KINDS[kind]).file)) == []
+    file = make(**KINDS[kind], fmi=fmi).file
+    assert validate_fmu(str(file)) == []
+    assert fmpy.read_model_description(str(file)).fmiVersion == fmi
 
 
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
-def test_30_s_in_fmpy_are_those_of_a_swim(make, joints):
-    file = make(joints=joints).file
+def test_30_s_in_fmpy_are_those_of_a_swim(make, joints, fmi):
+    file = make(joints=joints, fmi=fmi).file
     seen = fmpy.simulate_fmu(str(file), stop_time=30.0, step_size=0.05, output_interval=0.05)
     trial = lc.swim(lc.load_robot("mamba-fin"), GAIT, 30.0, joints=joints, sample_interval=0.05)
     assert seen["time"] == pytest.approx(trial.time, abs=1e-9)
@@ -357,6 +361,42 @@ def test_a_motion_that_diverges_is_an_error_and_the_numbers_stay_those_before_it
     one.begin().steps([0.05] * 20)
 
 
+def test_fmi_3_keeps_states_and_tells_errors_too(make):
+    from fmpy.fmi3 import FMU3Slave
+
+    folder = make(fmi="3.0").folder
+    told = fmpy.read_model_description(folder)
+    number = {v.name: v.valueReference for v in told.modelVariables}
+    messages: list[bytes] = []
+    one = FMU3Slave(
+        guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="snake"
+    )
+    one.instantiate(logMessage=lambda environment, status, category, message: messages.append(message))
+    one.enterInitializationMode(startTime=5.0)
+    one.exitInitializationMode()
+
+    def go(first: int, last: int) -> list[float]:
+        for k in range(first, last):
+            assert one.doStep(5.0 + 0.05 * k, 0.05)[:3] == (False, False, False)
+        return list(one.getFloat64(list(number.values())))
+
+    go(0, 10)
+    kept = one.serializeFMUState(one.getFMUState())
+    there = go(10, 20)
+    one.setFMUState(one.deserializeFMUState(kept))
+    assert go(10, 20) == there
+    for name, value in (("water.density", 900.0), ("gait.amplitude", -1.0)):
+        with pytest.raises(Exception, match="fmi3SetFloat64 failed with status 3"):
+            one.setFloat64([number[name]], [value])
+    assert [str(message) for message in messages] == [
+        "b'`water.density` must be set before the initialization ends: it is a parameter.'",
+        "b'`gait.amplitude` must be >= 0, got -1.'",
+    ]
+    one.reset()
+    one.terminate()
+    one.freeInstance()
+
+
 def test_an_fmu_of_another_guid_is_not_instantiated(make, slave):
     with pytest.raises(Exception, match="Failed to instantiate"):
         slave(make(), guid="{0}")
@@ -436,6 +476,7 @@ def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
     ("settings", "message"),
     [
         ({"inputs": "references"}, "`inputs` must be 'gait' for prescribed joints, .* got 'references'."),
+        ({"fmi": "1.0"}, "`fmi` must be one of `2.0`, `3.0`, got '1.0'."),
         ({"inputs": "torques"}, "`inputs` must be one of `gait`, `references`, got 'torques'."),
         ({"water": lc.load_ground("coulomb")}, "`water` must be of class Water or NoneType, got Ground."),
         ({"path": "snake.zip"}, "`path` must be a file that ends in .fmu, got snake.zip."),

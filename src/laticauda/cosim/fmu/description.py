@@ -24,6 +24,8 @@ UNITS = {
 }
 DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
+VERSIONS = ("2.0", "3.0")
+BINARIES = {"2.0": "linux64", "3.0": "x86_64-linux"}  # folder of the library
 VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "continuous", "output": "continuous"}
 
 
@@ -40,55 +42,64 @@ class Description:
     variables: tuple[Variable, ...]
     """In the order of their value references."""
 
+    version: str
+    """Of FMI: 2.0 or 3.0 [-]."""
+
     def model_description(self, guid: str) -> bytes:
-        """The file modelDescription.xml of FMI 2.0.
+        """The file modelDescription.xml.
 
         Args:
             guid: What tells this FMU from others.
         """
         root = ElementTree.Element(
             "fmiModelDescription",
-            fmiVersion="2.0",
-            modelName=self.identifier,
-            guid=guid,
+            {"fmiVersion": self.version, "modelName": self.identifier, self._guid: guid},
             description=f"{self.robot} Kernels of laticauda as machine code; needs no Python.",
             generationTool=f"laticauda {__version__}",
             variableNamingConvention="structured",
         )
-        ElementTree.SubElement(
-            root,
-            "CoSimulation",
-            modelIdentifier=self.identifier,
-            needsExecutionTool="false",
-            canHandleVariableCommunicationStepSize="true",
-            canInterpolateInputs="false",
-            maxOutputDerivativeOrder="0",
-            canRunAsynchronuously="false",
-            canBeInstantiatedOnlyOncePerProcess="false",
-            canNotUseMemoryManagementFunctions="false",
-            canGetAndSetFMUstate="true",
-            canSerializeFMUstate="true",
-            providesDirectionalDerivative="false",
-        )
+        # What is left out, FMI takes as false.
+        can = ("canHandleVariableCommunicationStepSize", *self._state_functions)
+        ElementTree.SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
         _add_units(root, self.variables)
         categories = ElementTree.SubElement(root, "LogCategories")
-        ElementTree.SubElement(categories, "Category", name="logStatusError", description="What was refused, and why.")
+        text = "What was refused, and why."
+        ElementTree.SubElement(categories, "Category", name="logStatusError", description=text)
         ElementTree.SubElement(
             root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL)
         )
         listed = ElementTree.SubElement(root, "ModelVariables")
         for reference, variable in enumerate(self.variables):
-            _add_variable(listed, reference, variable)
-        outputs = [i for i, variable in enumerate(self.variables, start=1) if variable.causality == "output"]
+            _add_variable(listed, reference, variable, self.version)
+        self._add_structure(root)
+        ElementTree.indent(root)
+        return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+    @property
+    def _guid(self) -> str:
+        return "guid" if self.version == "2.0" else "instantiationToken"
+
+    @property
+    def _state_functions(self) -> tuple[str, str]:
+        state = "FMUstate" if self.version == "2.0" else "FMUState"
+        return f"canGetAndSet{state}", f"canSerialize{state}"
+
+    def _add_structure(self, root: ElementTree.Element) -> None:
+        """Which variables are outputs, and what they depend on."""
+        outputs = [i for i, variable in enumerate(self.variables) if variable.causality == "output"]
         structure = ElementTree.SubElement(root, "ModelStructure")
+        # Outputs are those of the end of the last step, so no input acts on them before the next one.
+        if self.version == "3.0":
+            for i in outputs:
+                ElementTree.SubElement(structure, "Output", valueReference=str(i), dependencies="")
+            for i in outputs:
+                ElementTree.SubElement(structure, "InitialUnknown", valueReference=str(i))
+            return
         of_outputs = ElementTree.SubElement(structure, "Outputs")
         at_start = ElementTree.SubElement(structure, "InitialUnknowns")
         for i in outputs:
-            # Outputs are those of the end of the last step, so no input acts on them before the next one.
-            ElementTree.SubElement(of_outputs, "Unknown", index=str(i), dependencies="")
-            ElementTree.SubElement(at_start, "Unknown", index=str(i))
-        ElementTree.indent(root)
-        return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+            ElementTree.SubElement(of_outputs, "Unknown", index=str(i + 1), dependencies="")
+            ElementTree.SubElement(at_start, "Unknown", index=str(i + 1))
 
     def page(self) -> str:
         """The file documentation/index.html."""
@@ -98,6 +109,7 @@ class Description:
             title=escape(self.identifier),
             robot=escape(self.robot),
             version=escape(__version__),
+            fmi=self.version,
             facts=facts,
             variables=listed,
         )
@@ -116,17 +128,19 @@ def _add_units(root: ElementTree.Element, variables: Sequence[Variable]) -> None
             ElementTree.SubElement(unit, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
 
 
-def _add_variable(listed: ElementTree.Element, reference: int, variable: Variable) -> None:
-    scalar = ElementTree.SubElement(
-        listed,
-        "ScalarVariable",
-        name=variable.name,
-        valueReference=str(reference),
-        description=variable.description,
-        causality=variable.causality,
-        variability=VARIABILITY[variable.causality],
-    )
-    real = ElementTree.SubElement(scalar, "Real", unit=variable.unit)
+def _add_variable(listed: ElementTree.Element, reference: int, variable: Variable, version: str) -> None:
+    named = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": VARIABILITY[variable.causality],
+    }
+    if version == "2.0":
+        real = ElementTree.SubElement(ElementTree.SubElement(listed, "ScalarVariable", named), "Real")
+    else:
+        real = ElementTree.SubElement(listed, "Float64", named)
+    real.set("unit", variable.unit)
     if variable.unit in DEGREES:
         real.set("displayUnit", DEGREES[variable.unit])
     if variable.causality not in ("parameter", "input"):
@@ -160,11 +174,11 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 <body>
 <h1>{title}</h1>
 <p>{robot} Made by laticauda {version}.</p>
-<p>An FMU for co-simulation. Its binary holds the kernels that laticauda itself runs, compiled to machine code for Linux
-on any x86-64 processor; it needs the C library and nothing else, and no Python.</p>
+<p>An FMU for co-simulation (FMI {fmi}). Its binary holds the kernels that laticauda itself runs, compiled to machine
+code for Linux on any x86-64 processor; it needs the C library and nothing else, and no Python.</p>
 <p>Inputs are held during a communication step, so results depend on its length to first order where inputs change, and
 not at all where they stay. A step is cut into equal steps of the integration, none longer than <code>dt</code>. Outputs
-are those of the end of the last step. A value out of its range, or a motion that diverges, ends in fmi2Error and a
+are those of the end of the last step. A value out of its range, or a motion that diverges, ends in an error and a
 message.</p>
 <p>Joints and links are counted from 0 at the tail. Angles are counter-clockwise from the x axis, seen from above.</p>
 <h2>What cannot be changed</h2>

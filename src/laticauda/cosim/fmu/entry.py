@@ -27,7 +27,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
-from laticauda.compiling import PROCESSOR, Target
+from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for
 from laticauda.compiling.lanes import INLINED, Rows
 from laticauda.planar.rows import VX, VY
 from laticauda.planar.specialize import FluidLaw, specialize
@@ -131,6 +131,8 @@ def _kept(fluid_law: FluidLaw) -> Path:
 def _compiled(fluid_law: FluidLaw) -> bytes:
     rule = f"`fluid_law` must be plain arithmetic, which needs no Python; `{fluid_law.__name__}`"
     try:
+        with compiling_for(_target()):  # the law alone first, which takes no time
+            compiled(fluid_law).compile((types.float64,) * fluid_law.__code__.co_argcount)
         move = _move(specialize(1, fluid_law, _target()).run)
     except NumbaError as err:
         reason = next((line.strip() for line in reversed(str(err).splitlines()) if line.strip()), type(err).__name__)

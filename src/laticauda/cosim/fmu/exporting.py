@@ -6,7 +6,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
-from laticauda.cosim.fmu.description import Description
+from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
 from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tables_in_c
 from laticauda.cosim.fmu.tables import tables_of
 from laticauda.cosim.fmu.variables import Variable
@@ -31,13 +31,14 @@ def export_fmu(
     water: Water | None = None,
     joints: str = "prescribed",
     inputs: str = "gait",
+    fmi: str = "2.0",
     start: Start | None = None,
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
     fluid_law: FluidLaw | None = None,
 ) -> tuple[Variable, ...]:
-    """Write a planar robot in water to an FMU (FMI 2.0, co-simulation) that needs no Python where it is used.
+    """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
 
     Inside are the kernels that `laticauda.swim` runs, compiled for any x86-64 processor under Linux. Inputs are held
     during a communication step of any length, which is cut into steps of the integration no longer than `dt`.
@@ -50,6 +51,7 @@ def export_fmu(
         joints: As for `laticauda.simulate.plant`.
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint).
+        fmi: Version of the standard: 2.0, which all tools read, or 3.0.
         start: Where it begins; None: at the origin, along x, at rest.
         dt: As for `laticauda.simulate.plant` [s].
         offset_bandwidth: As for `laticauda.simulate.plant` [rad/s].
@@ -68,6 +70,7 @@ def export_fmu(
     if file.suffix.lower() != ".fmu":
         raise ValueError(f"`path` must be a file that ends in .fmu, got {path}.")
     one_of("inputs", inputs, INPUTS)
+    one_of("fmi", fmi, VERSIONS)
     instance("gait", gait, Gait)
     instance("water", water, Water, type(None))
     body = plant(
@@ -97,6 +100,7 @@ def export_fmu(
         robot=_in_words(body),
         facts=_facts(body, gait, inputs),
         variables=tables.variables,
+        version=fmi,
     )
     content = words.model_description("").decode() + tables_in_c(tables, "") + digest(code)
     content += "".join(part.read_text(encoding="utf-8") for part in sorted(FOLDER.iterdir()))
@@ -105,7 +109,7 @@ def export_fmu(
         file,
         {
             "modelDescription.xml": words.model_description(guid),
-            f"binaries/linux64/{words.identifier}.so": library(code, tables, guid),
+            f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
             "documentation/index.html": words.page().encode(),
         },
     )

@@ -1,10 +1,12 @@
 """From machine code and tables of numbers to a shared library, by the system's C compiler."""
 
 import hashlib
+import importlib.util
 import os
 import shlex
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -28,7 +30,7 @@ class LinkingFailed(LaticaudaError, RuntimeError):
 
 
 def c_compiler() -> list[str]:
-    """The command of the system's C compiler: that of the variable CC, or the first one there is.
+    """The command of a C compiler: that of the variable CC, the system's, or that of the package ziglang.
 
     Raises:
         MissingProgram: If there is none.
@@ -37,17 +39,20 @@ def c_compiler() -> list[str]:
     for command in [wanted] if wanted else [[name] for name in COMPILERS]:
         if shutil.which(command[0]) is not None:
             return command
+    if not wanted and importlib.util.find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc"]
     thing = f"the C compiler `{wanted[0]}` (the environment says CC={' '.join(wanted)})" if wanted else "a C compiler"
     raise MissingProgram("An FMU", thing, "gcc libc6-dev")
 
 
-def library(code: bytes, tables: Tables, guid: str) -> bytes:
+def library(code: bytes, tables: Tables, guid: str, version: str) -> bytes:
     """The shared library of an FMU.
 
     Args:
         code: The object file with what computes.
         tables: Robot and variables.
         guid: What tells this FMU from others.
+        version: Of FMI.
 
     Raises:
         MissingProgram: If there is no C compiler.
@@ -59,7 +64,7 @@ def library(code: bytes, tables: Tables, guid: str) -> bytes:
         (folder / "tables.h").write_text(tables_in_c(tables, guid), encoding="utf-8")
         (folder / "kernels.o").write_bytes(code)
         command = [*compiler, *shlex.split(FLAGS), "-I", str(folder), "-I", str(FOLDER)]
-        command += ["-o", str(folder / "fmu.so"), str(FOLDER / "fmi2.c"), str(folder / "kernels.o"), "-lm"]
+        command += ["-o", str(folder / "fmu.so"), str(FOLDER / f"fmi{version[0]}.c"), str(folder / "kernels.o"), "-lm"]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
             said = "\n".join((done.stderr or done.stdout).splitlines()[:8])

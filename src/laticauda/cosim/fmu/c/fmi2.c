@@ -1,5 +1,6 @@
 /* The functions of FMI 2.0 for co-simulation, as the standard declares them; what they do is in instance.h. */
 
+#define TOKEN "GUID"
 #include "instance.h"
 
 typedef unsigned int Reference;
@@ -42,60 +43,32 @@ EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const
                              const Callbacks *callbacks, Boolean is_visible, Boolean is_logging) {
     (void)resources, (void)is_visible, (void)is_logging;
     if (callbacks == NULL || name == NULL || guid == NULL) return NULL;
-    Instance told = {.logger = (void *)callbacks->logger, .environment = callbacks->environment, .name = (char *)name};
-    if (type != 1) return complain(&told, "This FMU is for co-simulation only."), NULL;
-    if (strcmp(guid, MODEL) != 0) return complain(&told, "The GUID must be %s, got %s.", MODEL, guid), NULL;
-    void *(*allocate)(size_t, size_t) = callbacks->allocate != NULL && callbacks->release != NULL ? callbacks->allocate : calloc;
-    void (*release)(void *) = allocate == calloc ? free : callbacks->release;
-    Instance *instance = allocate(1, sizeof *instance);
-    char *copy = allocate(strlen(name) + 1, 1);
-    if (instance == NULL || copy == NULL) {
-        if (instance != NULL) release(instance);
-        if (copy != NULL) release(copy);
-        return complain(&told, "There is not enough memory."), NULL;
+    int is_theirs = callbacks->allocate != NULL && callbacks->release != NULL;
+    Instance told = {
+        .logger = (void *)callbacks->logger,
+        .environment = callbacks->environment,
+        .name = (char *)name,
+        .release = is_theirs ? callbacks->release : free,
+    };
+    if (type != 1) {
+        complain(&told, "This FMU is for co-simulation only.");
+        return NULL;
     }
-    *instance = told;
-    instance->name = strcpy(copy, name);
-    instance->release = release;
-    reset(instance);
-    return instance;
+    return created(&told, guid, is_theirs ? callbacks->allocate : calloc);
 }
 
-EXPORT void fmi2FreeInstance(void *c) {
-    Instance *instance = c;
-    if (instance == NULL) return;
-    instance->release(instance->name);
-    instance->release(instance);
-}
+EXPORT void fmi2FreeInstance(void *c) { destroy(c); }
 
 EXPORT Status fmi2SetupExperiment(void *c, Boolean has_tolerance, double tolerance, double start, Boolean has_stop, double stop) {
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    Instance *instance = c;
-    if (instance->now.phase != BEFORE) return status_of(complain(instance, "The experiment must be set up before the initialization."));
-    if (!isfinite(start)) return status_of(complain(instance, "The start time must be finite, got %g s.", start));
-    instance->now.start_time = instance->now.variables[0] = start;
-    instance->now.is_stale = 1;
-    return OK;
+    return status_of(set_time(c, start));
 }
 
-EXPORT Status fmi2EnterInitializationMode(void *c) {
-    Instance *instance = c;
-    if (instance->now.phase != BEFORE) return status_of(complain(instance, "The initialization must come first."));
-    instance->now.phase = BEGINNING;
-    return OK;
-}
-
-EXPORT Status fmi2ExitInitializationMode(void *c) {
-    Instance *instance = c;
-    if (instance->now.phase != BEGINNING) return status_of(complain(instance, "There is no initialization to end."));
-    if (!begin(instance)) return ERROR;
-    instance->now.phase = STEPPING;
-    return OK;
-}
+EXPORT Status fmi2EnterInitializationMode(void *c) { return status_of(enter(c)); }
+EXPORT Status fmi2ExitInitializationMode(void *c) { return status_of(leave(c)); }
 
 EXPORT Status fmi2Terminate(void *c) {
-    Instance *instance = c;
-    if (instance->now.phase != FAILED) instance->now.phase = OVER;
+    terminate(c);
     return OK;
 }
 
@@ -145,20 +118,12 @@ EXPORT Status fmi2SetString(void *c, const Reference references[], size_t count,
     return no_such_type(c, count);
 }
 
-EXPORT Status fmi2GetFMUstate(void *c, void **state) {
-    Instance *instance = c;
-    if (*state == NULL) *state = malloc(sizeof(Numbers));
-    if (*state == NULL) return status_of(complain(instance, "There is not enough memory for a state."));
-    memcpy(*state, &instance->now, sizeof(Numbers));
-    return OK;
-}
-
+EXPORT Status fmi2GetFMUstate(void *c, void **state) { return status_of(keep_state(c, &((Instance *)c)->now, state)); }
 EXPORT Status fmi2SetFMUstate(void *c, void *state) { return status_of(take_state(c, state)); }
 
 EXPORT Status fmi2FreeFMUstate(void *c, void **state) {
     (void)c;
-    free(*state);
-    *state = NULL;
+    drop_state(state);
     return OK;
 }
 
@@ -169,19 +134,11 @@ EXPORT Status fmi2SerializedFMUstateSize(void *c, void *state, size_t *size) {
 }
 
 EXPORT Status fmi2SerializeFMUstate(void *c, void *state, char bytes[], size_t size) {
-    if (state == NULL || size < sizeof(Numbers)) return status_of(complain(c, "A state needs %zu bytes, got %zu.", sizeof(Numbers), size));
-    memcpy(bytes, state, sizeof(Numbers));
-    return OK;
+    return status_of(pack_state(c, state, bytes, size));
 }
 
 EXPORT Status fmi2DeSerializeFMUstate(void *c, const char bytes[], size_t size, void **state) {
-    uint64_t model = 0;
-    if (size >= sizeof model) memcpy(&model, bytes, sizeof model);
-    if (size != sizeof(Numbers) || model != DIGEST) return status_of(complain(c, "The state must be one of this model."));
-    if (*state == NULL) *state = malloc(sizeof(Numbers));
-    if (*state == NULL) return status_of(complain(c, "There is not enough memory for a state."));
-    memcpy(*state, bytes, sizeof(Numbers));
-    return OK;
+    return status_of(unpack_state(c, bytes, size, state));
 }
 
 EXPORT Status fmi2DoStep(void *c, double time, double interval, Boolean is_final) {

@@ -40,7 +40,7 @@ typedef struct Instance {
     void (*release)(void *);
 } Instance;
 
-/* Each version of FMI has its own logger. */
+/* Each version of FMI has its own logger, and defines TOKEN, its word for MODEL. */
 static void say(const Instance *instance, const char *text);
 
 static int complain(const Instance *instance, const char *format, ...) {
@@ -59,6 +59,32 @@ static void reset(Instance *instance) {
     instance->now.phase = BEFORE;
     instance->now.is_stale = 1;
     memcpy(instance->now.variables, first_values, sizeof first_values);
+}
+
+/* A new instance like `told`, which says who holds it; NULL if there is no memory or the model is another one. */
+static Instance *created(const Instance *told, const char *model, void *(*allocate)(size_t, size_t)) {
+    if (strcmp(model, MODEL) != 0) {
+        complain(told, "The FMU's %s must be %s, got %s.", TOKEN, MODEL, model);
+        return NULL;
+    }
+    Instance *instance = allocate(1, sizeof *instance);
+    char *copy = allocate(strlen(told->name) + 1, 1);
+    if (instance == NULL || copy == NULL) {
+        if (instance != NULL) told->release(instance);
+        if (copy != NULL) told->release(copy);
+        complain(told, "There is not enough memory.");
+        return NULL;
+    }
+    *instance = *told;
+    instance->name = strcpy(copy, told->name);
+    reset(instance);
+    return instance;
+}
+
+static void destroy(Instance *instance) {
+    if (instance == NULL) return;
+    instance->release(instance->name);
+    instance->release(instance);
 }
 
 /* Let the kernels work; the numbers are as before if the motion diverges. */
@@ -130,8 +156,60 @@ static int step(Instance *instance, double time, double interval) {
                     here, here + interval);
 }
 
+static int enter(Instance *instance) {
+    if (instance->now.phase != BEFORE) return complain(instance, "The initialization must come first.");
+    instance->now.phase = BEGINNING;
+    return 1;
+}
+
+static int leave(Instance *instance) {
+    if (instance->now.phase != BEGINNING) return complain(instance, "There is no initialization to end.");
+    if (!begin(instance)) return 0;
+    instance->now.phase = STEPPING;
+    return 1;
+}
+
+static int set_time(Instance *instance, double start) {
+    if (instance->now.phase != BEFORE) return complain(instance, "The start time must be set before the initialization.");
+    if (!isfinite(start)) return complain(instance, "The start time must be finite, got %g s.", start);
+    instance->now.start_time = instance->now.variables[0] = start;
+    instance->now.is_stale = 1;
+    return 1;
+}
+
+static void terminate(Instance *instance) {
+    if (instance->now.phase != FAILED) instance->now.phase = OVER;
+}
+
+/* A state is a copy of the numbers; its bytes are the numbers themselves. */
+static int keep_state(const Instance *instance, const void *numbers, void **state) {
+    if (*state == NULL) *state = malloc(sizeof(Numbers));
+    if (*state == NULL) return complain(instance, "There is not enough memory for a state.");
+    memcpy(*state, numbers, sizeof(Numbers));
+    return 1;
+}
+
 static int take_state(Instance *instance, const Numbers *state) {
     if (state == NULL || state->model != DIGEST) return complain(instance, "The state must be one of this model.");
     instance->now = *state;
     return 1;
+}
+
+static int pack_state(const Instance *instance, const void *state, void *bytes, size_t size) {
+    if (state == NULL || size < sizeof(Numbers))
+        return complain(instance, "A state needs %zu bytes, got %zu.", sizeof(Numbers), size);
+    memcpy(bytes, state, sizeof(Numbers));
+    return 1;
+}
+
+static int unpack_state(const Instance *instance, const void *bytes, size_t size, void **state) {
+    uint64_t model = 0;
+    if (size == sizeof(Numbers)) memcpy(&model, bytes, sizeof model);
+    if (model != DIGEST) return complain(instance, "The state must be one of this model.");
+    return keep_state(instance, bytes, state);
+}
+
+static void drop_state(void **state) {
+    free(*state);
+    *state = NULL;
 }
