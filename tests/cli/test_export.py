@@ -48,7 +48,7 @@ def test_an_exported_fmu_swims_in_fmpy_as_the_command_swims(run, folder):
 
 
 def test_an_exported_fmu_takes_parameters_and_references(run, folder):
-    done = run("export fmu robot.fmu --parameters mamba-identified --joints servo --inputs references --json")
+    done = run("export fmu robot.fmu --parameters mamba-identified --joints servo --inputs references --fmi 3.0 --json")
     assert json.loads(done.out) == {
         "output": "robot.fmu",
         "robot": "mamba",

@@ -40,6 +40,13 @@ def bent_fin() -> Robot:
     )
 
 
+def lazy() -> Robot:
+    """Its prescribed joints do 80 % of the gait's oscillation."""
+    robot = lc.load_robot("mamba")
+    actuator = replace(robot.joints[0].actuator, tracking=0.8)
+    return replace(robot, joints=tuple(replace(joint, actuator=actuator) for joint in robot.joints))
+
+
 KINDS: dict[str, dict[str, Any]] = {
     "prescribed": {},
     "pd": {"joints": "pd", "robot": "mamba", "gait": EEL},
@@ -47,6 +54,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "references": {"joints": "servo", "inputs": "references"},
     "driven fin": dict(zip(("robot", "gait"), driven_fin(), strict=True)),
     "bent fin": {"robot": bent_fin()},
+    "tracking": {"robot": lazy(), "gait": EEL},
     "kirchhoff": {
         "gait": EEL,
         "water": replace(

@@ -90,7 +90,7 @@ def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
     water = lc.load_water("paper-lateral")
     body = plant(lc.load_robot("mamba"), water)
     names = {v.name.removeprefix("water.") for v in tables(water).variables} | {"current", "name"}
-    told = " ".join(name for name, _ in _facts(body, GAIT, "gait"))
+    told = " ".join(name for name, _ in _facts(body, "gait"))
     missing = [field.name for field in fields(Water) if field.name not in names]
     spoken = {
         "linear_drag": "drag",

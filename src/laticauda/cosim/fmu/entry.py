@@ -60,6 +60,7 @@ NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
+_LAW_NUMBERS = 11  # that a fluid law takes
 _ANY = "x86-64"  # what every processor of that family can
 _OWN: Any = {**INLINED, "_nrt": False}
 # sin and the like: what is left to the C library.
@@ -132,11 +133,11 @@ def _compiled(fluid_law: FluidLaw) -> bytes:
     rule = f"`fluid_law` must be plain arithmetic, which needs no Python; `{fluid_law.__name__}`"
     try:
         with compiling_for(_target()):  # the law alone first, which takes no time
-            compiled(fluid_law).compile((types.float64,) * fluid_law.__code__.co_argcount)
+            compiled(fluid_law).compile((types.float64,) * _LAW_NUMBERS)
         move = _move(specialize(1, fluid_law, _target()).run)
     except NumbaError as err:
-        reason = next((line.strip() for line in reversed(str(err).splitlines()) if line.strip()), type(err).__name__)
-        raise ValueError(f"{rule} is not: {reason}") from err
+        said = [line.strip(" :") for line in str(err).splitlines() if line.strip()]  # what failed, why, and where
+        raise ValueError(f"{rule} is not: {said[min(1, len(said) - 1)]}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
     foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _MATHS
     if foreign:

@@ -98,7 +98,7 @@ def export_fmu(
     words = Description(
         identifier=_identifier(file.stem),
         robot=_in_words(body),
-        facts=_facts(body, gait, inputs),
+        facts=_facts(body, inputs),
         variables=tables.variables,
         version=fmi,
     )
@@ -148,7 +148,7 @@ def _in_words(body: PlanarPlant) -> str:
     )
 
 
-def _facts(body: PlanarPlant, gait: Gait, inputs: str) -> tuple[tuple[str, str], ...]:
+def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
     water = body.environment
     assert isinstance(water, Water)
     drag = [name for name, on in (("linear", water.linear_drag), ("quadratic", water.quadratic_drag)) if on]
@@ -156,7 +156,6 @@ def _facts(body: PlanarPlant, gait: Gait, inputs: str) -> tuple[tuple[str, str],
         ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
         ("joints", body.joints),
         ("inputs", inputs),
-        ("gait", gait.kind.replace("_", "-") if inputs == "gait" else "none: references come from outside"),
         ("drag", " and ".join(drag) or "none"),
         ("form of the added mass", water.added_mass_form),
         ("rotational loads", water.rotational),
