@@ -178,8 +178,8 @@ th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-alig
 code for Linux on any x86-64 processor; it needs the C library and nothing else, and no Python.</p>
 <p>Inputs are held during a communication step, so results depend on its length to first order where inputs change, and
 by the error of the integration alone where they stay. A step is cut into equal steps of the integration, none longer
-than <code>dt</code>. Outputs are those of the end of the last step. A value out of its range, or a motion that diverges,
-ends in an error and a message.</p>
+than <code>dt</code>. Outputs are those of the end of the last step. A value out of its range, or a motion that
+diverges, ends in an error and a message.</p>
 <p>Joints and links are counted from 0 at the tail. Angles are counter-clockwise from the x axis, seen from above.</p>
 <h2>What cannot be changed</h2>
 <table>
