@@ -35,6 +35,32 @@ def test_a_robot_on_the_ground_is_exported_with_the_ground(run, folder):
     assert model.nv == 3 + 4
 
 
+def test_an_exported_fmu_swims_in_fmpy_as_the_command_swims(run, folder):
+    fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
+    done = run("export fmu robot.fmu --robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90")
+    assert done.status == 0
+    assert done.out.startswith("robot.fmu: mamba-fin, 23 parameters, 6 inputs, 53 outputs (")
+    seen = fmpy.simulate_fmu(str(folder / "robot.fmu"), stop_time=5.0, output_interval=0.05)
+    options = "--robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90 --duration 5"
+    assert run(f"swim {options} --save run.nc").status == 0
+    trial = lc.load_trial(folder / "run.nc")
+    assert seen["center_of_mass.y"] == pytest.approx(trial.center_of_mass[:, 1], abs=1e-9)
+
+
+def test_an_exported_fmu_takes_parameters_and_references(run, folder):
+    done = run("export fmu robot.fmu --parameters mamba-identified --joints servo --inputs references --fmi 3.0 --json")
+    assert json.loads(done.out) == {
+        "output": "robot.fmu",
+        "robot": "mamba",
+        "n_links": 9,
+        "mass": lc.load_robot("mamba").mass,
+        "length": lc.load_robot("mamba").length,
+        "n_parameters": 21,
+        "n_inputs": 10,
+        "n_outputs": 55,
+    }
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -47,7 +73,15 @@ def test_a_robot_on_the_ground_is_exported_with_the_ground(run, folder):
         ("export mjcf robot.xml --meshes a.stl", "--meshes must be one file per module, 9, or none, got 1."),
         ("export mjcf robot.xml --root fixed", "('free', 'planar')"),
         ("export mjcf robot.xml --robot mambo", "did you mean"),
-        ("export", "Expected one of {mjcf, urdf}."),
+        ("export fmu robot.zip", "OUTPUT must be a file that ends in .fmu, got robot.zip."),
+        ("export fmu robot.fmu --ground coulomb", "--ground must not be given: the robot in an FMU swims in water."),
+        ("export fmu robot.fmu --model spatial", "--model must be `planar`: the spatial model needs MuJoCo"),
+        (
+            "export fmu robot.fmu --inputs references",
+            "--inputs must be 'gait' for prescribed joints, which cannot jump",
+        ),
+        ("export fmu robot.fmu --normal-drag -1", "--normal-drag must be >= 0, got -1"),
+        ("export", "Expected one of {mjcf, urdf, fmu}."),
     ],
 )
 def test_bad_input_is_refused_by_name(run, folder, line, message):

@@ -1,4 +1,7 @@
-"""Other tools drive our plants: a server that Octave, MATLAB and anything with sockets and JSON can talk to."""
+"""Other tools drive our plants.
+
+A server that Octave, MATLAB and anything with sockets and JSON can talk to, and FMUs, which run without Python.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -6,13 +9,31 @@ from typing import TYPE_CHECKING, Any
 from laticauda.cosim.messages import MESSAGE_BYTES, PROTOCOL_VERSION
 
 if TYPE_CHECKING:
+    from laticauda.cosim.fmu import LinkingFailed, export_fmu
     from laticauda.cosim.server import Server, ServerFailed
     from laticauda.cosim.session import Session
     from laticauda.cosim.setup import Setup
 
-__all__ = ["MESSAGE_BYTES", "PROTOCOL_VERSION", "Server", "ServerFailed", "Session", "Setup", "matlab_folder"]
+__all__ = [
+    "MESSAGE_BYTES",
+    "PROTOCOL_VERSION",
+    "LinkingFailed",
+    "Server",
+    "ServerFailed",
+    "Session",
+    "Setup",
+    "export_fmu",
+    "matlab_folder",
+]
 
-_HOMES = {"Server": "server", "ServerFailed": "server", "Session": "session", "Setup": "setup"}
+_HOMES = {
+    "LinkingFailed": "fmu",
+    "Server": "server",
+    "ServerFailed": "server",
+    "Session": "session",
+    "Setup": "setup",
+    "export_fmu": "fmu",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,292 @@
+"""The planar kernels as machine code that needs no Python: one function of plain pointers, in an object file.
+
+The same templates that `swim` runs (`laticauda.planar.specialize`) are compiled once more, with nothing of Numba's own
+runtime left in them, and LLVM writes them out for any processor of this family. The function knows no robot: what
+swims, and which number of it stands behind which variable, are the two arrays of `laticauda.cosim.fmu.tables`.
+
+A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
+"""
+
+# pyright: basic
+
+import functools
+import hashlib
+import math
+import os
+import platform
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, no_type_check
+
+import llvmlite
+import llvmlite.binding as llvm
+import numba
+from numba import cfunc, njit, types
+from numba.core.errors import NumbaError
+from numba.extending import intrinsic
+from numba.np.arrayobj import populate_array
+
+from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for
+from laticauda.compiling.lanes import INLINED, Rows
+from laticauda.planar.rows import VX, VY
+from laticauda.planar.specialize import FluidLaw, specialize
+
+NAME = "laticauda_move"
+"""What the function is called in the object file."""
+
+# Where things stand in the array of whole numbers. A piece is three numbers: where its pairs begin in that array, where
+# their factors begin in the array of reals, and how many there are.
+(
+    N_BODIES,
+    TAIL_LINK,
+    HAS_EXTRAS,
+    IS_IMPLICIT,
+    N_ROWS,
+    DT,  # variables
+    HEADING,
+    VELOCITY,
+    FIRST_STRIP,  # where these arrays begin
+    FIRST_PLATE,
+    LAW,
+    TERMS,  # pieces: products of water coefficients, and their values in the template
+    SLOPES,  # how rows depend on those
+    STARTED,  # rows that variables set at the start
+    HELD,  # rows that they set at every step
+    SEEN,  # variables that are sums of rows
+    HEADER,
+) = (*range(12), 14, 17, 20, 23, 26)
+NONE = -1  # in the place of a variable: the number 1
+# Behind the rows: what the kernel logs of the two ends of a step, the time each.
+SCRATCH = 2
+
+_LAW_NUMBERS = 11  # that a fluid law takes
+_ANY = "x86-64"  # what every processor of that family can
+_OWN: Any = {**INLINED, "_nrt": False}
+# sin and the like: what is left to the C library.
+_MATHS = {
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "cbrt",
+    "cos",
+    "cosh",
+    "erf",
+    "exp",
+    "exp2",
+    "expm1",
+    "fabs",
+    "floor",
+    "fmod",
+}
+_MATHS |= {"hypot", "log", "log10", "log1p", "log2", "memcpy", "memset", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
+
+
+def object_code(fluid_law: FluidLaw) -> bytes:
+    """The object file with the function `NAME`, from the disk if it was made before.
+
+    Args:
+        fluid_law: Loads on one element.
+
+    Raises:
+        ValueError: If this machine's processor is of another family, or the law needs more than numbers.
+    """
+    if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
+        here = f"{sys.platform} on {platform.machine()}"
+        raise ValueError(f"`fmu` must be made on Linux on an x86-64 processor, for which it will be, got {here}.")
+    kept = _kept(fluid_law)
+    try:
+        return kept.read_bytes()
+    except OSError:
+        pass
+    code = _compiled(fluid_law)
+    try:  # another process may do the same at this moment
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
+            file.write(code)
+        os.replace(file.name, kept)
+    except OSError:  # pragma: no cover - nowhere to keep it
+        pass
+    return code
+
+
+def is_compiled(fluid_law: FluidLaw) -> bool:
+    """Whether the object file is on the disk; making it takes seconds.
+
+    Args:
+        fluid_law: Loads on one element.
+    """
+    return _kept(fluid_law).exists()
+
+
+def _kept(fluid_law: FluidLaw) -> Path:
+    """Where the object file of a law is kept: beside what Numba keeps, under a name that says what it was made from."""
+    run = specialize(1, fluid_law).run  # not compiled by being looked at; its module's name tells sources and law
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
+    digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
+    return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"
+
+
+def _compiled(fluid_law: FluidLaw) -> bytes:
+    rule = f"`fluid_law` must be plain arithmetic, which needs no Python; `{fluid_law.__name__}`"
+    try:
+        with compiling_for(_target()):  # the law alone first, which takes no time
+            compiled(fluid_law).compile((types.float64,) * _LAW_NUMBERS)
+        move = _move(specialize(1, fluid_law, _target()).run)
+    except NumbaError as err:
+        said = [line.strip(" :") for line in str(err).splitlines() if line.strip()]  # what failed, why, and where
+        raise ValueError(f"{rule} is not: {said[min(1, len(said) - 1)]}.") from err
+    module = llvm.parse_assembly(move.inspect_llvm())
+    foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _MATHS
+    if foreign:
+        raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = "external" if function.name == move.native_name else "internal"
+    entry = module.get_function(move.native_name)
+    entry.name, entry.visibility = NAME, "hidden"
+    machine = llvm.Target.from_triple(module.triple).create_target_machine(
+        cpu=_ANY, features="", opt=3, reloc="pic", codemodel="default"
+    )
+    return machine.emit_object(module)
+
+
+# ---- what the kernels are compiled for -------------------------------------------------------------------------------
+
+
+@intrinsic
+def _beyond(typingctx, pointer, count):
+    """The address `count` numbers further."""
+
+    def codegen(context, builder, sig, args):
+        return builder.gep(args[0], [context.cast(builder, args[1], sig.args[1], types.intp)])
+
+    return pointer(pointer, count), codegen
+
+
+@intrinsic
+def _rows_of(typingctx, numbers):
+    """Rows of one lane at an address, or of an array."""
+    kind = Rows(types.float64, 1)
+
+    def codegen(context, builder, sig, args):
+        if isinstance(numbers, types.CPointer):
+            return args[0]
+        data = context.make_array(numbers)(context, builder, args[0]).data
+        return builder.bitcast(data, context.get_value_type(kind))
+
+    return kind(numbers), codegen
+
+
+_LOG = types.Array(types.float64, 3, "C")
+
+
+@intrinsic
+def _log_at(typingctx, numbers):
+    """A log of two samples of the first logged row at an address: an array that nobody owns."""
+
+    def codegen(context, builder, sig, args):
+        array = context.make_array(_LOG)(context, builder)
+        one, two, size = (context.get_constant(types.intp, number) for number in (1, 2, 8))
+        populate_array(
+            array, data=args[0], shape=[two, one, one], strides=[size, size, size], itemsize=size, meminfo=None
+        )
+        return array._getvalue()
+
+    return _LOG(numbers), codegen
+
+
+@functools.cache
+def _target() -> Target:
+    """This kind of processor; chains are addresses, for arrays would bring Numba's memory management along."""
+
+    @njit(**_OWN)
+    @no_type_check
+    def free_joints(law):
+        return _beyond(law, law[-1])  # truth values behind the laws; their number is in front of them
+
+    return Target(
+        kernel=njit(**_OWN),
+        entry=njit(**_OWN),
+        in_lanes=PROCESSOR.in_lanes,
+        where=PROCESSOR.where,
+        magnitude=PROCESSOR.magnitude,
+        instead={"free_joints": free_joints, "rows_of": _rows_of},
+    )
+
+
+# ---- the function ----------------------------------------------------------------------------------------------------
+
+
+def _move(run: Any) -> Any:
+    """The function: robots' variables in, the kernel's steps, variables out.
+
+    Args:
+        run: The kernel that marches.
+    """
+
+    @njit(**_OWN)
+    @no_type_check
+    def assign(whole, real, piece, v, rows):
+        pairs, factors = whole[piece], whole[piece + 1]
+        for k in range(whole[piece + 2]):
+            rows[whole[pairs + 2 * k + 1]] = real[factors + k] * v[whole[pairs + 2 * k]]
+
+    @njit(**_OWN)
+    @no_type_check
+    def begin(whole, real, v, rows):
+        for q in range(whole[N_ROWS]):
+            rows[q] = real[q]
+        terms, values, pairs, slopes = whole[TERMS], whole[TERMS + 1], whole[SLOPES], whole[SLOPES + 1]
+        for k in range(whole[SLOPES + 2]):
+            term = whole[pairs + 2 * k]
+            now = v[whole[terms + 2 * term + 1]]
+            if whole[terms + 2 * term] != NONE:
+                now *= v[whole[terms + 2 * term]]
+            rows[whole[pairs + 2 * k + 1]] += real[slopes + k] * (now - real[values + term])
+        assign(whole, real, STARTED, v, rows)
+        rows[VX] = v[whole[VELOCITY]] * math.cos(v[whole[HEADING]])
+        rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
+
+    @njit(**_OWN)
+    @no_type_check
+    def look(whole, real, rows, v):
+        pairs, factors = whole[SEEN], whole[SEEN + 1]
+        for k in range(whole[SEEN + 2]):
+            v[whole[pairs + 2 * k]] = 0.0
+        for k in range(whole[SEEN + 2]):
+            v[whole[pairs + 2 * k]] += real[factors + k] * rows[whole[pairs + 2 * k + 1]]
+
+    reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
+
+    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **_OWN)
+    @no_type_check
+    def move(whole, real, v, rows, interval):
+        """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
+        steps, dt = 0, v[whole[DT]]
+        if interval == 0.0:
+            begin(whole, real, v, rows)
+        else:
+            steps = max(1, math.ceil(interval / dt - 1e-9))
+            dt = interval / steps
+        assign(whole, real, HELD, v, rows)
+        written = run(
+            rows,
+            whole[N_BODIES],
+            _beyond(whole, whole[FIRST_STRIP]),
+            _beyond(whole, whole[FIRST_PLATE]),
+            _beyond(whole, whole[LAW]),
+            whole[TAIL_LINK],
+            whole[HAS_EXTRAS] != 0,
+            whole[IS_IMPLICIT] != 0,
+            steps,
+            dt,
+            max(1, steps),
+            _log_at(_beyond(rows, whole[N_ROWS])),
+        )
+        look(whole, real, rows, v)
+        return 1 if written == (1 if steps == 0 else 2) else 0
+
+    return move

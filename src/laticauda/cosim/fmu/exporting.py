@@ -1,0 +1,185 @@
+"""A robot in water as an FMU: a file that other simulation tools load and step."""
+
+import os
+import tempfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
+from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tables_in_c
+from laticauda.cosim.fmu.tables import tables_of
+from laticauda.cosim.fmu.variables import Variable
+from laticauda.errors import instance, one_of
+from laticauda.gaits import Gait
+from laticauda.interfaces import Start
+from laticauda.planar.model import PlanarPlant, law_of
+from laticauda.robot import Robot, Water
+from laticauda.simulate import default_water, plant
+from laticauda.simulate.plants import FluidLaw
+from laticauda.simulate.swimming import preset_water
+
+INPUTS = ("gait", "references")
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot makes the same FMU
+
+
+def export_fmu(
+    path: str | os.PathLike[str],
+    robot: Robot,
+    gait: Gait,
+    *,
+    water: Water | None = None,
+    joints: str = "prescribed",
+    inputs: str = "gait",
+    fmi: str = "2.0",
+    start: Start | None = None,
+    dt: float | None = None,
+    offset_bandwidth: float = 10.0,
+    ramp: float | None = None,
+    fluid_law: FluidLaw | None = None,
+) -> tuple[Variable, ...]:
+    """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
+
+    Inside are the kernels that `laticauda.swim` runs, compiled for any x86-64 processor under Linux. Inputs are held
+    during a communication step of any length, which is cut into steps of the integration no longer than `dt`.
+
+    Args:
+        path: The file (.fmu); an older one is replaced.
+        robot: What swims.
+        gait: What the joints are asked for unless the FMU is told otherwise; of kind custom, its envelope too.
+        water: Where; None takes the paper's coefficients for the gait.
+        joints: As for `laticauda.simulate.plant`.
+        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
+            control or servos, `references` (an angle for every joint).
+        fmi: Version of the standard: 2.0, which all tools read, or 3.0.
+        start: Where it begins; None: at the origin, along x, at rest.
+        dt: As for `laticauda.simulate.plant` [s].
+        offset_bandwidth: As for `laticauda.simulate.plant` [rad/s].
+        ramp: As for `laticauda.simulate.plant` [s].
+        fluid_law: As for `laticauda.simulate.plant`; it is compiled into the FMU.
+
+    Returns:
+        The FMU's variables, in the order of their value references.
+
+    Raises:
+        ValueError: If an argument is out of its range, or robot, gait and inputs do not fit together.
+        MissingProgram: If there is no C compiler, which puts the compiled kernels into a library.
+        LinkingFailed: If it fails.
+    """
+    file = Path(path)
+    if file.suffix.lower() != ".fmu":
+        raise ValueError(f"`path` must be a file that ends in .fmu, got {path}.")
+    one_of("inputs", inputs, INPUTS)
+    one_of("fmi", fmi, VERSIONS)
+    instance("gait", gait, Gait)
+    instance("water", water, Water, type(None))
+    body = plant(
+        robot,
+        water or preset_water(default_water(gait)),
+        joints=joints,
+        dt=dt,
+        offset_bandwidth=offset_bandwidth,
+        ramp=ramp,
+        fluid_law=fluid_law,
+    )
+    assert isinstance(body, PlanarPlant)
+    if inputs == "references" and joints == "prescribed":
+        raise ValueError(
+            "`inputs` must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, "
+            "got 'references'."
+        )
+    if inputs == "references":  # the wave stands still, so its numbers mean nothing
+        gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
+    tables = tables_of(body, gait, start or Start(), inputs=inputs)
+    c_compiler()  # before the kernels, which take seconds
+    from laticauda.cosim.fmu.entry import object_code
+
+    code = object_code(body.law)
+    words = Description(
+        identifier=_identifier(file.stem),
+        robot=_in_words(body),
+        facts=_facts(body, inputs),
+        variables=tables.variables,
+        version=fmi,
+    )
+    content = words.model_description("").decode() + tables_in_c(tables, "") + digest(code)
+    content += "".join(part.read_text(encoding="utf-8") for part in sorted(FOLDER.iterdir()))
+    guid = _guid(digest(content.encode()))
+    _write(
+        file,
+        {
+            "modelDescription.xml": words.model_description(guid),
+            f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
+            "documentation/index.html": words.page().encode(),
+        },
+    )
+    return tables.variables
+
+
+def needs_compiling(water: Water, *, fluid_law: FluidLaw | None = None) -> bool:
+    """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
+
+    Args:
+        water: Where it will swim.
+        fluid_law: As for `export_fmu`.
+    """
+    from laticauda.cosim.fmu.entry import is_compiled
+
+    return not is_compiled(law_of(water, fluid_law))
+
+
+def _identifier(stem: str) -> str:
+    """A name that C allows, from that of the file."""
+    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in stem)
+    return plain if plain[:1].isalpha() else f"robot_{plain}"
+
+
+def _guid(digits: str) -> str:
+    return "{" + "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:32])) + "}"
+
+
+def _in_words(body: PlanarPlant) -> str:
+    robot = body.robot
+    fin = "" if robot.caudal_fin is None else " with a caudal fin"
+    drive = {"prescribed": "prescribed joints", "pd": "pd-controlled joints", "servo": "servos in the joints"}
+    return (
+        f"The swimming snake robot {robot.name}{fin}: {robot.n_links} links, {robot.length:.3g} m, "
+        f"{robot.mass:.3g} kg, {drive[body.joints]}, in water ({body.environment.name}); planar model."
+    )
+
+
+def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
+    water = body.environment
+    assert isinstance(water, Water)
+    drag = [name for name, on in (("linear", water.linear_drag), ("quadratic", water.quadratic_drag)) if on]
+    return (
+        ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
+        ("joints", body.joints),
+        ("inputs", inputs),
+        ("drag", " and ".join(drag) or "none"),
+        ("form of the added mass", water.added_mass_form),
+        ("rotational loads", water.rotational),
+        ("trailing edge", water.trailing_edge),
+        ("friction taper", f"{water.friction_taper:g}"),
+        ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
+        ("fluid law", "built-in" if body.fluid_law is None else body.fluid_law.__name__),
+    )
+
+
+def _write(file: Path, content: dict[str, bytes]) -> None:
+    """Put a whole file in the place of an older one, or nothing."""
+    with tempfile.NamedTemporaryFile(dir=file.parent, prefix=f".{file.name}.", delete=False) as raw:
+        try:
+            with zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
+                for name, data in content.items():
+                    entry = zipfile.ZipInfo(name, date_time=_EPOCH)
+                    entry.compress_type = zipfile.ZIP_DEFLATED
+                    entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+                    archive.writestr(entry, data)
+        except BaseException:
+            os.unlink(raw.name)
+            raise
+    mask = os.umask(0)
+    os.umask(mask)
+    os.chmod(raw.name, 0o666 & ~mask)
+    os.replace(raw.name, file)

@@ -1,0 +1,156 @@
+"""A robot in water as two arrays of numbers for the compiled function, and the table of its variables."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from laticauda.cosim.fmu import entry
+from laticauda.cosim.fmu.variables import Variable, variables_of
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Start
+from laticauda.planar import rows
+from laticauda.planar.layout import layout
+from laticauda.planar.model import PlanarPlant
+from laticauda.robot import Water
+
+Triples = Sequence[tuple[int, int, float]]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tables:
+    """All that tells one FMU from another."""
+
+    variables: tuple[Variable, ...]
+    """In the order of their value references."""
+    whole: Int[np.ndarray, " n_whole"]
+    """The chain's shape, and which row stands behind which variable: see `entry`."""
+    real: Float[np.ndarray, " n_real"]
+    """All rows at the start, and the factors that go with `whole`."""
+    n_rows: int
+    """Of the kernels' array [-]."""
+
+    def where(self, name: str) -> int:
+        """Value reference of the variable with this name."""
+        return next(i for i, variable in enumerate(self.variables) if variable.name == name)
+
+
+def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> Tables:
+    """The arrays of a robot in water.
+
+    Args:
+        plant: What swims; in water.
+        gait: What it is asked for unless it is told otherwise.
+        start: Where it begins.
+        inputs: gait or references.
+
+    Raises:
+        ValueError: If the plant refuses the gait, or references from outside.
+    """
+    held = (0.0,) * plant.robot.n_joints if inputs == "references" else None
+    command = Command(gait=gait, references=held)
+    template = plant.rows(plant.init(start, command), command)
+    variables = variables_of(plant, gait, start, inputs=inputs)
+    number = {variable.name: i for i, variable in enumerate(variables)}
+    terms, slopes = _water_slopes(plant, variables)
+    a = plant.layout
+    n = a.n_bodies
+    freedom = (a.law >= rows.FIRST_FREE).astype(int)
+    packed = _Packed(template)
+    packed.header[entry.N_BODIES] = n
+    packed.header[entry.TAIL_LINK] = a.tail_link
+    packed.header[entry.HAS_EXTRAS] = a.has_extras
+    packed.header[entry.IS_IMPLICIT] = plant.is_implicit
+    packed.header[entry.N_ROWS] = template.size
+    packed.header[entry.DT] = number["dt"]
+    packed.header[entry.HEADING] = number["start.heading"]
+    packed.header[entry.VELOCITY] = number["start.velocity"]
+    packed.header[entry.FIRST_STRIP] = packed.add(a.first_strip)
+    packed.header[entry.FIRST_PLATE] = packed.add(a.first_plate)
+    # In front of the joint laws, how many there are; behind them, which joints are free.
+    packed.header[entry.LAW] = packed.add([n, *a.law, *freedom]) + 1
+    packed.piece(entry.TERMS, terms)
+    packed.piece(entry.SLOPES, slopes)
+    packed.piece(entry.STARTED, _shares(variables, ("parameter",), starting=True))
+    packed.piece(entry.HELD, _shares(variables, ("input",), starting=False))
+    packed.piece(entry.SEEN, [(0, rows.TIME, 1.0), *_shares(variables, ("output",), starting=False)])
+    whole, real = packed.arrays
+    return Tables(variables=variables, whole=whole, real=real, n_rows=template.size)
+
+
+class _Packed:
+    """The two arrays while they grow."""
+
+    def __init__(self, template: np.ndarray) -> None:
+        self.header = [0] * entry.HEADER
+        self._whole: list[int] = []
+        self._real: list[float] = template.tolist()
+
+    def add(self, numbers: Iterable[Any]) -> int:
+        """Put whole numbers at the end; returns where they begin."""
+        begin = entry.HEADER + len(self._whole)
+        self._whole += [int(number) for number in numbers]
+        return begin
+
+    def piece(self, place: int, triples: Triples) -> None:
+        """Put pairs and factors at the ends, and where they begin into the header."""
+        pairs = self.add(number for first, second, _ in triples for number in (first, second))
+        self.header[place : place + 3] = [pairs, len(self._real), len(triples)]
+        self._real += [factor for _, _, factor in triples]
+
+    @property
+    def arrays(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([*self.header, *self._whole], dtype=np.int64), np.array(self._real)
+
+
+def _shares(variables: Sequence[Variable], causality: Sequence[str], *, starting: bool) -> Triples:
+    """Variable, row and factor of all that are set at the start, or of inputs or outputs."""
+    found: list[tuple[int, int, float]] = []
+    for i, variable in enumerate(variables):
+        if variable.causality in causality:
+            found += [(i, row, factor) for row, factor in variable.rows]
+        if starting:
+            found += [(i, row, factor) for row, factor in variable.start_rows]
+    return found
+
+
+def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:
+    """How the rows depend on density and coefficients, by laying the robot out in other waters.
+
+    Every row is a sum of a number without water, of one times the density, and of one times the density times each
+    coefficient (`laticauda.fluid.coefficients`): no product of two coefficients enters. So differences between
+    layouts are exact slopes, to rounding, and not a linearization.
+
+    Returns:
+        The terms, as coefficient (or `entry.NONE`), density and the product of the two in the template; and for each
+        row that depends on one, term, row and slope.
+    """
+    water = plant.environment
+    assert isinstance(water, Water)
+    fields = {variable.coefficient: i for i, variable in enumerate(variables) if variable.coefficient}
+    density = fields.pop("density")
+    here = plant.layout.template
+    terms: list[tuple[int, int, float]] = []
+    slopes: list[tuple[int, int, float]] = []
+    left = _difference(plant, water, here, "density", water.density)  # per unit of density, at these coefficients
+    for name, i in fields.items():
+        value: float = getattr(water, name)
+        slope = _difference(plant, water, here, name, max(1.0, value)) / water.density
+        left -= value * slope
+        slopes += [(len(terms), int(row), float(slope[row])) for row in np.flatnonzero(slope)]
+        terms.append((i, density, value * water.density))
+    left[np.abs(left) * water.density <= 1e-12 * np.abs(here)] = 0.0  # rounding
+    slopes += [(len(terms), int(row), float(left[row])) for row in np.flatnonzero(left)]
+    terms.append((entry.NONE, density, water.density))
+    return terms, slopes
+
+
+def _difference(plant: PlanarPlant, water: Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
+    """How the rows change per unit of a field of the water."""
+    there: Any = {field: getattr(water, field) + step}
+    other = layout(plant.robot, replace(water, **there), joints=plant.joints, fin_as_links=plant.fin_as_links).template
+    change = (other - here) / step
+    change[np.abs(other - here) <= 1e-13 * np.abs(here)] = 0.0
+    return change

@@ -1,0 +1,257 @@
+"""The variables of an FMU: what another tool may set and see, and behind which rows of the kernels each one stands."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from laticauda.gaits import Gait
+from laticauda.interfaces import Start
+from laticauda.planar import rows
+from laticauda.planar.model import LEAST_DT, PlanarPlant
+from laticauda.robot import Water, has_power_model
+
+Shares = tuple[tuple[int, float], ...]
+FAR = 1e5  # m and rad, as for `Start`
+TINY = 1e-9  # of what must be positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """One number that crosses the border."""
+
+    name: str
+    """As other tools show it; joints and links are counted from 0 at the tail [-]."""
+    causality: str
+    """independent (time), parameter (set before the start), input (set at any time) or output [-]."""
+    unit: str
+    """As in `description.UNITS`; 1: a pure number [-]."""
+    description: str
+    """What it is [-]."""
+    symbol: str = ""
+    """What the docs' formulas call it [-]."""
+    start: float = 0.0
+    """Its value if nobody sets it [unit]."""
+    least: float = -math.inf
+    """Smallest value that is taken [unit]."""
+    most: float = math.inf
+    """Largest value that is taken [unit]."""
+    rows: Shares = ()
+    """Row and factor: of an output, the sum that it is; of others, rows that become factor times its value."""
+    start_rows: Shares = ()
+    """The same of an input, but at the start only."""
+    coefficient: str = ""
+    """Name of the field of `Water` that a parameter stands for, if no single row holds it [-]."""
+
+
+def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> tuple[Variable, ...]:
+    """All variables, in the order of their value references.
+
+    Args:
+        plant: What swims; in water.
+        gait: What it is asked for unless it is told otherwise.
+        start: Where it begins.
+        inputs: gait or references.
+    """
+    return (
+        Variable(name="time", causality="independent", unit="s", description="Time.", symbol="t"),
+        *_clock(plant),
+        *_start(plant, start),
+        *_water(plant),
+        *(_generator(plant, gait) if inputs == "gait" else ()),
+        *(_gait(gait) if inputs == "gait" else _references(plant)),
+        *_fin_wave(plant, gait),
+        *_current(plant),
+        *_motion(),
+        *_links(plant),
+        *_joints(plant),
+        *_fin_joints(plant),
+        *_power(plant),
+    )
+
+
+def _parameter(name: str, unit: str, symbol: str, start: float, text: str, **more: Any) -> Variable:
+    return Variable(name=name, causality="parameter", unit=unit, symbol=symbol, start=start, description=text, **more)
+
+
+def _input(name: str, unit: str, symbol: str, start: float, text: str, **more: Any) -> Variable:
+    return Variable(name=name, causality="input", unit=unit, symbol=symbol, start=start, description=text, **more)
+
+
+def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, float]) -> Variable:
+    return Variable(name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares)
+
+
+def _clock(plant: PlanarPlant) -> Iterator[Variable]:
+    assert plant.dt is not None
+    text = "Largest step of the integration; each communication step is cut into equal ones."
+    yield _parameter("dt", "s", "", plant.dt, text, least=LEAST_DT, most=1e3)
+
+
+def _start(plant: PlanarPlant, start: Start) -> Iterator[Variable]:
+    x, y = start.center_of_mass
+    for name, row, value in (("x", rows.X, x), ("y", rows.Y, y)):
+        text = "Where the center of mass is at the start."
+        yield _parameter(f"start.{name}", "m", f"p_{name}", value, text, least=-FAR, most=FAR, rows=((row, 1.0),))
+    text = "Mean angle of the links at the start, counter-clockwise from the x axis."
+    share = ((rows.HEADING, 1.0),)
+    yield _parameter("start.heading", "rad", "theta", start.heading, text, least=-FAR, most=FAR, rows=share)
+    text = "Speed at the start, along the heading."
+    yield _parameter("start.velocity", "m/s", "", start.velocity, text, least=-100.0, most=100.0)
+    if plant.joints != "prescribed":
+        for i, b in enumerate(_records(plant)):
+            text = f"Angle of joint {i} at the start."
+            share = ((b + rows.ANGLE, 1.0),)
+            yield _parameter(
+                f"start.joint_angle[{i}]", "rad", "phi", 0.0, text, least=-math.pi, most=math.pi, rows=share
+            )
+
+
+def _water(plant: PlanarPlant) -> Iterator[Variable]:
+    water = plant.environment
+    assert isinstance(water, Water)
+    for name, unit, symbol, least, text in (
+        ("density", "kg/m3", "rho", TINY, "Density of the water."),
+        ("tangential_friction", "1", "C_f", 0.0, "Drag along the body."),
+        ("normal_drag", "1", "C_D", 0.0, "Drag across the body."),
+        ("added_mass", "1", "C_A", 0.0, "Added mass across the body."),
+        ("added_inertia", "1", "C_M", 0.0, "Added moment of inertia."),
+        ("tangential_added_mass", "1", "C_T", 0.0, "Added mass along the body."),
+    ):
+        value = getattr(water, name)
+        yield _parameter(f"water.{name}", unit, symbol, value, text, least=least, coefficient=name)
+    text = "Speed at which linear and quadratic drag are equal."
+    share = ((rows.REFERENCE_SPEED, 1.0),)
+    yield _parameter("water.reference_speed", "m/s", "U_ref", water.reference_speed, text, least=0.0, rows=share)
+    text = "Drag along the body that sideways motion adds."
+    share = ((rows.SWAY_FRICTION, 1.0),)
+    yield _parameter("water.sway_friction", "1", "gamma", water.sway_friction, text, least=0.0, rows=share)
+
+
+def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
+    text = "Bandwidth of the filters behind the gait's parameters."
+    share = ((rows.BANDWIDTH, 1.0),)
+    yield _parameter("offset_bandwidth", "rad/s", "", plant.offset_bandwidth, text, least=TINY, most=1e6, rows=share)
+    assert plant.ramp is not None
+    text = "Duration of the smooth start."
+    yield _parameter("ramp", "s", "T", plant.ramp, text, least=0.0, most=1e6, rows=((rows.RAMP, 1.0),))
+    template = plant.layout.template
+    for i, (b, g) in enumerate(zip(_records(plant), gait.joint_envelope(plant.robot.n_links), strict=True)):
+        share = ((b + rows.ENVELOPE, float(template[b + rows.ENVELOPE])),)
+        yield _parameter(f"gait.envelope[{i}]", "1", "g", g, f"Share of the amplitude that joint {i} has.", rows=share)
+
+
+def _gait(gait: Gait) -> Iterator[Variable]:
+    for name, unit, symbol, least, row, now, text in (
+        ("amplitude", "rad", "alpha", 0.0, rows.AMPLITUDE, rows.AMPLITUDE_NOW, "Amplitude of the joints."),
+        ("frequency", "rad/s", "omega", 0.0, rows.FREQUENCY, rows.FREQUENCY_NOW, "Angular frequency."),
+        ("phase_shift", "rad", "delta", -FAR, rows.PHASE_SHIFT, rows.PHASE_SHIFT_NOW, "Between neighboring joints."),
+        ("offset", "rad", "phi_0", -FAR, rows.OFFSET, None, "Of every joint; positive turns left."),
+    ):
+        first = () if now is None else ((now, 1.0),)
+        value = getattr(gait, name)
+        share = ((row, 1.0),)
+        yield _input(f"gait.{name}", unit, symbol, value, text, least=least, most=FAR, rows=share, start_rows=first)
+
+
+def _references(plant: PlanarPlant) -> Iterator[Variable]:
+    for i, b in enumerate(_records(plant)):
+        # The generator stands still at the crest of a wave of amplitude 1 (`PlanarPlant.rows`).
+        text = f"Angle that joint {i} is asked for, held during a communication step."
+        yield _input(
+            f"references[{i}]", "rad", "phi_ref", 0.0, text, least=-FAR, most=FAR, rows=((b + rows.ENVELOPE, 1.0),)
+        )
+
+
+def _fin_wave(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
+    fin = plant.robot.caudal_fin
+    if fin is None or fin.joint is None:
+        return
+    wave = gait.fin
+    for name, unit, least, row, now, text in (
+        ("amplitude", "rad", 0.0, rows.FIN_AMPLITUDE, rows.FIN_AMPLITUDE_NOW, "Amplitude of the driven fin."),
+        ("frequency", "rad/s", 0.0, rows.FIN_FREQUENCY, rows.FIN_FREQUENCY_NOW, "Angular frequency of the fin."),
+        ("offset", "rad", -FAR, rows.FIN_OFFSET, None, "Offset of the fin."),
+        ("phase", "rad", -FAR, rows.FIN_LEAD, None, "How far the fin is ahead of the tail-most joint."),
+    ):
+        first = () if now is None else ((now, 1.0),)
+        value = 0.0 if wave is None else getattr(wave, name)
+        share = ((row, 1.0),)
+        yield _input(f"fin.{name}", unit, "", value, text, least=least, most=FAR, rows=share, start_rows=first)
+
+
+def _current(plant: PlanarPlant) -> Iterator[Variable]:
+    water = plant.environment
+    assert isinstance(water, Water)
+    for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.current, strict=True):
+        text = "Velocity that the water moves to, world axes."
+        yield _input(f"current.{name}", "m/s", f"V_{name}", value, text, least=-100.0, most=100.0, rows=((row, 1.0),))
+
+
+def _motion() -> Iterator[Variable]:
+    for name, row in (("x", rows.X), ("y", rows.Y)):
+        yield _output(f"center_of_mass.{name}", "m", f"p_{name}", "Center of mass, fin included.", (row, 1.0))
+    for name, row in (("x", rows.VX), ("y", rows.VY)):
+        yield _output(f"center_of_mass_velocity.{name}", "m/s", f"p'_{name}", "Its velocity.", (row, 1.0))
+    yield _output("heading", "rad", "theta", "Mean angle of the links, unwrapped.", (rows.HEADING, 1.0))
+    yield _output("heading_rate", "rad/s", "theta'", "Its rate.", (rows.HEADING_RATE, 1.0))
+
+
+def _links(plant: PlanarPlant) -> Iterator[Variable]:
+    """theta_i: the heading, less the mean of what the joints turn, plus what those between tail and link i turn."""
+    records, n = _records(plant), plant.robot.n_links
+    for i in range(n):
+        shares = ((b + rows.ANGLE, float(j < i) - (n - 1 - j) / n) for j, b in enumerate(records))
+        yield _output(f"link_angle[{i}]", "rad", "theta_i", f"Angle of link {i}.", (rows.HEADING, 1.0), *shares)
+
+
+def _joints(plant: PlanarPlant) -> Iterator[Variable]:
+    records = list(enumerate(_records(plant)))
+    for i, b in records:
+        yield _output(f"joint_angle[{i}]", "rad", "phi_i", f"Angle of joint {i}.", (b + rows.ANGLE, 1.0))
+    for i, b in records:
+        yield _output(f"joint_rate[{i}]", "rad/s", "phi'_i", f"Rate of joint {i}.", (b + rows.RATE, 1.0))
+    for i, b in records:
+        # What the gait asks for; the kernel's own reference is what prescribed joints do of it.
+        share = plant.robot.joints[i].actuator.tracking if plant.joints == "prescribed" else 1.0
+        rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
+        text = f"Angle that joint {i} is asked for."
+        yield _output(f"joint_angle_ref[{i}]", "rad", "phi_i,ref", text, (b + rows.REFERENCE, 1.0 / share), *rest)
+    for i, b in records:
+        yield _output(f"joint_torque[{i}]", "N.m", "u_i", f"Torque of the drive of joint {i}.", (b + rows.TORQUE, 1.0))
+
+
+def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
+    """As `fin_signals` names them: 0 is a driven root, 1 and on are hinges."""
+    fin, law = plant.robot.caudal_fin, plant.layout.law
+    moving = [i for i in range(plant.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]
+    if fin is None or not moving:
+        return
+    first = 0 if fin.joint is not None else 1
+    for k, i in enumerate(moving, start=first):
+        b = rows.HEADER_ROWS + i * rows.BODY_ROWS
+        yield _output(f"fin_angle[{k}]", "rad", "phi_j", "Angle of a joint of the fin.", (b + rows.ANGLE, 1.0))
+        yield _output(f"fin_rate[{k}]", "rad/s", "phi'_j", "Its rate.", (b + rows.RATE, 1.0))
+        if k == 0:
+            yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (b + rows.TORQUE, 1.0))
+
+
+def _power(plant: PlanarPlant) -> Iterator[Variable]:
+    kinds = [
+        ("mechanical", rows.POWER_ABSOLUTE, rows.WORK_ABSOLUTE, "Sum of |u_i phi'_i|"),
+        ("net", rows.POWER_NET, rows.WORK_NET, "Sum of u_i phi'_i"),
+        ("positive", rows.POWER_POSITIVE, rows.WORK_POSITIVE, "Sum of max(u_i phi'_i, 0)"),
+    ]
+    if has_power_model(plant.robot, plant.joints):
+        text = "Electrical power above idle"
+        kinds.append(("electrical", rows.POWER_ELECTRICAL, rows.WORK_ELECTRICAL, text))
+    for name, power, _, text in kinds:
+        yield _output(f"{name}_power", "W", "P", f"{text}, at this moment.", (power, 1.0))
+    for name, _, work, text in kinds:
+        yield _output(f"{name}_work", "J", "", f"{text}, since the start.", (work, 1.0))
+
+
+def _records(plant: PlanarPlant) -> Sequence[int]:
+    """First rows of the records of the body's joints, tail first."""
+    tail = plant.layout.tail_link
+    return [rows.HEADER_ROWS + i * rows.BODY_ROWS for i in range(tail + 1, plant.layout.n_bodies)]
