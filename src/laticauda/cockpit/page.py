@@ -15,6 +15,7 @@ from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
 
@@ -62,6 +63,8 @@ class Cockpit:
             self._board = Board(gui, self._server.scene, live, self._show_setting)
         with tabs.add_tab("Run"):
             self._runs = Runs(gui, live, self._scene)
+        with tabs.add_tab("Lab"):
+            self._watched = Watched(gui, self._server.scene, self._scene, live.setting.robot)
         self._gizmo = self._server.scene.add_transform_controls(
             "/handle", scale=0.35, active_axes=(True, True, False), visible=False
         )
@@ -83,6 +86,11 @@ class Cockpit:
         """How many pages are open."""
         return len(self._server.get_clients())
 
+    @property
+    def watched(self) -> Watched:
+        """The robot that somebody else operates, if it is connected."""
+        return self._watched
+
     def open(self) -> None:
         """Let the world live, in a thread of its own."""
         self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
@@ -98,6 +106,7 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
+        self._watched.disconnect()
         door.stop(self._server)
 
     def _run(self) -> None:
@@ -119,12 +128,13 @@ class Cockpit:
             self._scene.show(robot, sample, forces=live.link_forces)
             self._board.show(sample["center_of_mass"])
             self._runs.show()
+            watched = self._watched.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
                 self._scene.trail(sample)
                 self._figures.content = figures_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._follow(sample["center_of_mass"][:2])
+        self._follow((sample["center_of_mass"] if watched is None else watched)[:2])
 
     def _follow(self, at: np.ndarray) -> None:
         """Let the cameras that follow look at the robot, from where their page has put them around it."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
+from laticauda.cockpit.trail import Trail
 from laticauda.control import StraightLine
 from laticauda.interfaces import Log
 from laticauda.robot import Robot
@@ -20,7 +21,6 @@ FORCE: Color = (235, 70, 70)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
 PER_NEWTON = 0.06  # length of an arrow [m]
-N_TRAIL = 600  # points of it [-]
 
 
 class Body:
@@ -37,6 +37,7 @@ class Body:
         self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
         self._robot: Robot | None = None
         self._frames: list[Any] = []
+        self._is_seen = True
 
     def show(self, robot: Robot, sample: Log) -> Poses:
         """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
@@ -46,6 +47,13 @@ class Body:
         for frame, position, orientation in zip(self._frames, now.position, now.orientation, strict=True):
             frame.position, frame.wxyz = position, orientation
         return now
+
+    def let_see(self, is_seen: bool) -> None:
+        """Show it, or hide it where it is."""
+        if is_seen != self._is_seen:
+            self._is_seen = is_seen
+            for frame in self._frames:
+                frame.visible = is_seen
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -57,7 +65,9 @@ class Body:
         self.remove()
         seen = shapes(robot)
         for part in range(1 + max(shape.part for shape in seen)):
-            self._frames.append(self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False))
+            self._frames.append(
+                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_seen)
+            )
         for i, shape in enumerate(seen):
             self._scene.add_mesh_simple(
                 f"/{self._name}/part_{shape.part}/shape_{i}",
@@ -81,8 +91,7 @@ class Scene:
         self._scene = scene
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
-        self._points: list[np.ndarray] = []
-        self._trail: Any = None
+        self._trail = Trail(scene, "/trail", TRAIL)
         self._forces: Any = None
         self._path: Any = None
         scene.set_up_direction("+z")
@@ -124,24 +133,11 @@ class Scene:
 
     def trail(self, sample: Log) -> None:
         """Let the trail of the center of mass grow to where it is in a sample."""
-        place = _in_space(sample["center_of_mass"])
-        if self._points and float(np.linalg.norm(place - self._points[-1])) < 0.01:
-            return
-        self._points = [*self._points[1 - N_TRAIL :], place]
-        if len(self._points) < 2:
-            return
-        line = np.stack((self._points[:-1], self._points[1:]), axis=1).astype(np.float32)
-        if self._trail is None:
-            self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
-        else:
-            self._trail.points = line
+        self._trail.grow(sample["center_of_mass"])
 
     def forget_trail(self) -> None:
         """Begin a new trail."""
-        self._points = []
-        if self._trail is not None:
-            self._trail.remove()
-            self._trail = None
+        self._trail.forget()
 
     def path(self, path: StraightLine | None) -> None:
         """Draw the path, or none."""
@@ -156,6 +152,10 @@ class Scene:
             self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
         else:
             self._path.points = line
+
+    def let_see(self, is_seen: bool) -> None:
+        """Show the robot, or hide it: its trail and its path stay."""
+        self._body.let_see(is_seen)
 
     def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
         """Draw a ghost as it is in a sample, or none."""
@@ -179,10 +179,6 @@ def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | 
         cast_shadow=False,
         position=(0.0, 0.0, height),
     )
-
-
-def _in_space(place: np.ndarray) -> np.ndarray:
-    return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 
 def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
