@@ -8,15 +8,15 @@ import numpy as np
 
 from laticauda.cockpit.commands import FILE, commands_text
 from laticauda.cockpit.controls import refuse
+from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
-from laticauda.errors import LaticaudaError, TrialFileError
+from laticauda.errors import LaticaudaError
 from laticauda.interfaces import Log
 from laticauda.robot import Robot, to_toml
-from laticauda.trial import FORMATS, Trial, load_trial
+from laticauda.trial import Trial
 
 SAVED = "cockpit-run.nc"
-READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
 
 
 class Ghost:
@@ -45,29 +45,6 @@ class Ghost:
         names = ("center_of_mass", "heading", "link_angle", "joint_angle")
         found: Log = {name: np.asarray(getattr(trial, name)[i]) for name in names}
         return found | {f"signal_{name}": np.asarray(values[i]) for name, values in trial.signals.items()}
-
-
-def read(name: str, content: bytes) -> Trial:
-    """The trial in a file that a page sent.
-
-    Args:
-        name: The file's name.
-        content: What is in it.
-
-    Raises:
-        TrialFileError: If it is none; the message has the file's name and the reason.
-        MissingExtra: If the format needs a package that is not installed.
-    """
-    ending = Path(name).suffix.lower()
-    if ending not in READ:
-        raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"uploaded{ending}"
-        path.write_bytes(content)
-        try:
-            return load_trial(path)
-        except TrialFileError as error:
-            raise TrialFileError(str(error).replace(str(path), name)) from error
 
 
 class Runs:
@@ -122,7 +99,7 @@ class Runs:
     def _load(self, event: Any) -> None:
         file = event.target.value
         try:
-            ghost = Ghost(read(file.name, file.content))
+            ghost = Ghost(received_trial(file.name, file.content))
         except (ValueError, LaticaudaError) as error:
             refuse(event.client, error)
             return

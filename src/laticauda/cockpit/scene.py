@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
-from laticauda.cockpit.trail import Trail
 from laticauda.control import StraightLine
 from laticauda.interfaces import Log
 from laticauda.robot import Robot
@@ -21,6 +20,7 @@ FORCE: Color = (235, 70, 70)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
 PER_NEWTON = 0.06  # length of an arrow [m]
+N_TRAIL = 600  # points of it [-]
 
 
 class Body:
@@ -91,7 +91,8 @@ class Scene:
         self._scene = scene
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
-        self._trail = Trail(scene, "/trail", TRAIL)
+        self._points: list[np.ndarray] = []
+        self._trail: Any = None
         self._forces: Any = None
         self._path: Any = None
         scene.set_up_direction("+z")
@@ -133,11 +134,24 @@ class Scene:
 
     def trail(self, sample: Log) -> None:
         """Let the trail of the center of mass grow to where it is in a sample."""
-        self._trail.grow(sample["center_of_mass"])
+        place = _in_space(sample["center_of_mass"])
+        if self._points and float(np.linalg.norm(place - self._points[-1])) < 0.01:
+            return
+        self._points = [*self._points[1 - N_TRAIL :], place]
+        if len(self._points) < 2:
+            return
+        line = np.stack((self._points[:-1], self._points[1:]), axis=1).astype(np.float32)
+        if self._trail is None:
+            self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
+        else:
+            self._trail.points = line
 
     def forget_trail(self) -> None:
         """Begin a new trail."""
-        self._trail.forget()
+        self._points = []
+        if self._trail is not None:
+            self._trail.remove()
+            self._trail = None
 
     def path(self, path: StraightLine | None) -> None:
         """Draw the path, or none."""
@@ -179,6 +193,10 @@ def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | 
         cast_shadow=False,
         position=(0.0, 0.0, height),
     )
+
+
+def _in_space(place: np.ndarray) -> np.ndarray:
+    return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 
 def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
