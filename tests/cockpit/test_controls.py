@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, Setting
 from laticauda.cockpit.gait_map import at
 from laticauda.control import StraightLine
+from laticauda.errors import TrialFileError
 
 pytest.importorskip("viser")
 GAIT = lc.lateral_undulation(
@@ -123,6 +125,66 @@ def test_a_run_is_saved_and_comes_back_as_a_ghost(cockpit, tmp_path):
     assert runs._ghost.robot == cockpit.live.setting.robot
     runs._remove(None)
     assert runs._ghost is None
+
+
+def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world(cockpit):
+    runs, live = cockpit._runs, cockpit.live
+    trial = lc.swim(live.setting.robot, GAIT, 3.0, start=lc.Start(center_of_mass=(5.0, 2.0)))
+    live.advance(1.0)
+    runs.play(trial)
+    cockpit.frame()
+
+    def gone():
+        return np.asarray(runs._ghost.sample(0.0)["center_of_mass"]) - live.latest()["center_of_mass"]
+
+    assert np.linalg.norm(gone()) == pytest.approx(0.5)
+    runs._beside.value = False
+    runs._place()
+    np.testing.assert_allclose(runs._ghost.sample(0.0)["center_of_mass"], (5.0, 2.0))
+    live.advance(1.0)
+    cockpit._reset(None)
+    assert runs._since == live.world.time == 0.0
+
+
+def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cockpit, tmp_path):
+    from operate.tank import record
+
+    from laticauda.studies import Grid, Sweep, open_sweep, run_sweep
+
+    record(tmp_path / "run.mcap")
+    cockpit.load(tmp_path / "run.mcap")
+    cockpit.frame()
+    assert cockpit._runs._ghost.robot == lc.load_trial(_replayed(tmp_path / "run.mcap")).robot.planar()
+    values = {"gait.amplitude": (0.3, 0.5), "gait.frequency": (1.0, 2.0)}
+    run_sweep(Sweep(robot=lc.load_robot("mamba"), gait=GAIT, duration=2.0, points=Grid(values=values)), tmp_path / "s")
+    open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
+    page = Page()
+    file = SimpleNamespace(name="s.nc", content=(tmp_path / "s.nc").read_bytes())
+    cockpit._runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
+    assert page.told == ["Cannot play back s.nc: it is no trial; the tab Map loads sweeps."]
+    cockpit.load(tmp_path / "s")
+    cockpit.frame()
+    assert cockpit._board._frame is not None
+    with pytest.raises(TrialFileError, match=r"Cannot load .*nothing\.nc: there is no such file"):
+        cockpit.load(tmp_path / "nothing.nc")
+
+
+def _replayed(path):
+    """The trial that `laticauda replay` makes of a recording."""
+    assert main(["replay", str(path), "--save", str(path.with_suffix(".nc")), "--json"]) == 0
+    return path.with_suffix(".nc")
+
+
+def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
+    gait = replace(GAIT, kind="custom", envelope=(1.0,) * 8)
+    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=gait)), port=0)
+    try:
+        assert use(served, served._controls._kind, "eel_like") == []
+        assert served.live.setting.gait.envelope is None
+        assert use(served, served._controls._kind, "custom") == []
+        assert served.live.setting.gait == gait
+    finally:
+        served.close()
 
 
 @pytest.mark.parametrize(

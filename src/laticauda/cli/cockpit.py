@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
@@ -107,6 +108,8 @@ class CockpitCommand:
     gait: GaitFlags = field(default_factory=GaitFlags)
     body: BodyFlags = field(default_factory=BodyFlags)
     lab: LabFlags = field(default_factory=LabFlags)
+    load: Annotated[Text, default("nothing")] = None
+    """Play back this trial or recording of an operation beside it, or show this sweep as the map."""
     host: Annotated[Text, default(f"{HOST}: this computer alone")] = None
     """Where the page is served."""
     port: Annotated[Whole, default(f"{PORT}")] = None
@@ -137,6 +140,8 @@ class CockpitCommand:
                 file=sys.stderr,
             )
         try:
+            if self.load is not None:
+                cockpit.load(Path(self.load))
             if self.lab.is_asked_for:
                 self.lab.connect(cockpit.watched, robot)
             cockpit.open()

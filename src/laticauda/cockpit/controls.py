@@ -43,9 +43,10 @@ class Controls:
     def __init__(self, gui: Any, live: Live, changed: Callable[[], None]) -> None:
         self._live, self._changed = live, changed
         setting = live.setting
-        self._own = setting.robot
+        self._own, self._envelope = setting.robot, setting.gait.envelope
         with gui.add_folder("Gait"):
-            self._kind = gui.add_dropdown("gait", KINDS, initial_value=setting.gait.kind, hint=_hint(Gait, "kind"))
+            kinds = tuple(dict.fromkeys((*KINDS, setting.gait.kind)))
+            self._kind = gui.add_dropdown("gait", kinds, initial_value=setting.gait.kind, hint=_hint(Gait, "kind"))
             self._angles = {
                 field: gui.add_slider(label, low, high, step, _shown(setting.gait, field, low, high), hint=hint)
                 for label, field, low, high, step in ANGLES
@@ -113,7 +114,8 @@ class Controls:
         setting = self._live.setting
         gait = setting.gait
         if touched is self._kind:
-            gait = replace(gait, kind=self._kind.value)
+            kind = self._kind.value
+            gait = replace(gait, kind=kind, envelope=self._envelope if kind == "custom" else None)
         for field, handle in self._angles.items():
             if touched is handle:
                 gait = replace(gait, **{field: math.radians(handle.value)})

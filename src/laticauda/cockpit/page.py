@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,12 @@ from laticauda.cockpit import door
 from laticauda.cockpit.board import Board
 from laticauda.cockpit.controls import Controls, refuse
 from laticauda.cockpit.figures import figures_text
+from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.cockpit.sweeps import StoredSweep
 from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
@@ -90,6 +93,23 @@ class Cockpit:
     def watched(self) -> Watched:
         """The robot that somebody else operates, if it is connected."""
         return self._watched
+
+    def load(self, path: Path) -> None:
+        """Play back a trial or a recording as a ghost, or show a sweep as the map.
+
+        Args:
+            path: The file, or the folder of a sweep.
+
+        Raises:
+            TrialFileError: If it is none of them; the message has the reason.
+            MissingExtra: If the format needs a package that is not installed.
+            ValueError: If the trial does not say how the robot was bent.
+        """
+        found = opened(path)
+        if isinstance(found, StoredSweep):
+            self._board.sweeps.show(found)
+        else:
+            self._runs.play(found)
 
     def open(self) -> None:
         """Let the world live, in a thread of its own."""
@@ -185,6 +205,7 @@ class Cockpit:
 
     def _reset(self, event: Any) -> None:
         self.live.reset()
+        self._runs.begin()
         self._new_trail = True
 
     def _show_forces(self, event: Any) -> None:
