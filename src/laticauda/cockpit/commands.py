@@ -1,6 +1,7 @@
 """The same run elsewhere: a command line and Python that repeat what swims here, from straight and at rest."""
 
 import math
+import re
 
 from laticauda.cockpit.settings import GAIN, LOOK_AHEAD, MAX_OFFSET, Setting
 from laticauda.control import StraightLine
@@ -99,7 +100,9 @@ def commands_text(setting: Setting) -> str:
     is_file = robot_source(setting.robot) == FILE
     note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
     note += "A water that is no preset must be given as its file.\n\n" if setting.water is not None else ""
-    return f"{note}```bash\n{command_line(setting)}\n```\n```python\n{python_code(setting)}\n```"
+    words = re.split(r" (?=--)", command_line(setting))
+    shown = " \\\n  ".join(words)  # a line per flag: the page's column is narrow
+    return f"{note}```bash\n{shown}\n```\n```python\n{python_code(setting)}\n```"
 
 
 def _degrees(angle: float) -> str:

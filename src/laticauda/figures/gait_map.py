@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 
 from laticauda.figures import style
 
-SIZE = (4.8, 3.6)  # [in]
-BOX = (0.14, 0.15, 0.68, 0.74)  # of the axes in the picture: left, bottom, width, height, as shares
+SIZE = (3.4, 2.55)  # [in]
+BOX = (0.17, 0.19, 0.65, 0.68)  # of the axes in the picture: left, bottom, width, height, as shares
 
 
 class Picture(NamedTuple):
@@ -61,7 +61,7 @@ def gait_map_picture(
     """The same as pixels; arguments as for `gait_map`."""
     figure = style.new_figure(*SIZE)
     figure.set_layout_engine("none")
-    figure.set_dpi(150)
+    figure.set_dpi(220)
     ax = gait_map(figure.add_axes(BOX), amplitude_deg, frequency_deg_s, values, title)
     canvas: Any = figure.canvas
     canvas.draw()
