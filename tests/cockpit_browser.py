@@ -30,7 +30,7 @@ def open_page(found, address):
     page = found.new_page(viewport=SIZE)
     page.set_default_timeout(15_000)
     page.goto(address)
-    page.wait_for_selector("text=amplitude_deg", timeout=60_000)
+    page.wait_for_selector("text=amplitude [°]", timeout=60_000)
     return page
 
 

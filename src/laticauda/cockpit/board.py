@@ -15,8 +15,8 @@ from laticauda.cockpit.sweep_controls import SweepControls
 from laticauda.errors import LaticaudaError
 from laticauda.figures.gait_map import Picture, gait_map_picture
 
-WIDTH, HEIGHT = 1.6, 1.2  # [m]
-BEHIND, ABOVE = 1.6, 0.55  # where its middle is to the robot: along y, and along z [m]
+WIDTH, HEIGHT = 1.8, 1.35  # [m]
+BEHIND, ABOVE = 1.5, 0.5  # where its middle is to the robot: along y, and along z [m]
 UPRIGHT = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)  # the picture's right is x, its top z; seen from -y
 WAITING = (
     "Computing {} trials of this robot, water and joints; the first map on a computer also compiles, some 20 s ..."

@@ -1,6 +1,7 @@
 """The same run elsewhere: a command line and Python that repeat what swims here, from straight and at rest."""
 
 import math
+import re
 from dataclasses import MISSING, fields
 
 from laticauda.cockpit.settings import GAIN, LOOK_AHEAD, MAX_OFFSET, Setting
@@ -110,7 +111,9 @@ def commands_text(setting: Setting) -> str:
     note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
     is_file = setting.water is not None and water_source(setting.water) == WATER_FILE
     note += f"This water is no preset: download it as `{WATER_FILE}` first.\n\n" if is_file else ""
-    return f"{note}```bash\n{command_line(setting)}\n```\n```python\n{python_code(setting)}\n```"
+    words = re.split(r" (?=--)", command_line(setting))
+    shown = " \\\n  ".join(words)  # a line per flag: the page's column is narrow
+    return f"{note}```bash\n{shown}\n```\n```python\n{python_code(setting)}\n```"
 
 
 def _waves(gait: Gait) -> list[str]:

@@ -16,10 +16,10 @@ from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
 
 # Label, field of `Gait`, limits and step, in degrees and degrees per second: the paper's sweeps and some more.
 ANGLES = (
-    ("amplitude_deg", "amplitude", 0.0, 60.0, 1.0),
-    ("frequency_deg_s", "frequency", 0.0, 220.0, 5.0),
-    ("phase_shift_deg", "phase_shift", -90.0, 90.0, 1.0),
-    ("offset_deg", "offset", -20.0, 20.0, 0.5),
+    ("amplitude [°]", "amplitude", 0.0, 60.0, 1.0),
+    ("frequency [°/s]", "frequency", 0.0, 220.0, 5.0),
+    ("phase shift [°]", "phase_shift", -90.0, 90.0, 1.0),
+    ("offset [°]", "offset", -20.0, 20.0, 0.5),
 )
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")

@@ -16,7 +16,7 @@ from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
-from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.cockpit.scene import AHEAD, FIELD_OF_VIEW, Scene, look_down
 from laticauda.cockpit.sweeps import StoredSweep
 from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
@@ -55,6 +55,7 @@ class Cockpit:
         self._scene = Scene(self._server.scene)
         camera = self._server.initial_camera
         camera.position, camera.look_at = look_down()
+        camera.fov = FIELD_OF_VIEW
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
@@ -150,7 +151,7 @@ class Cockpit:
             self._runs.show()
             watched = self._watched.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
-                self._scene.trail(sample)
+                self._scene.trail()
                 self._figures.content = figures_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)

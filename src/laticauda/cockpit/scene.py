@@ -1,6 +1,7 @@
 """The picture: the robot in its water, with trail, path, forces and a ghost."""
 
 import math
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,16 @@ from laticauda.robot import Robot
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
 WIDE = 60.0  # of what has no end [m]
 WATER: Color = (16, 58, 82)
-SAND: Color = (38, 92, 108)
+SAND: Color = (26, 68, 84)
 TRAIL: Color = (255, 190, 60)
 PATH: Color = (120, 230, 140)
-FORCE: Color = (235, 70, 70)
+FORCE: Color = (215, 25, 25)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
+PIECE = 2.0  # of a path [m]
+FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
 PER_NEWTON = 0.06  # length of an arrow [m]
-N_TRAIL = 600  # points of it [-]
+TRAIL_STEP, N_TRAIL = 0.02, 600  # least distance of its points [m], and how many they are [-]
 
 
 class Body:
@@ -91,14 +94,17 @@ class Scene:
         self._scene = scene
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
-        self._points: list[np.ndarray] = []
+        self._points: deque[np.ndarray] = deque(maxlen=N_TRAIL)
         self._trail: Any = None
         self._forces: Any = None
         self._path: Any = None
         scene.set_up_direction("+z")
-        scene.configure_fog(near=4.0, far=20.0, color=WATER)
+        scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
-        scene.add_light_hemisphere("/light", sky_color=(205, 235, 245), ground_color=(40, 70, 80), intensity=0.8)
+        # Three lamps instead of a picture of the surroundings: shadows are deep, and a weak computer draws faster.
+        scene.configure_environment_map(None)
+        scene.add_light_hemisphere("/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4)
+        scene.add_light_directional("/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0))
         self._floor = _plane(scene, "/floor", FLOOR, SAND, None)
         self._grid = scene.add_grid(
             "/grid",
@@ -109,17 +115,22 @@ class Scene:
             section_size=2.5,
             cell_color=(62, 118, 132),
             section_color=(98, 158, 170),
+            fade_distance=18.0,
+            shadow_opacity=0.0,
             position=(0.0, 0.0, FLOOR + 0.004),
         )
-        self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.10)
+        self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
     def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
         """Draw the robot, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
+        place = _in_space(sample["center_of_mass"])
+        if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
+            self._points.append(place)
         arrows = _arrows(now, sample) if forces else None
         if arrows is not None and self._forces is None:
             self._forces = self._scene.add_arrows(
-                "/forces", arrows, FORCE, shaft_radius=0.006, head_radius=0.016, head_length=0.035
+                "/forces", arrows, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
             )
         elif arrows is not None:
             self._forces.points = arrows
@@ -132,15 +143,12 @@ class Scene:
             for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
                 handle.position = (x, y, z)
 
-    def trail(self, sample: Log) -> None:
-        """Let the trail of the center of mass grow to where it is in a sample."""
-        place = _in_space(sample["center_of_mass"])
-        if self._points and float(np.linalg.norm(place - self._points[-1])) < 0.01:
-            return
-        self._points = [*self._points[1 - N_TRAIL :], place]
+    def trail(self) -> None:
+        """Draw the trail of the center of mass as far as it was shown."""
         if len(self._points) < 2:
             return
-        line = np.stack((self._points[:-1], self._points[1:]), axis=1).astype(np.float32)
+        points = np.array(self._points, dtype=np.float32)
+        line = np.stack((points[:-1], points[1:]), axis=1)
         if self._trail is None:
             self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
         else:
@@ -148,7 +156,7 @@ class Scene:
 
     def forget_trail(self) -> None:
         """Begin a new trail."""
-        self._points = []
+        self._points.clear()
         if self._trail is not None:
             self._trail.remove()
             self._trail = None
@@ -160,8 +168,10 @@ class Scene:
                 self._path.remove()
                 self._path = None
             return
-        ends = path.points(np.array([-WIDE, WIDE]))
-        line = np.column_stack((ends, np.zeros(2)))[np.newaxis].astype(np.float32)
+        # In pieces: of one that begins behind the camera, the page shows too little.
+        flat = path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
+        points = np.column_stack((flat, np.zeros(len(flat)))).astype(np.float32)
+        line = np.stack((points[:-1], points[1:]), axis=1)
         if self._path is None:
             self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
         else:
@@ -180,6 +190,7 @@ class Scene:
 
 
 def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | None) -> Any:
+    """An opaque one shows its upper side and the shadows on it, another one its lower side."""
     half = 0.5 * WIDE
     corners = np.array([[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32)
     faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.uint32)
@@ -189,10 +200,17 @@ def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | 
         faces=faces,
         color=color,
         opacity=opacity,
-        side="double",
+        side="front" if opacity is None else "back",
         cast_shadow=False,
+        receive_shadow=opacity is None,
         position=(0.0, 0.0, height),
     )
+
+
+def _linear(color: Color) -> tuple[float, float, float]:
+    """A color as the page's fog takes it: in amounts of light, where all others are in steps that look equal."""
+    r, g, b = (((share + 0.055) / 1.055) ** 2.4 for share in (value / 255.0 for value in color))
+    return r, g, b
 
 
 def _in_space(place: np.ndarray) -> np.ndarray:
@@ -212,7 +230,7 @@ def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
     return np.stack((now.middle, now.middle + PER_NEWTON * longest * force), axis=1).astype(np.float32)
 
 
-def look_down(angle_deg: float = 38.0, distance: float = 2.6) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def look_down(angle_deg: float = 34.0, distance: float = 3.2) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Where a camera begins: beside the robot and above it, and what it looks at [m]."""
     angle = math.radians(angle_deg)
     return (AHEAD - 0.5, -distance * math.cos(angle), distance * math.sin(angle)), (AHEAD, 0.0, 0.0)

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 
 from laticauda.figures import style
 
-SIZE = (4.8, 3.6)  # [in]
-BOX = (0.14, 0.15, 0.68, 0.74)  # of the axes in the picture: left, bottom, width, height, as shares
+SIZE = (3.4, 2.55)  # [in]
+BOX = (0.17, 0.19, 0.65, 0.68)  # of the axes in the picture: left, bottom, width, height, as shares
 LABELS = ("amplitude [deg]", "frequency [deg/s]")
 POINT = 14.0  # size of a single one [pt^2]
 Values = Float[np.ndarray, "n_y n_x"] | Float[np.ndarray, " n_points"]
@@ -71,7 +71,7 @@ def gait_map_picture(
     """The same as pixels; arguments as for `gait_map`."""
     figure = style.new_figure(*SIZE)
     figure.set_layout_engine("none")
-    figure.set_dpi(150)
+    figure.set_dpi(220)
     ax = gait_map(figure.add_axes(BOX), across, up, values, title, labels)
     canvas: Any = figure.canvas
     canvas.draw()
