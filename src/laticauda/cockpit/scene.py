@@ -13,8 +13,8 @@ from laticauda.robot import Robot
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
 WIDE = 60.0  # of what has no end [m]
-WATER: Color = (16, 58, 82)
-SAND: Color = (26, 68, 84)
+WATER: Color = (44, 112, 146)
+SAND: Color = (52, 118, 138)
 TRAIL: Color = (255, 190, 60)
 PATH: Color = (120, 230, 140)
 FORCE: Color = (215, 25, 25)
