@@ -95,6 +95,7 @@ class Scene:
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
         self._points: deque[np.ndarray] = deque(maxlen=N_TRAIL)
+        self._end: np.ndarray | None = None
         self._trail: Any = None
         self._forces: Any = None
         self._path: Any = None
@@ -145,8 +146,9 @@ class Scene:
 
     def trail(self) -> None:
         """Draw the trail of the center of mass as far as it was shown."""
-        if len(self._points) < 2:
+        if len(self._points) < 2 or self._points[-1] is self._end:
             return
+        self._end = self._points[-1]
         points = np.array(self._points, dtype=np.float32)
         line = np.stack((points[:-1], points[1:]), axis=1)
         if self._trail is None:
