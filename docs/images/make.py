@@ -218,9 +218,9 @@ def cockpit(folder: Path) -> None:
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     plain = Setting(robot=robot, gait=gait)
     with camera(plain) as seen, tempfile.TemporaryDirectory() as scratch:
-        seen.swim(replace(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 20.0)
+        seen.swim(replace(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
         seen.open("Plots")
-        seen.look((-0.45, -1.9, 1.1), 0.5)
+        seen.look((-0.45, -2.1, 1.2), 0.3)
         seen.shoot(folder / "cockpit-path.png")
         seen.cockpit.live.link_forces = True
         seen.swim(plain, 30.0)
@@ -237,7 +237,7 @@ def cockpit(folder: Path) -> None:
         run_sweep(Sweep(robot=robot, gait=gait, duration=20.0, points=Grid(values=values)), grid)
         seen.cockpit.load(grid)
         seen.open("Map")
-        seen.look((0.2, -3.1, 1.0), 0.5)
+        seen.look((0.1, -2.6, 0.8), 0.45)
         seen.shoot(folder / "cockpit-map.png")
 
 

@@ -67,7 +67,7 @@ def test_a_list_of_points_is_a_map_of_dots(tmp_path):
     assert not sweep.is_grid
     assert chart.values.shape == (3,)
     assert chart.nearest(math.degrees(0.57), math.degrees(0.69)) == {name: values[1] for name, values in points.items()}
-    picture = gait_map_picture(*chart.ends(), chart.values, chart.title, (chart.x.label, chart.y.label))
+    picture = gait_map_picture(chart.x.ticks, chart.y.ticks, chart.values, chart.title, (chart.x.label, chart.y.label))
     assert len(np.unique(picture.pixels.reshape(-1, 3), axis=0)) > 10
 
 
@@ -117,6 +117,7 @@ def test_a_loaded_sweep_is_the_map_and_a_click_on_it_sets_its_numbers(folder):
         assert page.told == []
         assert board._on.value  # a loaded one is shown
         assert "**grid.zip**: mamba-fin, lateral undulation, paper-lateral, prescribed." in controls._text.content
+        assert controls._choice.others["gait.frequency"].value == f"{math.degrees(2.0):.6g}"  # as it swims here
         # The third number takes the place of the second.
         controls._y.value = "gait.frequency"
         controls._chosen(SimpleNamespace(client=page, target=controls._y))

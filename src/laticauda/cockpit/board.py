@@ -115,8 +115,8 @@ class Board:
         if self._drawn == key:
             return
         self._drawn, self._chart = key, found
-        across, up = found.ends()
-        self._picture = gait_map_picture(across, up, found.values, found.title, (found.x.label, found.y.label))
+        x, y = found.x, found.y
+        self._picture = gait_map_picture(x.ticks, y.ticks, found.values, found.title, (x.label, y.label))
         self._frame = self._scene.add_frame("/board", show_axes=False, wxyz=UPRIGHT)
         image = self._scene.add_image("/board/map", self._picture.pixels, WIDTH, HEIGHT, format="png")
         self._dot = self._scene.add_icosphere("/board/dot", radius=0.022, color=(230, 60, 30))

@@ -35,6 +35,23 @@ class Axis:
         """In words."""
         return self.name.partition(".")[2].replace(".", " ").replace("_", " ")
 
+    @property
+    def ticks(self) -> tuple[float, ...]:
+        """The values as shown."""
+        return tuple(map(self.shown, self.values))
+
+    def of(self, setting: Setting) -> float | None:
+        """What a setting has of it, as shown; None if it has no such number."""
+        try:
+            return self.shown(value_of(self.name, setting.robot, setting.gait, setting.environment))
+        except (ValueError, AttributeError, TypeError):  # no fin, for instance, whose length it would be
+            return None
+
+    def nearest(self, setting: Setting) -> float:
+        """The value that is nearest to a setting's, as shown; the first if that has none."""
+        own = self.of(setting)
+        return self.ticks[0] if own is None else min(self.ticks, key=lambda value: abs(value - own))
+
     def shown(self, value: float) -> float:
         """A value in the unit that is shown, without the last digits that degrees lose."""
         return round(math.degrees(value), 9) if self.unit in SHOWN else value
@@ -55,10 +72,6 @@ class Chart:
     others: Mapping[str, Sequence[float]] = field(default_factory=dict[str, Sequence[float]])
     """What else the points differ in, by name: one value for a grid, else one per point (SI, radians)."""
 
-    def ends(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The values of both axes as shown."""
-        return tuple(map(self.x.shown, self.x.values)), tuple(map(self.y.shown, self.y.values))
-
     def nearest(self, x: float, y: float) -> dict[str, float]:
         """The numbers of the trial that is nearest, by name (SI, radians).
 
@@ -66,7 +79,7 @@ class Chart:
             x: As shown.
             y: As shown.
         """
-        across, up = (np.asarray(values) for values in self.ends())
+        across, up = (np.asarray(axis.ticks) for axis in (self.x, self.y))
         if self.values.ndim == 2:
             i, j, k = int(np.argmin(np.abs(across - x))), int(np.argmin(np.abs(up - y))), 0
         else:
@@ -77,12 +90,8 @@ class Chart:
 
     def place_of(self, setting: Setting) -> tuple[float, float] | None:
         """Where a setting is on it, as shown; None if it has no such number."""
-        where = setting.robot, setting.gait, setting.environment
-        try:
-            x, y = (value_of(axis.name, *where) for axis in (self.x, self.y))
-        except (ValueError, AttributeError, TypeError):  # no fin, for instance, whose length it would be
-            return None
-        return self.x.shown(x), self.y.shown(y)
+        x, y = self.x.of(setting), self.y.of(setting)
+        return None if x is None or y is None else (x, y)
 
 
 def with_values(setting: Setting, values: Mapping[str, float]) -> Setting:

@@ -63,7 +63,10 @@ class SweepControls:
         with self._folder:
             others = {
                 axis.name: self._gui.add_dropdown(
-                    axis.label, _choices(sweep, axis.name), visible=axis.name not in (across, up)
+                    axis.label,
+                    tuple(map(_word, axis.ticks)),
+                    initial_value=_word(axis.nearest(self._live.setting)),
+                    visible=axis.name not in (across, up),
                 )
                 for axis in (sweep.axes if sweep.is_grid else ())
             }
@@ -132,6 +135,5 @@ class SweepControls:
             handle.remove()
 
 
-def _choices(sweep: StoredSweep, name: str) -> tuple[str, ...]:
-    (axis,) = (axis for axis in sweep.axes if axis.name == name)
-    return tuple(f"{axis.shown(value):.6g}" for value in axis.values)
+def _word(value: float) -> str:
+    return f"{value:.6g}"
