@@ -57,8 +57,13 @@ def open_page(found, address, size=SIZE):
     # The page warns that no graphics card draws it.
     with contextlib.suppress(TooLate):
         page.wait_for_selector("text=Software WebGL", timeout=5_000)
-        page.evaluate("document.querySelectorAll('.mantine-Notification-root button').forEach(it => it.click())")
+        close_notes(page)
     return page
+
+
+def close_notes(page):
+    """Away with the notes in the corner."""
+    page.evaluate("document.querySelectorAll('.mantine-Notification-root button').forEach(it => it.click())")
 
 
 def until(condition, patience=40.0):

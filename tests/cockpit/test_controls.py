@@ -79,9 +79,38 @@ def test_a_bad_value_is_refused_in_the_words_of_the_api_and_the_field_goes_back(
     assert told == "`flexural_rigidity` must be > 0 N m^2, got -1.0."
     assert live.setting == before
     assert controls._rigidity.value == before.robot.caudal_fin.flexural_rigidity
-    (told,) = use(cockpit, controls._current[1], math.nan)
-    assert told.startswith("`current")
-    assert controls._current[1].value == 0.0
+    for value, message in (
+        (math.nan, "`current` must be a finite number"),
+        (3.0, "`current` must be between -2 and 2 m/s"),
+    ):
+        (told,) = use(cockpit, controls._current[1], value)
+        assert told.startswith(message)
+        assert controls._current[1].value == 0.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("amplitude", 99.0, "`amplitude_deg` must be between 0 and 60, got 99.0."),
+        ("frequency", 221.0, "`frequency_deg_s` must be between 0 and 220, got 221.0."),
+        ("frequency", -5.0, "`frequency` must be >= 0 rad/s, got "),
+    ],
+)
+def test_what_is_typed_beyond_the_ends_of_a_slider_is_refused(cockpit, field, value, message):
+    handle, before = cockpit._controls._angles[field], cockpit.live.setting
+    shown = handle.value
+    (told,) = use(cockpit, handle, value)
+    assert told.startswith(message)
+    assert cockpit.live.setting == before
+    assert handle.value == shown
+
+
+def test_a_speed_of_time_beyond_its_limits_is_refused(cockpit):
+    page, handle = Page(), cockpit._controls._speed
+    handle.value = 99.0
+    cockpit._controls._set_speed(SimpleNamespace(client=page, target=handle))
+    assert page.told == ["`speed` must be between 0.1 and 8, got 99.0."]
+    assert handle.value == cockpit.live.speed == 1.0
 
 
 def test_the_path_goes_where_it_is_dragged(cockpit):

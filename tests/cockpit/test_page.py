@@ -15,6 +15,7 @@ from cockpit_browser import (
     browser,
     changed,
     choose,
+    close_notes,
     field,
     need_chromium,
     number,
@@ -110,6 +111,10 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     page.get_by_text("`flexural_rigidity` must be > 0 N m^2, got -1").wait_for()
     assert until(lambda: rigidity.input_value() == "0.2")
     page.screenshot(path=folder / "3-refused.png")
+    field(page, "amplitude [°]").fill("99")
+    page.get_by_text("`amplitude_deg` must be between 0 and 60, got 99").wait_for()
+    assert until(lambda: field(page, "amplitude [°]").input_value() == "30")
+    close_notes(page)
     choose(page, "fin", "none")
 
     # A click on the map sets the gait.
@@ -129,9 +134,11 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     pause.click()
     assert until(lambda: abs(number(page, ERROR)) < 0.1)
     page.screenshot(path=folder / "5-path.png")
-    for tab in ("Plots", "Run"):
-        page.get_by_role("tab", name=tab).click()
-        page.screenshot(path=folder / f"6-{tab.lower()}.png")
+    page.get_by_role("tab", name="Plots").click()
+    assert until(lambda: page.get_by_text("Speed [m/s]").bounding_box()["height"] < 30.0)  # has found its width
+    page.screenshot(path=folder / "6-plots.png")
+    page.get_by_role("tab", name="Run").click()
+    page.screenshot(path=folder / "7-run.png")
     page.context.close()
 
 
@@ -148,9 +155,10 @@ def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chrom
 
     load("broken.nc")
     page.get_by_text("Cannot load broken.nc").wait_for()
+    close_notes(page)
     load("run.nc")
     page.get_by_text("remove the ghost").wait_for()
-    page.screenshot(path=shots(tmp_path) / "7-ghost.png")
+    page.screenshot(path=shots(tmp_path) / "8-ghost.png")
     with page.expect_download() as download:
         page.get_by_text("save the run").click()
     download.value.save_as(tmp_path / "saved.nc")

@@ -9,7 +9,7 @@ from typing import Any
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.settings import Setting, with_fin
 from laticauda.control import StraightLine
-from laticauda.errors import LaticaudaError
+from laticauda.errors import LaticaudaError, within
 from laticauda.fields import field_docs, split_unit
 from laticauda.gaits import GAIT_KINDS, Gait
 from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
@@ -21,6 +21,7 @@ ANGLES = (
     ("phase shift [°]", "phase_shift", -90.0, 90.0, 1.0),
     ("offset [°]", "offset", -20.0, 20.0, 0.5),
 )
+CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")
 KINDS = tuple(kind for kind in GAIT_KINDS if kind != "custom")
@@ -116,23 +117,28 @@ class Controls:
         if touched is self._kind:
             kind = self._kind.value
             gait = replace(gait, kind=kind, envelope=self._envelope if kind == "custom" else None)
-        for field, handle in self._angles.items():
-            if touched is handle:
-                gait = replace(gait, **{field: math.radians(handle.value)})
+        for _, field, low, high, _ in ANGLES:
+            if touched is self._angles[field]:  # what is typed beside a slider may lie beyond its ends
+                value = math.radians(touched.value)
+                gait = replace(gait, **{field: value})  # what no gait can have, it refuses itself
+                within(_flag(field), touched.value, low, high)
         robot = setting.robot
         if touched in (self._robot, self._fin, self._rigidity):
             robot = self._robot_asked_for(touched)
         path = setting.path
         if touched is self._follow:
             path = self._new_path() if self._follow.value else None
-        x, y = (handle.value for handle in self._current)
+        current = setting.current
+        if touched in self._current:
+            x, y = (within("current", handle.value, -CURRENT, CURRENT, "m/s") for handle in self._current)
+            current = (x, y)
         return replace(
             setting,
             gait=gait,
             robot=robot,
             model=self._model.value if touched is self._model else setting.model,
             joints=self._joints.value if touched is self._joints else setting.joints,
-            current=(x, y) if touched in self._current else setting.current,
+            current=current,
             path=path,
         )
 
@@ -162,7 +168,13 @@ class Controls:
         self._changed()
 
     def _set_speed(self, event: Any) -> None:
-        self._live.speed = event.target.value
+        if event.client is None:
+            return
+        try:
+            self._live.speed = event.target.value
+        except ValueError as error:
+            refuse(event.client, error)
+            self._speed.value = self._live.speed
 
     def _set_pause(self, event: Any) -> None:
         self._live.paused = event.target.value
@@ -186,6 +198,11 @@ def _hint(kind: type, field: str, unit: str = "") -> str:
     """What the field's docstring says, in the unit of the page."""
     title, _ = split_unit(field_docs(kind)[field])
     return f"{title} [{unit}]" if unit else title
+
+
+def _flag(field: str) -> str:
+    """What a field of `Gait` is called in the unit of the page, as on the command line."""
+    return "frequency_deg_s" if field == "frequency" else f"{field}_deg"
 
 
 def _shown(gait: Gait, field: str, low: float, high: float) -> float:

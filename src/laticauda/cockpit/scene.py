@@ -98,6 +98,7 @@ class Scene:
         self._end: np.ndarray | None = None
         self._trail: Any = None
         self._forces: Any = None
+        self._forces_at: Any = None
         self._path: Any = None
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
@@ -128,21 +129,27 @@ class Scene:
         place = _in_space(sample["center_of_mass"])
         if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
             self._points.append(place)
-        arrows = _arrows(now, sample) if forces else None
-        if arrows is not None and self._forces is None:
-            self._forces = self._scene.add_arrows(
-                "/forces", arrows, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
-            )
-        elif arrows is not None:
-            self._forces.points = arrows
-        if arrows is None and self._forces is not None:
-            self._forces.remove()
-            self._forces = None
+        self._show_forces(_arrows(now, sample, place) if forces else None, place)
         # Floor and surface have no end: they go along in steps of a section of the grid.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample["center_of_mass"][:2])
         if (x, y) != tuple(self._grid.position[:2]):
             for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
                 handle.position = (x, y, z)
+
+    def _show_forces(self, arrows: np.ndarray | None, place: np.ndarray) -> None:
+        """In a frame of their own at the center of mass: a slow page takes up places sooner than shapes."""
+        if arrows is None:
+            if self._forces is not None:
+                self._forces_at.remove()
+                self._forces = self._forces_at = None
+            return
+        if self._forces is None:
+            self._forces_at = self._scene.add_frame("/forces", show_axes=False)
+            self._forces = self._scene.add_arrows(
+                "/forces/arrows", arrows, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
+            )
+        self._forces.points = arrows
+        self._forces_at.position = place
 
     def trail(self) -> None:
         """Draw the trail of the center of mass as far as it was shown."""
@@ -219,8 +226,8 @@ def _in_space(place: np.ndarray) -> np.ndarray:
     return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 
-def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
-    """From every link's middle, as long as its force is large; None if the sample has no forces."""
+def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:
+    """From every link's middle, seen from `place`, as long as its force is large; None if there are no forces."""
     parts = [values for name, values in sample.items() if name.startswith("force_")]
     if not parts:
         return None
@@ -229,7 +236,8 @@ def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
         force = np.column_stack((force, np.zeros(len(force))))
     size = np.linalg.norm(force, axis=1, keepdims=True)
     longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # of a meter
-    return np.stack((now.middle, now.middle + PER_NEWTON * longest * force), axis=1).astype(np.float32)
+    begin = now.middle - place
+    return np.stack((begin, begin + PER_NEWTON * longest * force), axis=1).astype(np.float32)
 
 
 def look_down(angle_deg: float = 34.0, distance: float = 3.2) -> tuple[tuple[float, ...], tuple[float, ...]]:
