@@ -132,8 +132,8 @@ class Watched:
         then, there = self._places[0]
         speed = float(np.linalg.norm(place - there)) / (now - then) if now - then > 0.5 * SPAN else math.nan
         rows = [
-            ("place", f"{place[0]:.2f}, {place[1]:.2f} m"),
-            ("heading", f"{math.degrees(estimate.heading):.1f} deg"),
+            ("place", f"{place[0]:z.2f}, {place[1]:z.2f} m"),
+            ("heading", f"{math.degrees(estimate.heading):z.1f} deg"),
             (f"speed over {SPAN:g} s", f"{speed:.3f} m/s" if math.isfinite(speed) else "..."),
             ("joints", f"up to {math.degrees(float(np.max(np.abs(estimate.joint_angle), initial=0.0))):.0f} deg"),
         ]
