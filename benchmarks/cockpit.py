@@ -1,23 +1,30 @@
-"""What the cockpit costs: real-time factor, share of a core and memory, with three pages that read everything.
+"""What the cockpit costs: simulated time per real time and share of a core, with three pages open.
 
-    python benchmarks/cockpit.py [seconds]
+    python benchmarks/cockpit.py                 # 20 s each; pages that take everything and draw nothing
+    python benchmarks/cockpit.py 20 --browser    # three pages in Chromium, which draws without a graphics card here
 
-The pages are websocket clients that take all messages as a browser does. They draw nothing and report no camera, so
-what it costs to let cameras follow is not in the figures.
+The pages run in processes of their own: the share is that of the server alone, which holds the world too. They report
+their cameras, and the cameras follow.
 """
 
-import asyncio
+import argparse
+import contextlib
 import math
+import os
+import shutil
+import subprocess
 import sys
 import threading
 import time
-
-import websockets
+from collections.abc import Iterator
+from pathlib import Path
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live, Setting
 
 PAGES = 3
+PAGE = Path(__file__).with_name("_page.py")
+FLAGS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)
 )
@@ -29,48 +36,72 @@ def resident() -> float:
         return int(file.read().split()[1]) * 4096 / 1e6
 
 
-async def read(address: str, stop: threading.Event, count: list[int]) -> None:
-    import viser
+@contextlib.contextmanager
+def readers(address: str) -> Iterator[list[int]]:
+    """Pages without a picture; the bytes that they get, second by second."""
+    found = [
+        subprocess.Popen([sys.executable, str(PAGE), address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        for _ in range(PAGES)
+    ]
+    got: list[int] = []
+    for page in found:
+        threading.Thread(target=lambda page=page: got.extend(map(int, page.stdout)), daemon=True).start()
+    try:
+        yield got
+    finally:
+        for page in found:
+            page.kill()
+            page.wait()
 
-    url = address.replace("http", "ws")
-    protocol = f"viser-v{viser.__version__}"
-    async with websockets.connect(url, max_size=None, subprotocols=[protocol]) as page:
-        while not stop.is_set():
-            try:
-                count.append(len(await asyncio.wait_for(page.recv(), 0.5)))
-            except TimeoutError:
-                continue
-            except websockets.ConnectionClosed:
-                return
+
+@contextlib.contextmanager
+def browsers(address: str) -> Iterator[list[int]]:
+    """Pages in Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))
+        for _ in range(PAGES):
+            found.new_page(viewport={"width": 800, "height": 500}).goto(address)
+        try:
+            yield []
+        finally:
+            found.close()
 
 
-def measure(model: str, duration: float, speed: float = 1.0) -> None:
+def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = False) -> None:
     live = Live(Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT, model=model))
     live.speed = speed
     cockpit = Cockpit(live, port=0)
-    stop, sizes = threading.Event(), [[] for _ in range(PAGES)]
-    readers = [
-        threading.Thread(target=asyncio.run, args=(read(cockpit.address, stop, size),), daemon=True) for size in sizes
-    ]
     cockpit.open()
-    for reader in readers:
-        reader.start()
-    time.sleep(3.0)
-    begun, cpu, world, memory = time.perf_counter(), time.process_time(), live.world.time, resident()
-    time.sleep(duration)
-    wall = time.perf_counter() - begun
-    print(
-        f"{model:8s} {PAGES} pages, time x {speed:g}: real-time factor {(live.world.time - world) / wall / speed:.3f}, "
-        f"{100.0 * (time.process_time() - cpu) / wall:.0f} % of a core (pages' reading included), "
-        f"{sum(map(sum, sizes)) / 1e6 / (wall + 3.0) / PAGES:.2f} MB/s per page, "
-        f"memory {memory:.0f} -> {resident():.0f} MB, lag {live.lag:.2f} s"
-    )
-    stop.set()
+    with (browsers if browser else readers)(cockpit.address) as got:
+        while cockpit.pages < PAGES:
+            time.sleep(0.1)
+        time.sleep(5.0)
+        got.clear()
+        begun, cpu, world, lag = time.perf_counter(), time.process_time(), live.world.time, live.lag
+        time.sleep(duration)
+        wall = time.perf_counter() - begun
+        cpu, world, lag = time.process_time() - cpu, live.world.time - world, live.lag - lag
+        size = f"{sum(got) / 1e6 / wall / PAGES:.2f} MB/s per page" if got else "Chromium"
+        print(
+            f"{model:8s} {PAGES} pages, {size}, time x {speed:g}: simulated/real {world / wall:.3f}, "
+            f"given up {lag:.2f} s, server {100.0 * cpu / wall:.0f} % of a core, {resident():.0f} MB, "
+            f"load {os.getloadavg()[0]:.1f}",
+            flush=True,
+        )
     cockpit.close()
 
 
-if __name__ == "__main__":
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("seconds", nargs="?", type=float, default=20.0)
+    parser.add_argument("--browser", action="store_true")
+    options = parser.parse_args()
     for model in ("planar", "spatial"):
-        measure(model, seconds)
-    measure("planar", seconds, speed=8.0)
+        measure(model, options.seconds, browser=options.browser)
+    measure("planar", options.seconds, speed=8.0, browser=options.browser)
+
+
+if __name__ == "__main__":
+    main()

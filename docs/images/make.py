@@ -1,5 +1,12 @@
-"""Draw the pictures of the docs: `python docs/images/make.py`. The same code always gives the same files."""
+"""Draw the pictures of the docs: `python docs/images/make.py`, or some of them, by name: `... make.py cockpit film`.
 
+The same code always gives the same files, apart from the live page's: what a browser draws differs by some pixels.
+"""
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import radians
@@ -13,10 +20,11 @@ from matplotlib.patches import FancyBboxPatch
 from PIL import Image
 
 import laticauda as lc
+from laticauda.cli import main as command
 from laticauda.figures import save_figure, style, swim_sheet
 from laticauda.reports.front import front_figure
 from laticauda.spatial.render import still
-from laticauda.studies import Problem, optimize
+from laticauda.studies import Grid, Problem, Sweep, optimize, run_sweep
 from laticauda.studies.following_settings import path_following_settings
 from laticauda.trial.measured import (
     MeasuredPathFollowing,
@@ -39,6 +47,11 @@ BLOCKS = {
 }
 HALF_WIDTH = {"generator": 0.62, "robot": 0.6, "estimate": 0.68}
 STILL_TIME = 15.4  # [s]
+# Also in docs/how-to/spatial.md.
+FILM = (
+    "follow --robot mamba-modules-fin --gait eel-like --amplitude-deg 40 --frequency-deg-s 110 --phase-shift-deg 40 "
+    "--position 0 0.6 --duration 9"
+)
 HALF_HEIGHT, LEAST_HALF_WIDTH = 0.26, 0.45
 # Measured against predicted speeds: gait and fin by color and shape.
 GROUPS = {
@@ -195,11 +208,68 @@ def three_dimensions(folder: Path) -> None:
     smaller_still(lc.run(plant, lc.OpenLoop(command=lc.Command(gait=yaw)), 9.0, start=start), folder / "shore.png", 7.0)
 
 
-if __name__ == "__main__":
+def cockpit(folder: Path) -> None:
+    """The live page: following a path with its plots, the controls, and a sweep as the map."""
+    from page import camera  # here alone: it needs a browser
+
+    from laticauda.cockpit import Setting
+
+    robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
-    save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), FOLDER / "swim.png")
-    save_figure(control_structure(), FOLDER / "path-following.png")
-    swim_3d(FOLDER / "swim-3d.png")
-    save_figure(fronts(), FOLDER / "front.png")
-    three_dimensions(FOLDER)
-    save_figure(identified(), FOLDER / "identified.png")
+    plain = Setting(robot=robot, gait=gait)
+    with camera(plain) as seen, tempfile.TemporaryDirectory() as scratch:
+        seen.swim(replace(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
+        seen.open("Plots")
+        seen.look((-0.45, -2.1, 1.2), 0.3)
+        seen.shoot(folder / "cockpit-path.png")
+        seen.cockpit.live.link_forces = True
+        seen.swim(plain, 30.0)
+        seen.open("Swim")
+        seen.look((-0.45, -1.9, 1.1), 0.5)
+        seen.shoot(folder / "cockpit.png")
+        seen.cockpit.live.link_forces = False
+        grid = Path(scratch) / "grid"
+        values = {
+            "gait.amplitude": np.radians(np.linspace(10, 50, 9)),
+            "gait.frequency": np.radians(np.linspace(40, 180, 8)),
+            "gait.phase_shift": np.radians([30, 40, 60]),
+        }
+        run_sweep(Sweep(robot=robot, gait=gait, duration=20.0, points=Grid(values=values)), grid)
+        seen.cockpit.load(grid)
+        seen.open("Map")
+        seen.look((0.1, -2.6, 0.8), 0.45)
+        seen.shoot(folder / "cockpit-map.png")
+
+
+def film(folder: Path) -> None:
+    """The film of FILM, as a picture that moves."""
+    with tempfile.TemporaryDirectory() as scratch:
+        whole = Path(scratch) / "follow.mp4"
+        if command([*FILM.split(), "--video", str(whole)]) != 0:
+            raise SystemExit("the run of the film failed")
+        words = ["ffmpeg", "-y", "-loglevel", "error", "-i", str(whole), "-vf", "fps=12,scale=640:-2:flags=lanczos"]
+        words += ["-c:v", "libwebp_anim", "-quality", "65", "-compression_level", "4", "-loop", "0"]
+        subprocess.run([*words, str(folder / "follow.webp")], check=True)
+
+
+def swim(folder: Path) -> None:
+    """A swim on one sheet."""
+    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+    save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), folder / "swim.png")
+
+
+PICTURES: dict[str, Callable[[Path], object]] = {
+    "swim": swim,
+    "path-following": lambda folder: save_figure(control_structure(), folder / "path-following.png"),
+    "swim-3d": lambda folder: swim_3d(folder / "swim-3d.png"),
+    "front": lambda folder: save_figure(fronts(), folder / "front.png"),
+    "three-dimensions": three_dimensions,
+    "identified": lambda folder: save_figure(identified(), folder / "identified.png"),
+    "cockpit": cockpit,
+    "film": film,
+}
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or PICTURES:
+        PICTURES[name](FOLDER)

@@ -56,3 +56,28 @@ def test_a_port_that_is_taken_is_said(capsys):
 def test_a_port_that_cannot_be_is_refused(capsys):
     assert main(["cockpit", "--port", "70000"]) == 2
     assert "must be between 0 and 65535, got 70000" in capsys.readouterr().err
+
+
+def test_a_lab_that_is_not_there_is_waited_for_and_the_page_is_served():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        nobody = taken.getsockname()[1]
+    words = ("--lab", "--can", "virtual:nobody", "--mocap", f"127.0.0.1:{nobody}")
+    process = started("--port", "0", *words)
+    assert process.stdout.readline().startswith("http://127.0.0.1:")
+    ended(process)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--load", "nothing.nc"), "Cannot load nothing.nc: there is no such file."),
+        (("--lab", "--mocap", "here"), "--mocap must be HOST:PORT, got 'here'."),
+        (("--trial", "nothing.toml"), "nothing.toml"),
+    ],
+)
+def test_what_cannot_be_loaded_or_reached_is_said_before_a_page_is_served(capsys, words, message):
+    assert main(["cockpit", "--port", "0", *words]) == 2
+    said = capsys.readouterr()
+    assert message in said.err
+    assert "http" not in said.out

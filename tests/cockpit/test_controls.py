@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, Setting
 from laticauda.cockpit.gait_map import at
 from laticauda.control import StraightLine
+from laticauda.errors import TrialFileError
 
 pytest.importorskip("viser")
 GAIT = lc.lateral_undulation(
@@ -77,9 +79,38 @@ def test_a_bad_value_is_refused_in_the_words_of_the_api_and_the_field_goes_back(
     assert told == "`flexural_rigidity` must be > 0 N m^2, got -1.0."
     assert live.setting == before
     assert controls._rigidity.value == before.robot.caudal_fin.flexural_rigidity
-    (told,) = use(cockpit, controls._current[1], math.nan)
-    assert told.startswith("`current")
-    assert controls._current[1].value == 0.0
+    for value, message in (
+        (math.nan, "`current` must be a finite number"),
+        (3.0, "`current` must be between -2 and 2 m/s"),
+    ):
+        (told,) = use(cockpit, controls._current[1], value)
+        assert told.startswith(message)
+        assert controls._current[1].value == 0.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("amplitude", 99.0, "`amplitude_deg` must be between 0 and 60, got 99.0."),
+        ("frequency", 221.0, "`frequency_deg_s` must be between 0 and 220, got 221.0."),
+        ("frequency", -5.0, "`frequency` must be >= 0 rad/s, got "),
+    ],
+)
+def test_what_is_typed_beyond_the_ends_of_a_slider_is_refused(cockpit, field, value, message):
+    handle, before = cockpit._controls._angles[field], cockpit.live.setting
+    shown = handle.value
+    (told,) = use(cockpit, handle, value)
+    assert told.startswith(message)
+    assert cockpit.live.setting == before
+    assert handle.value == shown
+
+
+def test_a_speed_of_time_beyond_its_limits_is_refused(cockpit):
+    page, handle = Page(), cockpit._controls._speed
+    handle.value = 99.0
+    cockpit._controls._set_speed(SimpleNamespace(client=page, target=handle))
+    assert page.told == ["`speed` must be between 0.1 and 8, got 99.0."]
+    assert handle.value == cockpit.live.speed == 1.0
 
 
 def test_the_path_goes_where_it_is_dragged(cockpit):
@@ -123,6 +154,66 @@ def test_a_run_is_saved_and_comes_back_as_a_ghost(cockpit, tmp_path):
     assert runs._ghost.robot == cockpit.live.setting.robot
     runs._remove(None)
     assert runs._ghost is None
+
+
+def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world(cockpit):
+    runs, live = cockpit._runs, cockpit.live
+    trial = lc.swim(live.setting.robot, GAIT, 3.0, start=lc.Start(center_of_mass=(5.0, 2.0)))
+    live.advance(1.0)
+    runs.play(trial)
+    cockpit.frame()
+
+    def gone():
+        return np.asarray(runs._ghost.sample(0.0)["center_of_mass"]) - live.latest()["center_of_mass"]
+
+    assert np.linalg.norm(gone()) == pytest.approx(0.5)
+    runs._beside.value = False
+    runs._place()
+    np.testing.assert_allclose(runs._ghost.sample(0.0)["center_of_mass"], (5.0, 2.0))
+    live.advance(1.0)
+    cockpit._reset(None)
+    assert runs._since == live.world.time == 0.0
+
+
+def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cockpit, tmp_path):
+    from operate.tank import record
+
+    from laticauda.studies import Grid, Sweep, open_sweep, run_sweep
+
+    record(tmp_path / "run.mcap")
+    cockpit.load(tmp_path / "run.mcap")
+    cockpit.frame()
+    assert cockpit._runs._ghost.robot == lc.load_trial(_replayed(tmp_path / "run.mcap")).robot.planar()
+    values = {"gait.amplitude": (0.3, 0.5), "gait.frequency": (1.0, 2.0)}
+    run_sweep(Sweep(robot=lc.load_robot("mamba"), gait=GAIT, duration=2.0, points=Grid(values=values)), tmp_path / "s")
+    open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
+    page = Page()
+    file = SimpleNamespace(name="s.nc", content=(tmp_path / "s.nc").read_bytes())
+    cockpit._runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
+    assert page.told == ["Cannot play back s.nc: it is no trial; the tab Map loads sweeps."]
+    cockpit.load(tmp_path / "s")
+    cockpit.frame()
+    assert cockpit._board._frame is not None
+    with pytest.raises(TrialFileError, match=r"Cannot load .*nothing\.nc: there is no such file"):
+        cockpit.load(tmp_path / "nothing.nc")
+
+
+def _replayed(path):
+    """The trial that `laticauda replay` makes of a recording."""
+    assert main(["replay", str(path), "--save", str(path.with_suffix(".nc")), "--json"]) == 0
+    return path.with_suffix(".nc")
+
+
+def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
+    gait = replace(GAIT, kind="custom", envelope=(1.0,) * 8)
+    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=gait)), port=0)
+    try:
+        assert use(served, served._controls._kind, "eel_like") == []
+        assert served.live.setting.gait.envelope is None
+        assert use(served, served._controls._kind, "custom") == []
+        assert served.live.setting.gait == gait
+    finally:
+        served.close()
 
 
 @pytest.mark.parametrize(

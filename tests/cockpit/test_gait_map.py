@@ -6,7 +6,19 @@ import pytest
 
 import laticauda as lc
 from laticauda.cockpit import Setting
-from laticauda.cockpit.gait_map import AMPLITUDES, DURATION, FREQUENCIES, at, base, gait_map, nearest, title
+from laticauda.cockpit.chart import with_values
+from laticauda.cockpit.gait_map import (
+    AMPLITUDES,
+    DURATION,
+    FREQUENCIES,
+    QUANTITIES,
+    GaitMap,
+    at,
+    base,
+    chart,
+    gait_map,
+    title,
+)
 from laticauda.control import StraightLine
 from laticauda.figures.gait_map import gait_map_picture
 
@@ -31,8 +43,15 @@ def test_settings_that_differ_in_what_the_map_spans_share_it():
 
 
 def test_the_nearest_trial_is_found():
-    assert nearest(42.4, 151.0) == (40.0, 160.0)
-    assert nearest(-5.0, 999.0) == (AMPLITUDES[0], FREQUENCIES[-1])
+    nothing = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
+    drawn = chart(GaitMap(setting=base(SETTING), values=dict.fromkeys(QUANTITIES, nothing)), "mean_power")
+
+    def found(amplitude, frequency):
+        return with_values(SETTING, drawn.nearest(amplitude, frequency)).gait
+
+    assert found(42.4, 151.0) == at(GAIT, 40.0, 160.0)
+    assert found(-5.0, 999.0) == at(GAIT, AMPLITUDES[0], FREQUENCIES[-1])
+    assert drawn.place_of(replace(SETTING, gait=at(GAIT, 42.4, 151.0))) == (42.4, 151.0)
 
 
 def test_a_quantity_that_there_is_not_is_refused():

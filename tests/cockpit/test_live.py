@@ -11,6 +11,7 @@ from laticauda.cockpit.settings import with_fin
 from laticauda.cockpit.world import TICK
 from laticauda.control import StraightLine
 from laticauda.trial import load_trial
+from laticauda.trial.measured import efficiency_trials
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)
@@ -196,3 +197,15 @@ def test_the_paper_stands_beside_its_own_settings_only(live):
         {"robot": lc.load_robot("mamba-thruster")},
     ):
         assert replace(live.setting, **change).measured() is None
+
+
+@pytest.mark.parametrize("case", efficiency_trials())
+def test_every_trial_of_the_paper_is_known_when_its_sliders_are_set(case):
+    robot = lc.load_robot("mamba-fin" if case.has_fin else "mamba")
+    shown = {
+        name: round(math.degrees(getattr(case.gait, name)), 9) for name in ("amplitude", "frequency", "phase_shift")
+    }
+    gait = replace(case.gait, **{name: math.radians(value) for name, value in shown.items()})
+    assert Setting(robot=robot, gait=gait).measured() == case
+    assert Setting(robot=robot, gait=replace(gait, offset=0.1)).measured() is None
+    assert Setting(robot=robot, gait=gait, current=(0.1, 0.0)).measured() is None

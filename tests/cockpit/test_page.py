@@ -1,10 +1,31 @@
 """The page in a browser: what somebody does on it, and what comes of it."""
 
+import json
 import math
-import time
+import os
+import signal
+import subprocess
+import sys
 
+import numpy as np
 import pytest
-from cockpit_browser import browser, open_page, shots
+from cockpit_browser import (
+    FLAGS,
+    SMALL,
+    browser,
+    changed,
+    choose,
+    close_notes,
+    field,
+    need_chromium,
+    number,
+    on_screen,
+    open_page,
+    picture,
+    shots,
+    still_picture,
+    until,
+)
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live, Setting
@@ -13,6 +34,27 @@ pytestmark = pytest.mark.slow
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)
 )
+SPEED_OF_TIME = 4  # the how many-th slider
+SPEED, ERROR = "over the last gait cycle", "cross-track error"
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    pytest.importorskip("viser")
+    with browser() as found:
+        yield found
+
+
+@pytest.fixture
+def address():
+    """Of `laticauda cockpit`, in a process of its own."""
+    words = ["-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit", "--port", "0", "--json"]
+    process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
+    yield json.loads(process.stdout.readline())["address"]
+    assert process.poll() is None  # nothing has brought it down
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=30)
+    assert process.returncode == 0
 
 
 @pytest.fixture
@@ -24,24 +66,147 @@ def cockpit():
     served.close()
 
 
-def until(condition, patience=40.0):
-    """Wait until a condition holds; whether it did."""
-    end = time.monotonic() + patience
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.1)
-    return bool(condition())
+def gait_on_the_board(amplitude_deg, frequency_deg_s):
+    """Where a gait of the map is on a page that has just been opened [px]."""
+    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
+    from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES
+    from laticauda.cockpit.scene import FIELD_OF_VIEW, look_down
+    from laticauda.figures.gait_map import gait_map_picture
+
+    values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
+    (left, bottom, wide, high), limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "")[1:]
+    across, up = (
+        (value - low) / (top - low) for value, (low, top) in zip((amplitude_deg, frequency_deg_s), limits, strict=True)
+    )
+    place = (WIDTH * (left + wide * across - 0.5), BEHIND, ABOVE + HEIGHT * (bottom + high * up - 0.5))
+    return on_screen(*look_down(), FIELD_OF_VIEW, place)
 
 
-def test_the_page_shows_the_robot_and_its_numbers_in_a_browser(cockpit, tmp_path):
-    with browser() as found:
-        page = open_page(found, cockpit.address)
-        assert until(lambda: cockpit.pages == 1)
-        assert until(lambda: cockpit.live.numbers().cycle_velocity > 0.1)
-        assert until(lambda: page.get_by_text("forward velocity (5)").count() > 0)
-        page.screenshot(path=shots(tmp_path) / "cockpit.png", timeout=60_000)
+def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tmp_path):
+    page, folder = open_page(chromium, address), shots(tmp_path)
+    sliders = page.get_by_role("slider")
+    pause = page.get_by_text("pause", exact=True)
+    assert until(lambda: number(page, SPEED) > 0.1)
+    before, speed = picture(page, folder / "1-swims.png"), number(page, SPEED)
+
+    # A slider: the speed and the picture change. A paused world stands still in the picture.
+    for _ in range(10):
+        sliders.nth(1).press("ArrowLeft")
+    sliders.nth(SPEED_OF_TIME).press("End")
+    assert until(lambda: number(page, SPEED) < 0.8 * speed)
+    assert field(page, "frequency [°/s]").input_value() == "80"
+    assert changed(before, picture(page)) > 0.005
+    pause.click()
+    bare = still_picture(page)
+
+    # The fin.
+    choose(page, "fin", "rigid")
+    assert until(lambda: changed(bare, picture(page, folder / "2-fin.png")) > 0.001)
+
+    # What cannot be is refused in the words of the API, and the field goes back.
+    choose(page, "fin", "elastic")
+    rigidity = field(page, "rigidity [N m²]")
+    rigidity.fill("-1")
+    rigidity.press("Enter")
+    page.get_by_text("`flexural_rigidity` must be > 0 N m^2, got -1").wait_for()
+    assert until(lambda: rigidity.input_value() == "0.2")
+    page.screenshot(path=folder / "3-refused.png")
+    field(page, "amplitude [°]").fill("99")
+    page.get_by_text("`amplitude_deg` must be between 0 and 60, got 99").wait_for()
+    assert until(lambda: field(page, "amplitude [°]").input_value() == "30")
+    close_notes(page)
+    choose(page, "fin", "none")
+
+    # A click on the map sets the gait.
+    page.get_by_role("tab", name="Map").click()
+    page.get_by_text("show the map").click()
+    page.get_by_text("Click the map to swim so").wait_for(timeout=60_000)
+    page.screenshot(path=folder / "4-map.png")
+    page.mouse.click(*gait_on_the_board(40.0, 160.0))
+    page.get_by_role("tab", name="Swim").click()
+    assert until(lambda: field(page, "amplitude [°]").input_value() == "40")
+    assert field(page, "frequency [°/s]").input_value() == "160"
+
+    # A path: the error falls.
+    page.get_by_text("follow a path").click()
+    page.get_by_text("link forces").click()
+    assert until(lambda: abs(number(page, ERROR)) > 0.4)
+    pause.click()
+    assert until(lambda: abs(number(page, ERROR)) < 0.1)
+    page.screenshot(path=folder / "5-path.png")
+    page.get_by_role("tab", name="Plots").click()
+    assert until(lambda: page.get_by_text("Speed [m/s]").bounding_box()["height"] < 30.0)  # has found its width
+    page.screenshot(path=folder / "6-plots.png")
+    page.get_by_role("tab", name="Run").click()
+    page.screenshot(path=folder / "7-run.png")
+    page.context.close()
+
+
+def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chromium, cockpit, tmp_path):
+    (tmp_path / "broken.nc").write_bytes(b"no netCDF")
+    lc.swim(cockpit.live.setting.robot, GAIT, 5.0).save(tmp_path / "run.nc")
+    page = open_page(chromium, cockpit.address)
+    page.get_by_role("tab", name="Run").click()
+
+    def load(name):
+        with page.expect_file_chooser() as chooser:
+            page.get_by_text("play back a trial").click()
+        chooser.value.set_files(tmp_path / name)
+
+    load("broken.nc")
+    page.get_by_text("Cannot load broken.nc").wait_for()
+    close_notes(page)
+    load("run.nc")
+    page.get_by_text("remove the ghost").wait_for()
+    page.screenshot(path=shots(tmp_path) / "8-ghost.png")
+    with page.expect_download() as download:
+        page.get_by_text("save the run").click()
+    download.value.save_as(tmp_path / "saved.nc")
+    page.context.close()
+    assert lc.load_trial(tmp_path / "saved.nc").robot == cockpit.live.setting.robot
+
+
+def test_pages_keep_their_own_view(chromium, cockpit):
+    cockpit.live.paused = True
+    one, other = (open_page(chromium, cockpit.address, SMALL) for _ in range(2))
+    assert until(lambda: len(cockpit._follows) == 2 and not cockpit._until)
+    clients = cockpit._server.get_clients()
+    first, second = (clients[number].camera for number in sorted(clients))
+    home = np.array(first.position)
+    np.testing.assert_allclose(second.position, home, atol=1e-3)
+    other.mouse.move(100, 300)
+    other.mouse.down()
+    other.mouse.move(200, 250, steps=2)
+    other.mouse.up()
+    assert until(lambda: np.abs(second.position - home).max() > 0.3)
+    np.testing.assert_allclose(first.position, home, atol=1e-3)
+
+    # The page whose camera follows goes along, the other one stays.
+    other.get_by_text("camera follows").click()
+    assert until(lambda: [cockpit._follows[number].value for number in sorted(clients)] == [True, False])
+    left = np.array(second.position)
+    cockpit.live.speed, cockpit.live.paused = 8.0, False
+    assert until(lambda: cockpit.live.latest()["center_of_mass"][0] > 1.5)
+    assert until(lambda: first.position[0] > home[0] + 1.0)
+    np.testing.assert_allclose(second.position, left, atol=0.1)
+    for page in (one, other):
+        page.context.close()
     assert until(lambda: cockpit.pages == 0)
+    assert cockpit._follows == {}
+
+
+def test_a_browser_that_is_killed_harms_nothing(cockpit, tmp_path):
+    words = [need_chromium(), "--headless", *FLAGS, f"--user-data-dir={tmp_path}", "--no-first-run", cockpit.address]
+    killed = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    try:
+        assert until(lambda: cockpit.pages == 1)
+    finally:
+        os.killpg(killed.pid, signal.SIGKILL)
+        killed.wait()
+    ticks = cockpit.live.world.ticks
+    assert until(lambda: cockpit.pages == 0)
+    assert until(lambda: cockpit.live.world.ticks > ticks + 40)
+    assert cockpit._thread.is_alive()
 
 
 def test_pages_that_vanish_in_the_middle_harm_nothing(cockpit):
@@ -63,4 +228,4 @@ def test_pages_that_vanish_in_the_middle_harm_nothing(cockpit):
     assert until(lambda: cockpit.live.world.ticks > ticks + 40)
     assert pages[2].recv(timeout=10.0)
     assert cockpit._thread.is_alive()
-    pages[2].close()
+    pages[2].socket.close()

@@ -2,14 +2,20 @@
 
 import json
 import sys
-from dataclasses import dataclass, field
-from typing import Annotated
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from laticauda.cli.flags import Preset, Switch, Text, Whole, choice, default
+from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
 from laticauda.cli.groups import GaitFlags, RobotFlags
+from laticauda.cli.lab import ROBOT as LAB_ROBOT
 from laticauda.cli.messages import given
 from laticauda.cli.swim import COMPILING
-from laticauda.robot import Water, load_water
+from laticauda.robot import Robot, Water, load_robot, load_water
+
+if TYPE_CHECKING:
+    from laticauda.cockpit.watched import Watched
+    from laticauda.operate.settings import Operation
 
 HOST, PORT = "127.0.0.1", 8080
 
@@ -31,6 +37,65 @@ class BodyFlags:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LabFlags:
+    """A robot that somebody else operates, shown besides; nothing is sent to it."""
+
+    lab: Switch = False
+    """Show the robot of a running `laticauda lab`, or of a tank. `--robot` is then what is in it: mamba-modules if
+    it is left out, as in the lab."""
+    trial: File = None
+    """The same, with robot, connections and marker body as in this trial file of `laticauda operate` (.toml)."""
+    can: Annotated[Text, default("that of the trial file, or of the lab")] = None
+    """Its CAN bus: udp_multicast:GROUP:PORT or socketcan:can0."""
+    mocap: Annotated[Text, default("that of the trial file, or of the lab")] = None
+    """Its motion capture: HOST:PORT."""
+
+    @property
+    def is_asked_for(self) -> bool:
+        """Whether one is to be shown."""
+        return self.lab or self.trial is not None
+
+    def connect(self, watched: "Watched", robot: Robot) -> None:
+        """Look on.
+
+        Args:
+            watched: The page's.
+            robot: What is in the tank.
+        """
+        from laticauda.operate.addresses import addressed
+        from laticauda.operate.estimate import Mount
+        from laticauda.operate.settings import Connection
+
+        usual, mount = Connection(), Mount()
+        if (operation := self.operation()) is not None:
+            how, usual = operation.calibration, operation.connection
+            mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
+        watched.connect(addressed(usual, can=self.can, mocap=self.mocap), robot, mount=mount)
+
+    def operation(self) -> "Operation | None":
+        """The trial file's, or None without one."""
+        if self.trial is None:
+            return None
+        from laticauda.operate.files import SeriesFile, load_operation
+
+        found = load_operation(self.trial)
+        if isinstance(found, SeriesFile):
+            raise ValueError(f"`trial` must be a trial file, got the series file {self.trial}.")
+        return found
+
+    def robot(self, flags: RobotFlags) -> Robot:
+        """What is in the tank, and swims on the page.
+
+        Args:
+            flags: What is asked for.
+        """
+        operation = self.operation()
+        if operation is not None and flags.robot is None:
+            return load_robot(operation.robot)
+        return (replace(flags, robot=LAB_ROBOT) if self.lab and flags.robot is None else flags).chosen()
+
+
+@dataclass(frozen=True, kw_only=True)
 class CockpitCommand:
     """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
 
@@ -42,6 +107,9 @@ class CockpitCommand:
     robot: RobotFlags = field(default_factory=RobotFlags)
     gait: GaitFlags = field(default_factory=GaitFlags)
     body: BodyFlags = field(default_factory=BodyFlags)
+    lab: LabFlags = field(default_factory=LabFlags)
+    load: Annotated[Text, default("nothing")] = None
+    """Play back this trial or recording of an operation beside it, or show this sweep as the map."""
     host: Annotated[Text, default(f"{HOST}: this computer alone")] = None
     """Where the page is served."""
     port: Annotated[Whole, default(f"{PORT}")] = None
@@ -59,7 +127,7 @@ class CockpitCommand:
         from laticauda.simulate import needs_compiling
 
         library()
-        robot, water = self.robot.chosen(), self.body.chosen()
+        robot, water = self.lab.robot(self.robot), self.body.chosen()
         chosen = {name: value for name, value in given(self.body).items() if name in ("model", "joints")}
         setting = Setting(robot=robot, gait=self.gait.chosen(), water=water, **chosen)
         if needs_compiling(setting.environment, model=setting.model):
@@ -72,6 +140,10 @@ class CockpitCommand:
                 file=sys.stderr,
             )
         try:
+            if self.load is not None:
+                cockpit.load(Path(self.load))
+            if self.lab.is_asked_for:
+                self.lab.connect(cockpit.watched, robot)
             cockpit.open()
             print(json.dumps({"address": cockpit.address}) if self.json else cockpit.address, flush=True)
             cockpit.wait()

@@ -118,20 +118,10 @@ class Operate:
 
     def _connection(self, usual: "Connection") -> "Connection":
         """The file's connections, with what the options say otherwise."""
-        from laticauda.protocol import bus_address
+        from laticauda.operate.addresses import addressed
 
-        changes: dict[str, Any] = {}
-        if self.meter is not None:
-            changes["meter_port"] = self.meter
-        if self.can is not None:
-            address = bus_address(self.can)
-            changes |= {"can_interface": address.interface, "can_channel": address.channel, "can_port": address.port}
-        if self.mocap is not None:
-            host, _, port = self.mocap.rpartition(":")
-            if not host or not port.isdigit():
-                raise ValueError(f"`mocap` must be HOST:PORT, got {self.mocap!r}.")
-            changes |= {"mocap_host": host, "mocap_port": int(port)}
-        return replace(usual, **changes)
+        usual = usual if self.meter is None else replace(usual, meter_port=self.meter)
+        return addressed(usual, can=self.can, mocap=self.mocap)
 
     def _print(self, summary: dict[str, Any]) -> None:
         from laticauda.operate.session import table

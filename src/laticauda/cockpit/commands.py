@@ -1,13 +1,16 @@
 """The same run elsewhere: a command line and Python that repeat what swims here, from straight and at rest."""
 
 import math
+import re
+from dataclasses import MISSING, fields
 
 from laticauda.cockpit.settings import GAIN, LOOK_AHEAD, MAX_OFFSET, Setting
 from laticauda.control import StraightLine
-from laticauda.robot import Robot, load_robot, robot_names
+from laticauda.gaits import Gait
+from laticauda.robot import Robot, Water, load_robot, load_water, robot_names, water_names
 
 DURATION = 30.0  # [s]
-FILE = "robot.toml"  # of a robot that is no preset
+FILE, WATER_FILE = "robot.toml", "water.toml"  # of what is no preset
 
 
 def robot_source(robot: Robot) -> str:
@@ -17,6 +20,15 @@ def robot_source(robot: Robot) -> str:
         robot: What swims.
     """
     return next((name for name in robot_names() if load_robot(name) == robot), FILE)
+
+
+def water_source(water: Water) -> str:
+    """The preset that a water is, or the name of a file that it has to be saved to first.
+
+    Args:
+        water: Where it swims.
+    """
+    return next((name for name in water_names() if load_water(name) == water), WATER_FILE)
 
 
 def command_line(setting: Setting) -> str:
@@ -37,8 +49,9 @@ def command_line(setting: Setting) -> str:
         words.append(f"--{flag} {_degrees(value)}")
     if gait.envelope is not None:
         words.append("--envelope " + " ".join(f"{value:g}" for value in gait.envelope))
+    words += _waves(gait)
     if setting.water is not None:
-        words.append(f"--water {setting.water.name}")
+        words.append(f"--water {water_source(setting.water)}")
     if any(setting.current):
         words.append("--current {:g} {:g}".format(*setting.current))
     words.append(f"--model {setting.model} --joints {setting.joints}")
@@ -58,19 +71,17 @@ def python_code(setting: Setting) -> str:
         setting: What swims how.
     """
     gait = setting.gait
-    envelope = "" if gait.envelope is None else f", envelope={gait.envelope}"
-    water = repr(setting.water.name) if setting.water is not None else "default_water(gait)"
+    water = "default_water(gait)" if setting.water is None else repr(water_source(setting.water))
     lines = [
         "from dataclasses import replace",
         "import laticauda as lc",
-        "from laticauda.gaits import Gait",
+        f"from laticauda.gaits import Gait{', Wave' if gait.pitch or gait.fin else ''}",
         "from laticauda.interfaces import Command, OpenLoop",
         "from laticauda.robot import load_water",
         "from laticauda.simulate import default_water, plant, run",
         "",
         f'robot = lc.load_robot("{robot_source(setting.robot)}")',
-        f'gait = Gait(kind="{gait.kind}", amplitude={gait.amplitude!r}, frequency={gait.frequency!r},',
-        f"            phase_shift={gait.phase_shift!r}, offset={gait.offset!r}{envelope})",
+        *_gait_code(gait),
         f"water = replace(load_water({water}), current={setting.current!r})",
         f'body = plant(robot, water, model="{setting.model}", joints="{setting.joints}")',
     ]
@@ -98,8 +109,40 @@ def commands_text(setting: Setting) -> str:
     """
     is_file = robot_source(setting.robot) == FILE
     note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
-    note += "A water that is no preset must be given as its file.\n\n" if setting.water is not None else ""
-    return f"{note}```bash\n{command_line(setting)}\n```\n```python\n{python_code(setting)}\n```"
+    is_file = setting.water is not None and water_source(setting.water) == WATER_FILE
+    note += f"This water is no preset: download it as `{WATER_FILE}` first.\n\n" if is_file else ""
+    words = re.split(r" (?=--)", command_line(setting))
+    shown = " \\\n  ".join(words)  # a line per flag: the page's column is narrow
+    return f"{note}```bash\n{shown}\n```\n```python\n{python_code(setting)}\n```"
+
+
+def _waves(gait: Gait) -> list[str]:
+    """The flags of a second wave and of a driven fin."""
+    words: list[str] = []
+    for name, wave in (("pitch", gait.pitch), ("fin", gait.fin)):
+        if wave is not None:
+            words += [
+                f"--{name}-{flag} {_degrees(value)}"
+                for flag, value in (
+                    ("amplitude-deg", wave.amplitude),
+                    ("phase-deg", wave.phase),
+                    ("offset-deg", wave.offset),
+                )
+            ]
+    if gait.fin is not None:
+        words.append(f"--fin-frequency-deg-s {_degrees(gait.fin.frequency)}")
+    return words
+
+
+def _gait_code(gait: Gait) -> list[str]:
+    """The lines that make it: a line per field that is not as usual."""
+    usual = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0, kind="lateral_undulation")
+    lines = ["gait = Gait("]
+    for field in fields(gait):
+        value = getattr(gait, field.name)
+        if field.init and (value != getattr(usual, field.name) or field.default is MISSING):
+            lines.append(f"    {field.name}={value!r},")
+    return [*lines, ")"]
 
 
 def _degrees(angle: float) -> str:

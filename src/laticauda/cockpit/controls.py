@@ -9,18 +9,19 @@ from typing import Any
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.settings import Setting, with_fin
 from laticauda.control import StraightLine
-from laticauda.errors import LaticaudaError
+from laticauda.errors import LaticaudaError, within
 from laticauda.fields import field_docs, split_unit
 from laticauda.gaits import GAIT_KINDS, Gait
 from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
 
 # Label, field of `Gait`, limits and step, in degrees and degrees per second: the paper's sweeps and some more.
 ANGLES = (
-    ("amplitude_deg", "amplitude", 0.0, 60.0, 1.0),
-    ("frequency_deg_s", "frequency", 0.0, 220.0, 5.0),
-    ("phase_shift_deg", "phase_shift", -90.0, 90.0, 1.0),
-    ("offset_deg", "offset", -20.0, 20.0, 0.5),
+    ("amplitude [°]", "amplitude", 0.0, 60.0, 1.0),
+    ("frequency [°/s]", "frequency", 0.0, 220.0, 5.0),
+    ("phase shift [°]", "phase_shift", -90.0, 90.0, 1.0),
+    ("offset [°]", "offset", -20.0, 20.0, 0.5),
 )
+CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")
 KINDS = tuple(kind for kind in GAIT_KINDS if kind != "custom")
@@ -43,9 +44,10 @@ class Controls:
     def __init__(self, gui: Any, live: Live, changed: Callable[[], None]) -> None:
         self._live, self._changed = live, changed
         setting = live.setting
-        self._own = setting.robot
+        self._own, self._envelope = setting.robot, setting.gait.envelope
         with gui.add_folder("Gait"):
-            self._kind = gui.add_dropdown("gait", KINDS, initial_value=setting.gait.kind, hint=_hint(Gait, "kind"))
+            kinds = tuple(dict.fromkeys((*KINDS, setting.gait.kind)))
+            self._kind = gui.add_dropdown("gait", kinds, initial_value=setting.gait.kind, hint=_hint(Gait, "kind"))
             self._angles = {
                 field: gui.add_slider(label, low, high, step, _shown(setting.gait, field, low, high), hint=hint)
                 for label, field, low, high, step in ANGLES
@@ -113,24 +115,30 @@ class Controls:
         setting = self._live.setting
         gait = setting.gait
         if touched is self._kind:
-            gait = replace(gait, kind=self._kind.value)
-        for field, handle in self._angles.items():
-            if touched is handle:
-                gait = replace(gait, **{field: math.radians(handle.value)})
+            kind = self._kind.value
+            gait = replace(gait, kind=kind, envelope=self._envelope if kind == "custom" else None)
+        for _, field, low, high, _ in ANGLES:
+            if touched is self._angles[field]:  # what is typed beside a slider may lie beyond its ends
+                value = math.radians(touched.value)
+                gait = replace(gait, **{field: value})  # what no gait can have, it refuses itself
+                within(_flag(field), touched.value, low, high)
         robot = setting.robot
         if touched in (self._robot, self._fin, self._rigidity):
             robot = self._robot_asked_for(touched)
         path = setting.path
         if touched is self._follow:
             path = self._new_path() if self._follow.value else None
-        x, y = (handle.value for handle in self._current)
+        current = setting.current
+        if touched in self._current:
+            x, y = (within("current", handle.value, -CURRENT, CURRENT, "m/s") for handle in self._current)
+            current = (x, y)
         return replace(
             setting,
             gait=gait,
             robot=robot,
             model=self._model.value if touched is self._model else setting.model,
             joints=self._joints.value if touched is self._joints else setting.joints,
-            current=(x, y) if touched in self._current else setting.current,
+            current=current,
             path=path,
         )
 
@@ -160,7 +168,13 @@ class Controls:
         self._changed()
 
     def _set_speed(self, event: Any) -> None:
-        self._live.speed = event.target.value
+        if event.client is None:
+            return
+        try:
+            self._live.speed = event.target.value
+        except ValueError as error:
+            refuse(event.client, error)
+            self._speed.value = self._live.speed
 
     def _set_pause(self, event: Any) -> None:
         self._live.paused = event.target.value
@@ -184,6 +198,11 @@ def _hint(kind: type, field: str, unit: str = "") -> str:
     """What the field's docstring says, in the unit of the page."""
     title, _ = split_unit(field_docs(kind)[field])
     return f"{title} [{unit}]" if unit else title
+
+
+def _flag(field: str) -> str:
+    """What a field of `Gait` is called in the unit of the page, as on the command line."""
+    return "frequency_deg_s" if field == "frequency" else f"{field}_deg"
 
 
 def _shown(gait: Gait, field: str, low: float, high: float) -> float:

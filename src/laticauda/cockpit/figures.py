@@ -20,14 +20,14 @@ def figures_text(live: Live) -> str:
         ("cross-track error", _number(now.cross_track_error, "m", 3)),
         ("heading", _number(math.degrees(now.heading), "deg", 1)),
     ]
-    lines = [f"| {now.time:.1f} s since the last change | |", "|:--|--:|"]
+    lines = [f"| since the last change | {now.time:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows]
     if measured is not None:
         speed = "not available" if measured.forward_velocity is None else f"{measured.forward_velocity:.3f} m/s"
         power = "not available" if measured.mean_power is None else f"{measured.mean_power:.1f} W"
-        lines.append(f"| measured in the paper, 30 s from rest | {speed}, {power} electrical |")
+        lines += [f"| measured in the paper | {speed} |", f"| in 30 s from rest, electrical | {power} |"]
     return "\n".join(lines)
 
 
 def _number(value: float, unit: str, digits: int) -> str:
-    return "–" if not math.isfinite(value) else f"{value:.{digits}f} {unit}".strip()  # noqa: RUF001
+    return "–" if not math.isfinite(value) else f"{round(value, digits) + 0.0:.{digits}f} {unit}".strip()  # noqa: RUF001

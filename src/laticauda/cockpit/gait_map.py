@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.cockpit.chart import Axis, Chart
 from laticauda.cockpit.settings import Setting
 from laticauda.errors import one_of
 from laticauda.gaits import Gait
@@ -62,12 +63,19 @@ def at(gait: Gait, amplitude_deg: float, frequency_deg_s: float) -> Gait:
     return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
 
 
-def nearest(amplitude_deg: float, frequency_deg_s: float) -> tuple[float, float]:
-    """The trial of the map that is nearest: its amplitude [deg] and its frequency [deg/s]."""
-    return (
-        min(AMPLITUDES, key=lambda value: abs(value - amplitude_deg)),
-        min(FREQUENCIES, key=lambda value: abs(value - frequency_deg_s)),
-    )
+def chart(found: GaitMap, quantity: str) -> Chart:
+    """One quantity of a map, as it is drawn.
+
+    Args:
+        found: The map.
+        quantity: One of `QUANTITIES`.
+
+    Raises:
+        ValueError: If there is no such `quantity`.
+    """
+    x = Axis(name="gait.amplitude", unit="rad", values=tuple(map(math.radians, AMPLITUDES)))
+    y = Axis(name="gait.frequency", unit="rad/s", values=tuple(map(math.radians, FREQUENCIES)))
+    return Chart(x=x, y=y, values=found.values[quantity], title=title(quantity))
 
 
 def title(quantity: str) -> str:

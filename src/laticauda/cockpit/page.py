@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,13 @@ from laticauda.cockpit import door
 from laticauda.cockpit.board import Board
 from laticauda.cockpit.controls import Controls, refuse
 from laticauda.cockpit.figures import figures_text
+from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
-from laticauda.cockpit.scene import AHEAD, Scene, look_down
+from laticauda.cockpit.scene import AHEAD, FIELD_OF_VIEW, Scene, look_down
+from laticauda.cockpit.sweeps import StoredSweep
+from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
 
@@ -51,6 +55,7 @@ class Cockpit:
         self._scene = Scene(self._server.scene)
         camera = self._server.initial_camera
         camera.position, camera.look_at = look_down()
+        camera.fov = FIELD_OF_VIEW
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
@@ -62,6 +67,8 @@ class Cockpit:
             self._board = Board(gui, self._server.scene, live, self._show_setting)
         with tabs.add_tab("Run"):
             self._runs = Runs(gui, live, self._scene)
+        with tabs.add_tab("Lab"):
+            self._watched = Watched(gui, self._server.scene, self._scene, live.setting.robot)
         self._gizmo = self._server.scene.add_transform_controls(
             "/handle", scale=0.35, active_axes=(True, True, False), visible=False
         )
@@ -83,6 +90,28 @@ class Cockpit:
         """How many pages are open."""
         return len(self._server.get_clients())
 
+    @property
+    def watched(self) -> Watched:
+        """The robot that somebody else operates, if it is connected."""
+        return self._watched
+
+    def load(self, path: Path) -> None:
+        """Play back a trial or a recording as a ghost, or show a sweep as the map.
+
+        Args:
+            path: The file, or the folder of a sweep.
+
+        Raises:
+            TrialFileError: If it is none of them; the message has the reason.
+            MissingExtra: If the format needs a package that is not installed.
+            ValueError: If the trial does not say how the robot was bent.
+        """
+        found = opened(path)
+        if isinstance(found, StoredSweep):
+            self._board.sweeps.show(found)
+        else:
+            self._runs.play(found)
+
     def open(self) -> None:
         """Let the world live, in a thread of its own."""
         self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
@@ -98,6 +127,7 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
+        self._watched.disconnect()
         door.stop(self._server)
 
     def _run(self) -> None:
@@ -119,12 +149,13 @@ class Cockpit:
             self._scene.show(robot, sample, forces=live.link_forces)
             self._board.show(sample["center_of_mass"])
             self._runs.show()
+            watched = self._watched.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
-                self._scene.trail(sample)
+                self._scene.trail()
                 self._figures.content = figures_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._follow(sample["center_of_mass"][:2])
+        self._follow((sample["center_of_mass"] if watched is None else watched)[:2])
 
     def _follow(self, at: np.ndarray) -> None:
         """Let the cameras that follow look at the robot, from where their page has put them around it."""
@@ -175,6 +206,7 @@ class Cockpit:
 
     def _reset(self, event: Any) -> None:
         self.live.reset()
+        self._runs.begin()
         self._new_trail = True
 
     def _show_forces(self, event: Any) -> None:

@@ -6,17 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.commands import FILE, commands_text
+from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, water_source
 from laticauda.cockpit.controls import refuse
+from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
-from laticauda.errors import LaticaudaError, TrialFileError
+from laticauda.errors import LaticaudaError
 from laticauda.interfaces import Log
 from laticauda.robot import Robot, to_toml
-from laticauda.trial import FORMATS, Trial, load_trial
+from laticauda.trial import Trial
 
 SAVED = "cockpit-run.nc"
-READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
+GAP = 0.5  # from the robot to a ghost beside it, to the left of where that heads [m]
+BESIDE = "It begins beside the robot; else it is where it was when it was recorded"
 
 
 class Ghost:
@@ -31,10 +33,16 @@ class Ghost:
 
     def __init__(self, trial: Trial) -> None:
         trial.need("a picture of the robot", "joint_angle", "heading", "link_angle")
+        self.shift = np.zeros(trial.center_of_mass.shape[1])
+        """By which it is shown beside its place [m]."""
         self.robot: Robot = trial.robot if trial.center_of_mass.shape[1] == 3 else trial.robot.planar()
         self._trial = trial
         if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
             raise ValueError("The trial must say which way the robot was turned in space, to be shown.")
+
+    def move(self, place: np.ndarray) -> None:
+        """Show it so that it begins at a place [m]."""
+        self.shift[:2] = place[:2] - self._trial.center_of_mass[0, :2]
 
     def sample(self, time: float) -> Log:
         """The sample at a time since its begin; after its end it begins anew [s]."""
@@ -44,30 +52,8 @@ class Ghost:
         i = min(before, trial.time.size - 1)
         names = ("center_of_mass", "heading", "link_angle", "joint_angle")
         found: Log = {name: np.asarray(getattr(trial, name)[i]) for name in names}
+        found["center_of_mass"] = found["center_of_mass"] + self.shift
         return found | {f"signal_{name}": np.asarray(values[i]) for name, values in trial.signals.items()}
-
-
-def read(name: str, content: bytes) -> Trial:
-    """The trial in a file that a page sent.
-
-    Args:
-        name: The file's name.
-        content: What is in it.
-
-    Raises:
-        TrialFileError: If it is none; the message has the file's name and the reason.
-        MissingExtra: If the format needs a package that is not installed.
-    """
-    ending = Path(name).suffix.lower()
-    if ending not in READ:
-        raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"uploaded{ending}"
-        path.write_bytes(content)
-        try:
-            return load_trial(path)
-        except TrialFileError as error:
-            raise TrialFileError(str(error).replace(str(path), name)) from error
 
 
 class Runs:
@@ -86,8 +72,13 @@ class Runs:
         hint = "The run since the setting was last changed, at most ten minutes of it, as a netCDF file"
         gui.add_button("save the run", hint=hint).on_click(self._save)
         gui.add_button("download the robot", hint=f"As {FILE}").on_click(self._send_robot)
-        upload = gui.add_upload_button("play back a trial", hint=f"A saved run ({', '.join(READ)}), as a ghost")
+        self._water = gui.add_button("download the water", hint=f"As {WATER_FILE}", visible=False)
+        self._water.on_click(self._send_water)
+        hint = f"A saved run, or the recording of an operation ({', '.join(READ)}), as a ghost"
+        upload = gui.add_upload_button("play back a trial", hint=hint)
         upload.on_upload(self._load)
+        self._beside = gui.add_checkbox("ghost beside the robot", True, visible=False, hint=BESIDE)
+        self._beside.on_update(self._place)
         self._away = gui.add_button("remove the ghost", visible=False)
         self._away.on_click(self._remove)
         gui.add_markdown("**The same run elsewhere**, from straight and at rest at the origin:")
@@ -96,6 +87,23 @@ class Runs:
     def changed(self) -> None:
         """After every change of the setting."""
         self._text.content = commands_text(self._live.setting)
+        water = self._live.setting.water
+        self._water.visible = water is not None and water_source(water) == WATER_FILE
+
+    def begin(self) -> None:
+        """Let the ghost begin anew, with the world."""
+        self._since = self._live.world.time
+        self._place()
+
+    def play(self, trial: Trial) -> None:
+        """Play a trial back from now on, as a ghost.
+
+        Raises:
+            ValueError: If it does not say how the robot was bent.
+        """
+        self._ghost = Ghost(trial)
+        self._beside.visible = self._away.visible = True
+        self.begin()
 
     def show(self) -> None:
         """Bring the ghost up to date, by the clock of the world."""
@@ -119,17 +127,30 @@ class Runs:
         content = to_toml(self._live.setting.robot).encode()
         event.client.send_file_download(FILE, content, save_immediately=True)
 
+    def _send_water(self, event: Any) -> None:
+        content = to_toml(self._live.setting.environment).encode()
+        event.client.send_file_download(WATER_FILE, content, save_immediately=True)
+
     def _load(self, event: Any) -> None:
         file = event.target.value
         try:
-            ghost = Ghost(read(file.name, file.content))
+            self.play(received_trial(file.name, file.content))
         except (ValueError, LaticaudaError) as error:
             refuse(event.client, error)
+
+    def _place(self, event: Any = None) -> None:
+        """Beside the robot, or where it was."""
+        ghost = self._ghost
+        if ghost is None:
             return
-        self._since, self._ghost = self._live.world.time, ghost
-        self._away.visible = True
+        if not self._beside.value:
+            ghost.shift[:] = 0.0
+            return
+        now = self._live.latest()
+        heading = float(now["heading"])
+        ghost.move(now["center_of_mass"][:2] + GAP * np.array([-np.sin(heading), np.cos(heading)]))
 
     def _remove(self, event: Any) -> None:
         self._ghost = None
         self._scene.ghost(None)
-        self._away.visible = False
+        self._beside.visible = self._away.visible = False

@@ -1,6 +1,7 @@
 """The picture: the robot in its water, with trail, path, forces and a ghost."""
 
 import math
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -12,15 +13,17 @@ from laticauda.robot import Robot
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
 WIDE = 60.0  # of what has no end [m]
-WATER: Color = (16, 58, 82)
-SAND: Color = (38, 92, 108)
+WATER: Color = (44, 112, 146)
+SAND: Color = (52, 118, 138)
 TRAIL: Color = (255, 190, 60)
 PATH: Color = (120, 230, 140)
-FORCE: Color = (235, 70, 70)
+FORCE: Color = (215, 25, 25)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
+PIECE = 2.0  # of a path [m]
+FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
 PER_NEWTON = 0.06  # length of an arrow [m]
-N_TRAIL = 600  # points of it [-]
+TRAIL_STEP, N_TRAIL = 0.02, 600  # least distance of its points [m], and how many they are [-]
 
 
 class Body:
@@ -37,6 +40,7 @@ class Body:
         self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
         self._robot: Robot | None = None
         self._frames: list[Any] = []
+        self._is_seen = True
 
     def show(self, robot: Robot, sample: Log) -> Poses:
         """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
@@ -46,6 +50,13 @@ class Body:
         for frame, position, orientation in zip(self._frames, now.position, now.orientation, strict=True):
             frame.position, frame.wxyz = position, orientation
         return now
+
+    def let_see(self, is_seen: bool) -> None:
+        """Show it, or hide it where it is."""
+        if is_seen != self._is_seen:
+            self._is_seen = is_seen
+            for frame in self._frames:
+                frame.visible = is_seen
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -57,7 +68,9 @@ class Body:
         self.remove()
         seen = shapes(robot)
         for part in range(1 + max(shape.part for shape in seen)):
-            self._frames.append(self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False))
+            self._frames.append(
+                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_seen)
+            )
         for i, shape in enumerate(seen):
             self._scene.add_mesh_simple(
                 f"/{self._name}/part_{shape.part}/shape_{i}",
@@ -81,14 +94,19 @@ class Scene:
         self._scene = scene
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
-        self._points: list[np.ndarray] = []
+        self._points: deque[np.ndarray] = deque(maxlen=N_TRAIL)
+        self._end: np.ndarray | None = None
         self._trail: Any = None
         self._forces: Any = None
+        self._forces_at: Any = None
         self._path: Any = None
         scene.set_up_direction("+z")
-        scene.configure_fog(near=4.0, far=20.0, color=WATER)
+        scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
-        scene.add_light_hemisphere("/light", sky_color=(205, 235, 245), ground_color=(40, 70, 80), intensity=0.8)
+        # Three lamps instead of a picture of the surroundings: shadows are deep, and a weak computer draws faster.
+        scene.configure_environment_map(None)
+        scene.add_light_hemisphere("/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4)
+        scene.add_light_directional("/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0))
         self._floor = _plane(scene, "/floor", FLOOR, SAND, None)
         self._grid = scene.add_grid(
             "/grid",
@@ -99,38 +117,47 @@ class Scene:
             section_size=2.5,
             cell_color=(62, 118, 132),
             section_color=(98, 158, 170),
+            fade_distance=18.0,
+            shadow_opacity=0.0,
             position=(0.0, 0.0, FLOOR + 0.004),
         )
-        self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.10)
+        self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
     def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
         """Draw the robot, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
-        arrows = _arrows(now, sample) if forces else None
-        if arrows is not None and self._forces is None:
-            self._forces = self._scene.add_arrows(
-                "/forces", arrows, FORCE, shaft_radius=0.006, head_radius=0.016, head_length=0.035
-            )
-        elif arrows is not None:
-            self._forces.points = arrows
-        if arrows is None and self._forces is not None:
-            self._forces.remove()
-            self._forces = None
+        place = _in_space(sample["center_of_mass"])
+        if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
+            self._points.append(place)
+        self._show_forces(_arrows(now, sample, place) if forces else None, place)
         # Floor and surface have no end: they go along in steps of a section of the grid.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample["center_of_mass"][:2])
         if (x, y) != tuple(self._grid.position[:2]):
             for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
                 handle.position = (x, y, z)
 
-    def trail(self, sample: Log) -> None:
-        """Let the trail of the center of mass grow to where it is in a sample."""
-        place = _in_space(sample["center_of_mass"])
-        if self._points and float(np.linalg.norm(place - self._points[-1])) < 0.01:
+    def _show_forces(self, arrows: np.ndarray | None, place: np.ndarray) -> None:
+        """In a frame of their own at the center of mass: a slow page takes up places sooner than shapes."""
+        if arrows is None:
+            if self._forces is not None:
+                self._forces_at.remove()
+                self._forces = self._forces_at = None
             return
-        self._points = [*self._points[1 - N_TRAIL :], place]
-        if len(self._points) < 2:
+        if self._forces is None:
+            self._forces_at = self._scene.add_frame("/forces", show_axes=False)
+            self._forces = self._scene.add_arrows(
+                "/forces/arrows", arrows, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
+            )
+        self._forces.points = arrows
+        self._forces_at.position = place
+
+    def trail(self) -> None:
+        """Draw the trail of the center of mass as far as it was shown."""
+        if len(self._points) < 2 or self._points[-1] is self._end:
             return
-        line = np.stack((self._points[:-1], self._points[1:]), axis=1).astype(np.float32)
+        self._end = self._points[-1]
+        points = np.array(self._points, dtype=np.float32)
+        line = np.stack((points[:-1], points[1:]), axis=1)
         if self._trail is None:
             self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
         else:
@@ -138,7 +165,7 @@ class Scene:
 
     def forget_trail(self) -> None:
         """Begin a new trail."""
-        self._points = []
+        self._points.clear()
         if self._trail is not None:
             self._trail.remove()
             self._trail = None
@@ -150,12 +177,18 @@ class Scene:
                 self._path.remove()
                 self._path = None
             return
-        ends = path.points(np.array([-WIDE, WIDE]))
-        line = np.column_stack((ends, np.zeros(2)))[np.newaxis].astype(np.float32)
+        # In pieces: of one that begins behind the camera, the page shows too little.
+        flat = path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
+        points = np.column_stack((flat, np.zeros(len(flat)))).astype(np.float32)
+        line = np.stack((points[:-1], points[1:]), axis=1)
         if self._path is None:
             self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
         else:
             self._path.points = line
+
+    def let_see(self, is_seen: bool) -> None:
+        """Show the robot, or hide it: its trail and its path stay."""
+        self._body.let_see(is_seen)
 
     def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
         """Draw a ghost as it is in a sample, or none."""
@@ -166,6 +199,7 @@ class Scene:
 
 
 def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | None) -> Any:
+    """An opaque one shows its upper side and the shadows on it, another one its lower side."""
     half = 0.5 * WIDE
     corners = np.array([[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32)
     faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.uint32)
@@ -175,18 +209,25 @@ def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | 
         faces=faces,
         color=color,
         opacity=opacity,
-        side="double",
+        side="front" if opacity is None else "back",
         cast_shadow=False,
+        receive_shadow=opacity is None,
         position=(0.0, 0.0, height),
     )
+
+
+def _linear(color: Color) -> tuple[float, float, float]:
+    """A color as the page's fog takes it: in amounts of light, where all others are in steps that look equal."""
+    r, g, b = (((share + 0.055) / 1.055) ** 2.4 for share in (value / 255.0 for value in color))
+    return r, g, b
 
 
 def _in_space(place: np.ndarray) -> np.ndarray:
     return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 
-def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
-    """From every link's middle, as long as its force is large; None if the sample has no forces."""
+def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:
+    """From every link's middle, seen from `place`, as long as its force is large; None if there are no forces."""
     parts = [values for name, values in sample.items() if name.startswith("force_")]
     if not parts:
         return None
@@ -195,10 +236,11 @@ def _arrows(now: Poses, sample: Log) -> np.ndarray | None:
         force = np.column_stack((force, np.zeros(len(force))))
     size = np.linalg.norm(force, axis=1, keepdims=True)
     longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # of a meter
-    return np.stack((now.middle, now.middle + PER_NEWTON * longest * force), axis=1).astype(np.float32)
+    begin = now.middle - place
+    return np.stack((begin, begin + PER_NEWTON * longest * force), axis=1).astype(np.float32)
 
 
-def look_down(angle_deg: float = 38.0, distance: float = 2.6) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def look_down(angle_deg: float = 34.0, distance: float = 3.2) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Where a camera begins: beside the robot and above it, and what it looks at [m]."""
     angle = math.radians(angle_deg)
     return (AHEAD - 0.5, -distance * math.cos(angle), distance * math.sin(angle)), (AHEAD, 0.0, 0.0)

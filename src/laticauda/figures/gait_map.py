@@ -1,4 +1,4 @@
-"""A figure of many trials over amplitude and frequency."""
+"""A figure of many trials over two of their numbers, amplitude and frequency of the gait for instance."""
 
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportAttributeAccessIssue=false
@@ -13,8 +13,11 @@ from matplotlib.axes import Axes
 
 from laticauda.figures import style
 
-SIZE = (4.8, 3.6)  # [in]
-BOX = (0.14, 0.15, 0.68, 0.74)  # of the axes in the picture: left, bottom, width, height, as shares
+SIZE = (3.4, 2.55)  # [in]
+BOX = (0.17, 0.19, 0.65, 0.68)  # of the axes in the picture: left, bottom, width, height, as shares
+LABELS = ("amplitude [deg]", "frequency [deg/s]")
+POINT = 14.0  # size of a single one [pt^2]
+Values = Float[np.ndarray, "n_y n_x"] | Float[np.ndarray, " n_points"]
 
 
 class Picture(NamedTuple):
@@ -27,23 +30,29 @@ class Picture(NamedTuple):
 
 def gait_map(
     ax: Axes,
-    amplitude_deg: Sequence[float],
-    frequency_deg_s: Sequence[float],
-    values: Float[np.ndarray, "n_frequencies n_amplitudes"],
+    across: Sequence[float],
+    up: Sequence[float],
+    values: Values,
     title: str,
+    labels: tuple[str, str] = LABELS,
 ) -> Axes:
-    """A figure of the trials as colors over amplitude and frequency; gray where there is none.
+    """A figure of the trials as colors over two of their numbers; gray where there is none.
 
     Args:
         ax: Where to draw.
-        amplitude_deg: Of every column [deg].
-        frequency_deg_s: Of every row [deg/s].
-        values: The figure.
+        across: Of every column, or of every point.
+        up: Of every row, or of every point.
+        values: The figure: a table, or one value per point.
         title: Its name, with its unit.
+        labels: What is across and what is up, with units.
     """
     ax.set_facecolor("#c8c8c8")
-    mesh = ax.pcolormesh(amplitude_deg, frequency_deg_s, np.ma.masked_invalid(values), shading="nearest")
-    style.dress(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
+    shown = np.ma.masked_invalid(values)
+    if shown.ndim == 2:
+        mesh = ax.pcolormesh(across, up, shown, shading="nearest")
+    else:
+        mesh = ax.scatter(across, up, c=shown, s=POINT, linewidths=0.0)
+    style.dress(ax, xlabel=labels[0], ylabel=labels[1])
     ax.set_title(title, fontsize=style.LABEL, color=style.INK)
     figure: Any = ax.get_figure()
     bar = figure.colorbar(mesh, cax=ax.inset_axes((1.04, 0.0, 0.05, 1.0)))
@@ -53,16 +62,17 @@ def gait_map(
 
 
 def gait_map_picture(
-    amplitude_deg: Sequence[float],
-    frequency_deg_s: Sequence[float],
-    values: Float[np.ndarray, "n_frequencies n_amplitudes"],
+    across: Sequence[float],
+    up: Sequence[float],
+    values: Values,
     title: str,
+    labels: tuple[str, str] = LABELS,
 ) -> Picture:
     """The same as pixels; arguments as for `gait_map`."""
     figure = style.new_figure(*SIZE)
     figure.set_layout_engine("none")
-    figure.set_dpi(150)
-    ax = gait_map(figure.add_axes(BOX), amplitude_deg, frequency_deg_s, values, title)
+    figure.set_dpi(220)
+    ax = gait_map(figure.add_axes(BOX), across, up, values, title, labels)
     canvas: Any = figure.canvas
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())[..., :3].copy()

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from laticauda.operate.estimation import Estimator, EstimatorState
     from laticauda.operate.kinematic import KinematicEstimator, KinematicState
     from laticauda.operate.noise import Noise
+    from laticauda.operate.onlooker import Onlooker
     from laticauda.operate.operation_log import Decision, OperationLog, read_operation
     from laticauda.operate.recording import Header, OperationRecorder
     from laticauda.operate.replay import Rerun, rerun_controller, rerun_estimator, trial_of
@@ -28,6 +29,7 @@ _WHERE = {
     "KinematicState": "kinematic",
     "Mount": "estimate",
     "Noise": "noise",
+    "Onlooker": "onlooker",
     "OperationLog": "operation_log",
     "OperationRecorder": "recording",
     "PoseSample": "samples",
@@ -52,6 +54,7 @@ __all__ = [
     "KinematicState",
     "Mount",
     "Noise",
+    "Onlooker",
     "OperationLog",
     "OperationRecorder",
     "PoseSample",

@@ -1,0 +1,56 @@
+"""A page of the cockpit without a picture: it takes everything that comes, and says where its camera is.
+
+    python benchmarks/_page.py http://127.0.0.1:8080
+
+It prints a line with the bytes it got for every second.
+"""
+
+import dataclasses
+import sys
+import time
+
+import msgspec
+import viser
+from viser._messages import ViewerCameraMessage
+from websockets.sync.client import connect
+
+from laticauda.cockpit.scene import look_down
+
+REPORT = 0.1  # between two words about the camera: what a page says whose camera goes along [s]
+
+
+def camera() -> bytes:
+    """What a page of a browser says of its camera."""
+    position, look_at = look_down()
+    said = ViewerCameraMessage(
+        wxyz=(1.0, 0.0, 0.0, 0.0),
+        position=position,
+        fov=1.0,
+        near=0.01,
+        far=1000.0,
+        image_height=800,
+        image_width=1280,
+        look_at=look_at,
+        up_direction=(0.0, 0.0, 1.0),
+    )
+    return msgspec.msgpack.encode({"type": "ViewerCameraMessage", **dataclasses.asdict(said)})
+
+
+def main(address: str) -> None:
+    words, report = camera(), 0.0
+    protocol = f"viser-v{viser.__version__}"
+    got, second = 0, time.monotonic() + 1.0
+    with connect(address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None) as page:
+        while True:
+            got += len(page.recv())
+            now = time.monotonic()
+            if now > report:
+                page.send(words)
+                report = now + REPORT
+            if now > second:
+                print(got, flush=True)
+                got, second = 0, now + 1.0
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

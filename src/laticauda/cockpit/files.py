@@ -1,0 +1,95 @@
+"""Files that are shown: trials in all of their formats, recordings of operations, stored sweeps."""
+
+import tempfile
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+
+from laticauda.cockpit.sweeps import NO_SWEEP, StoredSweep, is_sweep, read_sweep, unpacked
+from laticauda.errors import TrialFileError
+from laticauda.operate import read_operation, trial_of
+from laticauda.operate.recording import HEADER
+from laticauda.trial import FORMATS, Trial, load_trial, open_recording
+
+READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
+SWEEPS = (".zip", ".nc")
+
+
+def opened(path: Path) -> Trial | StoredSweep:
+    """What is in a file or a folder of this computer.
+
+    Args:
+        path: A trial or a recording, or the folder of a sweep, packed or not.
+
+    Raises:
+        TrialFileError: If it is none; the message has the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    if not path.exists():
+        raise TrialFileError(f"Cannot load {path}: there is no such file.")
+    if path.is_dir() or path.suffix.lower() == ".zip" or (path.suffix.lower() == ".nc" and is_sweep(path)):
+        return _sweep(path, path.name)
+    return _trial(path, str(path))
+
+
+def received_trial(name: str, content: bytes) -> Trial:
+    """The trial, or the run of a recorded operation, in a file that a page sent.
+
+    Args:
+        name: The file's name.
+        content: What is in it.
+
+    Raises:
+        TrialFileError: If it is none; the message has the file's name and the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    with _stored(name, content) as path:
+        if path.suffix == ".zip" or (path.suffix == ".nc" and is_sweep(path)):
+            raise TrialFileError(f"Cannot play back {name}: it is no trial; the tab Map loads sweeps.")
+        return _trial(path, name)
+
+
+def received_sweep(name: str, content: bytes) -> StoredSweep:
+    """The sweep in a file that a page sent.
+
+    Args:
+        name: The file's name.
+        content: What is in it.
+
+    Raises:
+        TrialFileError: If it is none; the message has the file's name and the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    with _stored(name, content) as path:
+        return _sweep(path, name)
+
+
+def _trial(path: Path, name: str) -> Trial:
+    if path.suffix not in READ:
+        raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
+    try:
+        if path.suffix == ".mcap" and HEADER in open_recording(path).metadata:
+            return trial_of(read_operation(path))
+        return load_trial(path)
+    except TrialFileError as error:
+        raise TrialFileError(str(error).replace(str(path), name)) from error
+
+
+def _sweep(path: Path, name: str) -> StoredSweep:
+    if path.is_dir():
+        return read_sweep(path, name)
+    if path.suffix.lower() not in SWEEPS:
+        raise TrialFileError(f"Cannot load {name}: {NO_SWEEP}.")
+    if path.suffix.lower() == ".nc":
+        return read_sweep(path, name)
+    with tempfile.TemporaryDirectory() as folder:
+        return read_sweep(unpacked(path, Path(folder), name), name)
+
+
+@contextmanager
+def _stored(name: str, content: bytes) -> Generator[Path]:
+    """A file of this computer with that content and ending, as long as the block lasts."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"uploaded{Path(name).suffix.lower()}"
+        path.write_bytes(content)
+        yield path

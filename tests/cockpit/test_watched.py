@@ -1,0 +1,125 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.operate import Estimate
+from laticauda.operate.listening import Sight
+from laticauda.operate.settings import Connection
+
+pytest.importorskip("viser")
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+ROBOT = lc.load_robot("mamba-modules")
+
+
+class Page:
+    """Stands for a browser's page: keeps what it is told."""
+
+    def __init__(self):
+        self.told = []
+
+    def add_notification(self, title, text, **settings):
+        self.told.append(text)
+
+
+class Told:
+    """Stands for a listener: knows what it is told."""
+
+    def __init__(self, connection, robot, **mount):
+        self.connection, self.robot = connection, robot
+        self.sight, self.is_closed = Sight(None, "No lab there."), False
+
+    def look(self):
+        return self.sight
+
+    def close(self):
+        self.is_closed = True
+
+
+@pytest.fixture
+def cockpit(monkeypatch):
+    monkeypatch.setattr("laticauda.operate.listening.Listener", Told)
+    served = Cockpit(Live(Setting(robot=ROBOT, gait=GAIT)), port=0)
+    yield served
+    served.close()
+
+
+def shown(cockpit):
+    for _ in range(5):
+        cockpit.frame()
+
+
+def estimate(x, time):
+    n = ROBOT.planar().n_links
+    return Estimate(
+        time=time,
+        status="tracking",
+        age=0.0,
+        center_of_mass=np.array([x, 1.0]),
+        center_of_mass_velocity=np.zeros(2),
+        heading=0.3,
+        heading_rate=0.0,
+        link_angle=np.full(n, 0.3),
+        joint_angle=np.zeros(n - 1),
+        joint_rate=np.zeros(n - 1),
+        center_of_mass_std=0.0,
+        heading_std=0.0,
+    )
+
+
+def clicked(cockpit, **fields):
+    page, watched = Page(), cockpit.watched
+    for name, value in fields.items():
+        getattr(watched, f"_{name}").value = value
+    watched._clicked(SimpleNamespace(client=page))
+    return page.told
+
+
+def test_the_operated_robot_is_drawn_where_it_is_and_the_simulated_one_makes_room(cockpit):
+    watched = cockpit.watched
+    assert clicked(cockpit, can="virtual:pool", mocap="10.0.0.2:22223", robot="mamba-modules") == []
+    listener = watched._listener
+    assert (listener.connection.can_channel, listener.connection.mocap_host) == ("pool", "10.0.0.2")
+    shown(cockpit)
+    assert watched._text.content == "**No lab there.**"
+    for k in range(5):
+        listener.sight = Sight(estimate(2.0 + 0.2 * k, float(k)), "")
+        shown(cockpit)
+    assert "speed over 5 s | **0.200 m/s**" in watched._text.content
+    tail = watched._body._frames[0].position
+    assert tail[0] < 2.8 < watched._body._frames[-1].position[0] + 0.2
+    assert not cockpit._scene._body._frames[0].visible
+    watched._alone.value = False
+    shown(cockpit)
+    assert cockpit._scene._body._frames[0].visible
+
+
+def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconnects(cockpit):
+    watched = cockpit.watched
+    watched.connect(Connection(), ROBOT)
+    listener = watched._listener
+    listener.sight = Sight(estimate(2.0, 0.0), "The motion capture closed the connection.")
+    shown(cockpit)
+    assert watched._text.content.endswith("**The motion capture closed the connection.**")
+    assert watched.is_on
+    watched._left(None)
+    shown(cockpit)
+    assert listener.is_closed
+    assert (watched._text.content, watched._body._frames) == ("", [])
+    assert cockpit._scene._body._frames[0].visible
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"mocap": "here"}, "`mocap` must be HOST:PORT, got 'here'."),
+        ({"can": "udp_multicast:1.2.3.4"}, "`channel` must be an IPv4 multicast group"),
+        ({"can": "spoon"}, "`interface` must be one of `virtual`, `udp_multicast`, `socketcan`"),
+    ],
+)
+def test_an_address_that_is_none_is_refused_in_the_words_of_the_api(cockpit, fields, message):
+    (told,) = clicked(cockpit, **fields)
+    assert told.startswith(message)
+    assert not cockpit.watched.is_on
