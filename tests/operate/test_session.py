@@ -11,6 +11,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import laticauda as lc
@@ -233,3 +234,42 @@ def test_the_vendors_faults_of_a_tank_are_seen_for_what_they_are():
     state = run_stepped(Operator(operation=operation(duration=10.0)), swum)
     assert state.stopped_by == "leak"
     assert is_limp(swum)
+
+
+def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_no_fault():
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30),
+        frequency=math.radians(90),
+        phase_shift=math.radians(40),
+        offset=math.radians(20),
+    )
+    turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
+    robot = turning.body()
+    swum = Tank(World(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1))
+    stalled, longest = np.zeros(8), 0.0
+
+    def show(state, outputs):
+        nonlocal stalled, longest
+        stands = (np.abs(swum.electronics.duty) >= 0.9) & (np.abs(swum.truth.joint_rate) < 0.1)
+        stalled = np.where(stands, stalled + 0.02, 0.0)
+        longest = max(longest, float(stalled.max()))
+
+    state = run_stepped(Operator(operation=turning), swum, show=show)
+    assert longest > 0.5  # as long as a module once took for a jam
+    assert state.stopped_by == ""
+    assert state.supervisor.state == "idle", state.supervisor.cause
+    assert not any(node.flags & {"stuck", "over_current"} for node in swum.nodes)
+
+
+def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
+    swum, operator = tank(), Operator(operation=operation(duration=1.0))
+
+    def show(state, outputs):
+        if state.ended is not None and not swum.faults.any:
+            swum.inject(Fault(kind="over_temperature", time=swum.time, node=4))
+
+    result = result_of(operator, run_stepped(operator, swum, show=show), None, None)
+    assert result.accepted
+    assert result.reason == "The run reached its end."
+    assert result.aftermath == "After the run, a module is too hot. Look at the robot, then start with `--clear`."
+    assert result.aftermath in table(result.summary())

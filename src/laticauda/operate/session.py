@@ -45,6 +45,9 @@ class Result:
     """The file with everything."""
     timing: Timing | None
     """How punctual the loop was; None if it had no clock."""
+    aftermath: str = ""
+    """What went wrong while the robot stopped after a run that counts: to be looked at before the next; "" if nothing
+    did."""
 
     def summary(self) -> dict[str, Any]:
         """The figures of the run by name, ready for JSON."""
@@ -63,6 +66,7 @@ class Result:
             if error is not None:
                 found["final_cross_track_error"] = float(error[-1])
         found["notes"] = list(self.notes)
+        found["aftermath"] = self.aftermath
         found["recording"] = None if self.recording is None else str(self.recording)
         found["timing"] = None if self.timing is None else self.timing.summary()
         return found
@@ -168,7 +172,16 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         notes=state.notes,
         recording=recording,
         timing=timing,
+        aftermath=_aftermath(state) if accepted else "",
     )
+
+
+def _aftermath(state: OperatorState) -> str:
+    """What became of the robot after the run was over: it takes nothing from the run, but keeps it from the next."""
+    cause = BY_EVENT.get(state.supervisor.cause)
+    if cause is None or not state.supervisor.is_fault:
+        return ""
+    return f"After the run, {cause.says}. Look at the robot, then start with `--clear`."
 
 
 def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
@@ -215,6 +228,8 @@ def table(summary: Mapping[str, Any]) -> str:
             f"{1e3 * timing['latency_p99']:.2f} ms, {timing['missed']} missed"
         )
     lines += [f"  note: {note}" for note in summary.get("notes", ())]
+    if summary.get("aftermath"):
+        lines.append(f"  note: {summary['aftermath']}")
     if summary.get("recording"):
         lines.append(f"  recording: {summary['recording']}")
     return "\n".join(lines)

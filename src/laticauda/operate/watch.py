@@ -83,8 +83,8 @@ class Watch:
             joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
             asked=asked,
         )
-        found = _of_modules(modules, limits, now)
-        found |= _of_motors(after, seen, limits)
+        # What a module says of itself tells more than what it does.
+        found = {**_of_motors(after, seen, limits), **_of_modules(modules, limits, now)}
         if seen.lateness > limits.max_lateness:
             found["late_loop"] = f"a tick came {seen.lateness:.3f} s late"
         if seen.references is not None:
