@@ -96,7 +96,9 @@ class Series:
             names = ("forward_velocity", "electrical_power", "total_power", "steady_error")
             texts = [_shown(setting.figure(name), digits) for name, digits in zip(names, (4, 2, 2, 4), strict=True)]
             runs = f"{len(setting.accepted)}/{self.file.repeats}"
-            lines.append(f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}{texts[3]:>20}")
+            lines.append(
+                f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}{texts[3]:>20}"
+            )
         for setting in self.settings:
             for result in setting.results:
                 if not result.accepted:
