@@ -99,7 +99,7 @@ def test_cantools_reads_and_writes_the_same_frames_by_the_file_alone(message):
     values = theirs.decode(data, scaling=True, decode_choices=False)
     for name, value in dataclasses.asdict(message).items():
         if title(name) in values:
-            assert values[title(name)] == pytest.approx(value, abs=1e-9)
+            assert values[title(name)] == pytest.approx(float(value), abs=1e-9)
         elif name == "angles":
             assert [values[f"Angle{k}"] for k in range(1, 5)] == pytest.approx(list(value), abs=1e-9)
     assert theirs.encode(theirs.decode(data, scaling=False, decode_choices=False), scaling=False, strict=False) == data
