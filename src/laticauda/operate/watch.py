@@ -117,9 +117,10 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
             found.setdefault("over_current", f"module {node}")
         if beat.voltage < limits.min_voltage:
             found.setdefault("low_voltage", f"module {node}: {beat.voltage:.1f} V")
-        faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
-        if beat.state == NodeState.FAULT and faults:
-            found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
+        if beat.state == NodeState.FAULT:
+            faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
+            if faults:
+                found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
     return found
 
 
