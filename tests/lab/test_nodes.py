@@ -1,16 +1,22 @@
+import math
+import random
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lab_parts import Operator, make_tank
 
-from laticauda.lab import Fault
+from laticauda.lab import Fault, NodeSettings
+from laticauda.lab.nodes import Node, Senses
 from laticauda.protocol import (
     CommandReply,
     EmergencyStop,
     Heartbeat,
     JointState,
     NodeCommand,
+    NodeState,
     Order,
+    References,
     Result,
     Sync,
     encode,
@@ -130,7 +136,7 @@ def test_an_order_to_one_node_is_answered_by_it_alone(operator):
     [
         (Fault(kind="leak", node=5), "leak", 0.03),
         (Fault(kind="over_temperature", node=5), "over_temperature", 0.03),
-        (Fault(kind="stuck_servo", node=5), "stuck", 1.5),
+        (Fault(kind="stuck_servo", node=5), "stuck", 4.0),
     ],
 )
 def test_a_module_with_a_fault_stops_itself_and_says_why(operator, straight, fault, flag, within):
@@ -144,6 +150,40 @@ def test_a_module_with_a_fault_stops_itself_and_says_why(operator, straight, fau
     assert [i + 1 for i, state in enumerate(operator.states) if state == "FAULT"] == [5]
     said = [m for m in heard if isinstance(m, Heartbeat) and m.faults]
     assert {(m.node, *m.faults) for m in said} == {(5, flag)}
+
+
+def pulled(duty, angle, duration, noise=0.0):
+    """The flags of a node that was enabled, and then pulled and stood as functions of time say."""
+    node = Node(1, NodeSettings(startup_time=0.0, calibration_time=0.0), limit=1.5)
+    chance = random.Random(1)
+    for k in range(round(duration / 0.01)):
+        now = 0.01 * (k + 1)
+        senses = Senses(duty=duty(now), angle=angle(now) + chance.gauss(0.0, noise))
+        node.tick(now, senses)
+        if node.state == NodeState.READY:
+            node.receive(NodeCommand(order=Order.ENABLE), now, senses)
+        node.receive(References(group=0, angles=(0.0, 0.0, 0.0, 0.0)), now, senses)
+        node.receive(Sync(counter=0), now, senses)
+    return node.flags
+
+
+NOISE = NodeSettings().angle_noise
+
+
+def test_a_servo_that_stalls_under_a_load_and_then_goes_on_is_not_stuck():
+    # So it went in the tank: 2 s at full pull without a move, while the robot straightened against the water.
+    def angle(now):
+        return -0.6 if now % 2.5 < 2.0 else -0.6 + 0.3 * (now % 2.5 - 2.0)
+
+    assert "stuck" not in pulled(lambda now: 1.0, angle, 10.0, NOISE)
+
+
+def test_a_servo_that_is_jammed_is_stuck_though_the_gait_pulls_it_to_and_fro():
+    def duty(now):
+        return min(max(3.0 * math.sin(math.pi / 2.0 * now), -1.0), 1.0)
+
+    assert "stuck" in pulled(duty, lambda now: 0.3, 5.0, NOISE)
+    assert "stuck" not in pulled(lambda now: 0.3 * duty(now), lambda now: 0.3, 20.0, NOISE)
 
 
 def test_a_leak_cannot_be_cleared_while_it_is_there(operator):

@@ -11,6 +11,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import laticauda as lc
@@ -21,7 +22,7 @@ from laticauda.operate.operation_log import read_operation
 from laticauda.operate.operator import Operator
 from laticauda.operate.recording import OperationRecorder
 from laticauda.operate.samples import Event
-from laticauda.operate.session import header_of, operate, result_of, table
+from laticauda.operate.session import header_of, operate, operate_stepped, result_of, table
 from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
 from laticauda.operate.settings import Tank as Volume
 from laticauda.operate.sink import PlainSink, RecordingSink
@@ -233,3 +234,101 @@ def test_the_vendors_faults_of_a_tank_are_seen_for_what_they_are():
     state = run_stepped(Operator(operation=operation(duration=10.0)), swum)
     assert state.stopped_by == "leak"
     assert is_limp(swum)
+
+
+def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_no_fault():
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30),
+        frequency=math.radians(90),
+        phase_shift=math.radians(40),
+        offset=math.radians(20),
+    )
+    turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
+    robot = turning.body()
+    swum = Tank(World(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1))
+    stalled, longest = np.zeros(8), 0.0
+
+    def show(state, outputs):
+        nonlocal stalled, longest
+        stands = (np.abs(swum.electronics.duty) >= 0.9) & (np.abs(swum.truth.joint_rate) < 0.1)
+        stalled = np.where(stands, stalled + 0.02, 0.0)
+        longest = max(longest, float(stalled.max()))
+
+    state = run_stepped(Operator(operation=turning), swum, show=show)
+    assert longest > 0.5  # as long as a module once took for a jam
+    assert state.stopped_by == ""
+    assert state.supervisor.state == "idle", state.supervisor.cause
+    assert not any(node.flags & {"stuck", "over_current"} for node in swum.nodes)
+
+
+def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
+    swum, operator = tank(), Operator(operation=operation(duration=1.0))
+
+    def show(state, outputs):
+        if state.ended is not None and not swum.faults.any:
+            swum.inject(Fault(kind="over_temperature", time=swum.time, node=4))
+
+    result = result_of(operator, run_stepped(operator, swum, show=show), None, None)
+    assert result.accepted
+    assert result.reason == "The run reached its end."
+    assert result.aftermath == "After the run, a module is too hot. Look at the robot, then start with `--clear`."
+    assert result.aftermath in table(result.summary())
+
+
+class Jumping(Tank):
+    """A tank whose cameras' clock falls back, once: their computer stood still, and time went on without it."""
+
+    at, by = math.inf, 0.0
+    dark = 0.0
+    """How long before the jump nothing is sent [s]."""
+
+    def seen(self):
+        found = [frame for frame in super().seen() if not self.at - self.dark < frame.timestamp < self.at]
+        late = [replace(frame, timestamp=frame.timestamp - self.by) for frame in found if frame.timestamp >= self.at]
+        return [frame for frame in found if frame.timestamp < self.at] + late
+
+
+def jumping(at: float, by: float, dark: float) -> Jumping:
+    robot = lc.load_robot("mamba")
+    world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    swum = Jumping(world, LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)))
+    swum.at, swum.by, swum.dark = at, by, dark
+    return swum
+
+
+USUAL = Limits(straighten_time=1.0)
+
+
+def test_a_clock_of_the_cameras_that_jumps_while_the_robot_settles_delays_the_run_and_no_more():
+    swum = jumping(2.3, 1.5, dark=0.6)
+    state = run_stepped(Operator(operation=operation(duration=1.0, limits=USUAL)), swum)
+    assert state.failure == ""
+    assert state.begun is not None
+    assert state.begun > 2.3
+    assert state.stopped_by == ""
+
+
+@pytest.mark.parametrize(("dark", "stopped_by"), [(0.6, ""), (2.5, "lost_mocap")])
+def test_cameras_that_stand_still_in_a_run_are_bridged_or_stop_it(dark: float, stopped_by: str):
+    swum = jumping(8.0, dark, dark=dark)
+    state = run_stepped(Operator(operation=operation(duration=8.0, limits=USUAL)), swum)
+    assert state.stopped_by == stopped_by
+    assert is_limp(swum)
+    if not stopped_by:
+        assert state.estimate is not None
+        away = state.estimate.center_of_mass - swum.truth.center_of_mass[:2]
+        assert math.hypot(*away) < 0.05
+
+
+def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
+    plain = operation(duration=4.0, limits=USUAL)
+    swum = tank()
+    twin = lc.plant(plain.body(), plain.pool(), joints="servo")
+    result = operate_stepped(plain, tmp_path, swum, twin=twin, frames=False)
+    assert result.accepted, result.reason
+    assert result.trial is not None
+    assert result.recording is not None
+    estimator = read_operation(result.recording).header.estimator
+    assert estimator.plant is not None
+    truth = swum.truth.center_of_mass[:2]
+    assert np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3  # it coasted while it stopped

@@ -1,10 +1,13 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from laticauda.operate.modules import no_modules
+from laticauda.operate.settings import Limits
 from laticauda.operate.supervisor import (
     ACTIONS,
     BY_EVENT,
@@ -15,6 +18,8 @@ from laticauda.operate.supervisor import (
     SupervisorState,
     safety_table,
 )
+from laticauda.operate.watch import Seen, Watch
+from laticauda.protocol import Heartbeat, NodeState
 
 STOPPING = [rule.event for rule in RULES if rule.action != "finish"]
 FAULTS = [rule.event for rule in RULES if rule.is_fault]
@@ -173,3 +178,27 @@ def test_an_event_that_is_not_in_the_table_is_refused():
         step(supervisor.init(), 0.0, "leek")
     with pytest.raises(ValueError, match=r"`straighten_time` must be > 0 s, got 0"):
         Supervisor(straighten_time=0.0)
+
+
+def test_what_a_module_says_of_itself_is_told_before_what_it_does():
+    watch = Watch(limits=Limits())
+    modules = no_modules(2)
+    beats = (
+        Heartbeat(node=1, state=NodeState.ACTIVE),
+        Heartbeat(node=2, state=NodeState.FAULT, stuck=True),
+    )
+    now = np.full(2, 10.0)
+    seen = Seen(
+        now=10.0,
+        lateness=0.0,
+        modules=replace(modules, heartbeat=beats, heartbeat_time=now, angle_time=now),
+        references=np.zeros(2),
+        mocap_age=0.0,
+        meter_age=None,
+        room=1.0,
+    )
+    state, found = watch.step(replace(watch.init(2), asked=0.0), seen)
+    assert found == {"module_fault": "module 2: stuck"}
+    limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
+    _, found = watch.step(state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))
+    assert found == {"module_fault": "module 2 does not move: limp"}

@@ -87,6 +87,24 @@ def test_random_bytes_are_a_message_or_none_and_never_an_error(identifier, data)
         assert decode(*encode(message)) == message or b"\x00\x80" in data
 
 
+def title(name: str) -> str:
+    """The signal of a field."""
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+@given(message=MESSAGES)
+def test_cantools_reads_and_writes_the_same_frames_by_the_file_alone(message):
+    identifier, data = encode(message)
+    theirs = database().get_message_by_frame_id(identifier)
+    values = theirs.decode(data, scaling=True, decode_choices=False)
+    for name, value in dataclasses.asdict(message).items():
+        if title(name) in values:
+            assert values[title(name)] == pytest.approx(float(value), abs=1e-9)
+        elif name == "angles":
+            assert [values[f"Angle{k}"] for k in range(1, 5)] == pytest.approx(list(value), abs=1e-9)
+    assert theirs.encode(theirs.decode(data, scaling=False, decode_choices=False), scaling=False, strict=False) == data
+
+
 @given(message=MESSAGES, n=st.integers(0, 7))
 def test_truncated_frames_are_none(message, n):
     identifier, data = encode(message)

@@ -137,3 +137,26 @@ def test_what_does_not_fit_is_refused_and_the_file_stays_whole(tmp_path):
     assert len(list(read_messages(path))) == 1
     with pytest.raises(ValueError, match="`chunk_seconds` must be > 0 s, got 0"):
         Recorder(tmp_path / "other.mcap", chunk_seconds=0)
+
+
+def test_a_frame_of_the_bus_is_written_as_the_codec_of_its_type_writes_it(tmp_path):
+    from laticauda.trial import ros2
+
+    with Recorder(tmp_path / "run.mcap") as recorder:
+        recorder.can_frame("/can", 12.345678901, 0x7FF, b"\x01\x02", is_rtr=True, is_error=True)
+        with pytest.raises(ValueError, match=r"`time` must be >= 0 s, got -1\.0\."):
+            recorder.can_frame("/can", -1.0, 1, b"")
+        with pytest.raises(ValueError, match=r"`identifier` must be from 0 to 2\^32 - 1, got -1\."):
+            recorder.can_frame("/can", 0.0, -1, b"")
+    with (tmp_path / "run.mcap").open("rb") as file:
+        ((_, _, message),) = list(reader.make_reader(file).iter_messages())
+    content = {
+        "header": {"stamp": ros2.stamp(12_345_678_901), "frame_id": ""},
+        "id": 0x7FF,
+        "is_rtr": True,
+        "is_extended": False,
+        "is_error": True,
+        "dlc": 2,
+        "data": b"\x01\x02".ljust(8, b"\x00"),
+    }
+    assert message.data == ros2.codec("can_msgs/Frame").encode(content)

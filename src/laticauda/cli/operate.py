@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class Operate:
     """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
 
-    Ctrl-C straightens and stops the robot; a second Ctrl-C is the emergency stop. The virtual tank of `laticauda lab`
-    is operated like the robot.
+    Space, q or Ctrl-C straighten and stop the robot; the second time, it is the emergency stop. The virtual tank of
+    `laticauda lab` is operated like the robot.
 
     For example: laticauda operate trial.toml --output runs
     """
@@ -63,12 +63,12 @@ class Operate:
 
     def _operate(self, operation: "Operation", folder: Path | None) -> Any:
         from laticauda.operate.drivers import Clock
-        from laticauda.operate.keys import Keys
+        from laticauda.operate.keys import Keys, Terminal
         from laticauda.operate.session import operate
         from laticauda.simulate import plant
 
         text = Path(self.file).read_text(encoding="utf-8-sig")
-        with Keys() as keys, self._shown(operation) as show:
+        with Keys() as keys, Terminal(keys), self._shown(operation) as show:
             return operate(
                 operation,
                 folder,

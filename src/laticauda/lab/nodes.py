@@ -4,6 +4,7 @@ P control of the joint is the servo's own (`actuation.laws.servo`); the node say
 motor is on, and watches over it.
 """
 
+import math
 from dataclasses import dataclass
 
 from laticauda.lab.settings import NodeSettings
@@ -28,6 +29,7 @@ from laticauda.protocol.messages import PER_FRAME
 
 LIMP_STATES = (NodeState.STARTUP, NodeState.CALIBRATING, NodeState.READY, NodeState.LIMP, NodeState.FAULT)
 SETTLED = (NodeState.READY, NodeState.LIMP)
+STUCK_SMOOTHING = 0.05  # of the angle, so that the sensor's noise is no travel; an assumption [s]
 
 
 @dataclass(kw_only=True)
@@ -83,6 +85,7 @@ class Node:
         self._sensors_due = now + self.settings.sensor_interval * self.number / 18.0
         self._counter = 0
         self._current = self._stuck = 0.0
+        self._angle = self._stood = math.nan
 
     @property
     def is_on(self) -> bool:
@@ -206,11 +209,23 @@ class Node:
         self._current += (abs(senses.current) - self._current) * min(dt / limits.current_time, 1.0)
         if self._current > limits.current_limit:
             self.flags.add("over_current")
-        stands = abs(senses.rate) <= limits.stuck_rate + 3.0 * limits.rate_noise
-        still = stands and abs(senses.duty) >= limits.stuck_duty
-        self._stuck = self._stuck + dt if still and self.is_on else 0.0
-        if self._stuck > limits.stuck_time:
+        if self._is_stuck(dt, senses):
             self.flags.add("stuck")
+
+    def _is_stuck(self, dt: float, senses: Senses) -> bool:
+        """Whether the joint stays where it is, however long the motor pulls with all it has.
+
+        That it stands says little: a servo that is loaded by the water stalls for seconds, and then goes on. So the
+        time of full pull adds up until the joint has come away from where it stood.
+        """
+        limits, angle = self.settings, senses.angle
+        share = min(dt / STUCK_SMOOTHING, 1.0)
+        self._angle = angle if math.isnan(self._angle) else self._angle + share * (angle - self._angle)
+        if not self.is_on or not abs(self._angle - self._stood) <= limits.stuck_travel:
+            self._stood, self._stuck = self._angle, 0.0
+        elif abs(senses.duty) >= limits.stuck_duty:
+            self._stuck += dt
+        return self._stuck > limits.stuck_time
 
     def _live(self, now: float) -> None:
         """Go from state to state as time and faults will have it."""

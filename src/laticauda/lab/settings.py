@@ -26,14 +26,14 @@ class NodeSettings:
     """The reference is followed no faster than this; torque is limited by the motor itself [rad/s]."""
     current_limit: float = 4.4
     """Of the motor, averaged over `current_time`; the servo stalls at 4.6 A, and hard swimming takes 3.3 A [A]."""
-    current_time: float = 1.0
-    """[s]."""
+    current_time: float = 3.0
+    """Longer than the servos of the model stall under the water's load, about 2 s with the fin [s]."""
     stuck_duty: float = 0.9
-    """The joint is stuck if it stands still at this duty or more [-]..."""
-    stuck_rate: float = 0.05
-    """... which is to say: it turns no faster than this [rad/s]..."""
-    stuck_time: float = 0.5
-    """... for so long [s]."""
+    """The joint is stuck if the motor pulls at this duty or more [-]..."""
+    stuck_travel: float = 0.0175
+    """... while the joint comes no further than this from where it stood; 1 deg [rad]..."""
+    stuck_time: float = 3.0
+    """... for so long in all; longer than a stall under the water's load, as above [s]."""
     temperature_limit: float = 80.0
     """Of the motor [deg C]."""
     temperature_again: float = 70.0
@@ -64,7 +64,8 @@ class NodeSettings:
         settle_required(self, positive, "s", "heartbeat_interval", "sensor_interval", "current_time", "stuck_time")
         settle_required(self, positive, "s", "hold_after", "limp_after")
         settle_required(self, not_negative, "s", "startup_time", "calibration_time")
-        settle_required(self, positive, "rad/s", "speed_limit", "stuck_rate")
+        settle_required(self, positive, "rad/s", "speed_limit")
+        settle_required(self, positive, "rad", "stuck_travel")
         settle_required(self, positive, "A", "current_limit")
         settle_required(self, positive, "K/W", "thermal_resistance")
         settle_required(self, positive, "J/K", "heat_capacity")

@@ -106,7 +106,7 @@ def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...
     columns = _rich("columns").Columns([_modules(state.modules), _pose(operation, state)], padding=(0, 2))
     log = _rich("text").Text("\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis")
     group = _rich("console").Group(_head(operation, state), columns, log)
-    title = f"[bold]{operation.name}[/bold]   Ctrl-C: straighten and stop; again: emergency stop"
+    title = f"[bold]{operation.name}[/bold]   space, q, Ctrl-C: straighten and stop; again: emergency stop"
     return _rich("panel").Panel(group, title=title, border_style=COLORS[state.supervisor.state], title_align="left")
 
 

@@ -223,7 +223,7 @@ class Estimator:
         velocity, turning = model.rates(mean, belief.smooth, belief.smooth_rate, belief.frequency, belief.twin)
         joint = belief.smooth + mean[JOINTS::2]
         spread = rows @ known.covariance @ rows.T
-        water = known.covariance[np.ix_([VX, VY], [VX, VY])]
+        water = known.covariance[VX : VY + 1, VX : VY + 1]
         age = belief.time - belief.seen
         return Estimate(
             time=belief.time,
@@ -239,7 +239,7 @@ class Estimator:
             center_of_mass_std=math.sqrt(0.5 * (spread[0, 0] + spread[1, 1])),
             heading_std=math.sqrt(spread[2, 2]),
             current=mean[[VX, VY]],
-            current_std=math.sqrt(float(np.linalg.eigvalsh(water)[-1])),
+            current_std=math.sqrt(_larger_eigenvalue(water)),
         )
 
     # ---- inside ----------------------------------------------------------------------------------------------------
@@ -403,6 +403,12 @@ class Estimator:
 PLAY_TORQUE = 0.3
 # Prediction over a gap takes steps of at most that length [s].
 LONGEST_STEP = 0.05
+
+
+def _larger_eigenvalue(matrix: NDArray[np.float64]) -> float:
+    """Of a symmetric 2 x 2 matrix."""
+    a, b, d = float(matrix[0, 0]), float(matrix[0, 1]), float(matrix[1, 1])
+    return 0.5 * (a + d) + math.hypot(0.5 * (a - d), b)
 
 
 def _widened(known: Gaussian) -> Gaussian:

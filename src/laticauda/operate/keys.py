@@ -1,11 +1,18 @@
-"""The operator's keys: the first Ctrl-C straightens and stops the robot, the second is the emergency stop."""
+"""The operator's keys: space, q or Ctrl-C straighten and stop the robot, the second one is the emergency stop."""
 
+import contextlib
+import os
+import select
 import signal
+import sys
 import threading
 from types import FrameType, TracebackType
-from typing import Any, Self
+from typing import Any, Self, TextIO
 
 STOP, EMERGENCY = "operator_key", "emergency_key"
+WORDS = {b" ": "by space", b"q": "by q", b"Q": "by q"}
+"""Keys of a terminal that stop, and how the log calls them."""
+LOOK = 0.1  # how often a terminal's thread looks whether it is to end [s, wall clock]
 
 
 class Keys:
@@ -53,3 +60,70 @@ class Keys:
         for number, handler in self._before.items():
             signal.signal(number, handler)
         self._before.clear()
+
+
+class Terminal:
+    """Single keys of a terminal, without Enter, as long as a `with` block lasts; nothing where there is no terminal.
+
+    The terminal is as it was afterwards. Ctrl-C stays a signal. Who runs the program in the background has no keys.
+
+    Args:
+        keys: What is told of them.
+        stream: The terminal; None: standard input.
+    """
+
+    def __init__(self, keys: Keys, stream: TextIO | None = None) -> None:
+        self._keys, self._stream = keys, sys.stdin if stream is None else stream
+        self._before: list[Any] | None = None
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Self:
+        """Take the keys one by one, unseen."""
+        try:
+            import termios
+            import tty
+
+            number = self._stream.fileno()
+            if self._stream.isatty() and _in_front(number):
+                self._before = termios.tcgetattr(number)
+                tty.setcbreak(number)
+                self._thread = threading.Thread(target=self._run, args=(number,), name="laticauda-keys", daemon=True)
+                self._thread.start()
+        except (ImportError, AttributeError, OSError, ValueError):
+            pass  # another operating system, or no terminal: Ctrl-C is left
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Give the terminal back as it was."""
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join(10.0 * LOOK)
+        if self._before is not None:
+            import termios
+
+            with contextlib.suppress(OSError, ValueError, termios.error):
+                termios.tcsetattr(self._stream.fileno(), termios.TCSADRAIN, self._before)
+
+    def _run(self, number: int) -> None:
+        while not self._ended.is_set():
+            try:
+                if not select.select([number], [], [], LOOK)[0]:
+                    continue
+                pressed = os.read(number, 1)
+            except (OSError, ValueError):
+                return
+            if not pressed:  # the terminal is gone
+                return
+            if pressed in WORDS:
+                self._keys.stop(WORDS[pressed])
+
+
+def _in_front(number: int) -> bool:
+    """Whether this program is the one that its terminal listens to; one in the background must not touch it."""
+    try:
+        return os.tcgetpgrp(number) == os.getpgrp()
+    except OSError:  # not the terminal that controls this program: nobody else is in front of it
+        return True

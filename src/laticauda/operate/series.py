@@ -80,6 +80,9 @@ class Series:
                     "forward_velocity": setting.figure("forward_velocity"),
                     "electrical_power": setting.figure("electrical_power"),
                     "total_power": setting.figure("total_power"),
+                    "convergence_time": setting.figure("convergence_time"),
+                    "steady_error": setting.figure("steady_error"),
+                    "aftermath": [r.aftermath for r in setting.results if r.aftermath],
                 }
                 for setting in self.settings
             ],
@@ -87,16 +90,21 @@ class Series:
 
     def table(self) -> str:
         """Mean and scatter per setting, and why runs were rejected."""
-        lines = [f"{'setting':<34}{'runs':>5}{'v [m/s]':>20}{'P above idle [W]':>20}{'P total [W]':>18}"]
+        titles = f"{'v [m/s]':>20}{'P above idle [W]':>20}{'P total [W]':>18}{'p_y RMS [m]':>20}"
+        lines = [f"{'setting':<34}{'runs':>5}{titles}"]
         for setting in self.settings:
-            figures = [setting.figure(f) for f in ("forward_velocity", "electrical_power", "total_power")]
-            texts = [_shown(figure, digits) for figure, digits in zip(figures, (4, 2, 2), strict=True)]
+            names = ("forward_velocity", "electrical_power", "total_power", "steady_error")
+            texts = [_shown(setting.figure(name), digits) for name, digits in zip(names, (4, 2, 2, 4), strict=True)]
             runs = f"{len(setting.accepted)}/{self.file.repeats}"
-            lines.append(f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}")
+            lines.append(
+                f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}{texts[3]:>20}"
+            )
         for setting in self.settings:
             for result in setting.results:
                 if not result.accepted:
                     lines.append(f"rejected: {result.name}: {result.reason}")
+                if result.aftermath:
+                    lines.append(f"{result.name}: {result.aftermath}")
         lines.append(f"for `laticauda reproduce --repeats`: {self.folder / 'repeats.csv'}")
         return "\n".join(lines)
 

@@ -15,12 +15,14 @@ from laticauda.operate.operator import Operator, OperatorState, Outputs
 from laticauda.operate.recording import Header, OperationRecorder
 from laticauda.operate.replay import trial_of
 from laticauda.operate.settings import Operation
-from laticauda.operate.sink import RecordingSink
+from laticauda.operate.sink import PlainSink, RecordingSink
+from laticauda.operate.stepped import SteppedTank, run_stepped
 from laticauda.operate.supervisor import BY_EVENT
 from laticauda.operate.timing import Timing
-from laticauda.trial import Trial
+from laticauda.trial import Trial, following
 
 SUPPLY_VOLTAGE = 35.0  # the paper's V of (4) [V]
+LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,6 +47,9 @@ class Result:
     """The file with everything."""
     timing: Timing | None
     """How punctual the loop was; None if it had no clock."""
+    aftermath: str = ""
+    """What went wrong while the robot stopped after a run that counts: to be looked at before the next; "" if nothing
+    did."""
 
     def summary(self) -> dict[str, Any]:
         """The figures of the run by name, ready for JSON."""
@@ -62,7 +67,10 @@ class Result:
             error = trial.signals.get("cross_track_error")
             if error is not None:
                 found["final_cross_track_error"] = float(error[-1])
+                reached = following.summary(trial)
+                found |= {name: reached[name] for name in ("convergence_time", "steady_error", "ripple")}
         found["notes"] = list(self.notes)
+        found["aftermath"] = self.aftermath
         found["recording"] = None if self.recording is None else str(self.recording)
         found["timing"] = None if self.timing is None else self.timing.summary()
         return found
@@ -141,6 +149,46 @@ def operate(
     return result_of(operator, state, path, timing)
 
 
+def operate_stepped(
+    operation: Operation,
+    folder: Path,
+    tank: SteppedTank,
+    *,
+    keys: Keys | None = None,
+    show: Callable[[OperatorState, Outputs], None] | None = None,
+    text: str = "",
+    twin: Plant[Any] | None = None,
+    frames: bool = True,
+) -> Result:
+    """Operate something that is stepped once, such as `laticauda.lab.Tank`: no wires, no clock, as fast as it goes.
+
+    Args:
+        operation: What to do; its connections do not matter, the power meter is read.
+        folder: As in `operate`; a recording of that name is replaced.
+        tank: What is operated.
+        keys: What the operator presses.
+        show: Called with every tick.
+        text: The trial file as it was read.
+        twin: As in `operate`.
+        frames: Whether the raw frames of the bus are recorded, too.
+
+    Raises:
+        StorageFailed: If the recording cannot be written at the start.
+    """
+    operation = replace(operation, connection=replace(operation.connection, meter_port="stepped"))
+    operator = Operator(operation=operation, twin=twin)
+    header = header_of(operator, text)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{operation.name}.mcap"
+    path.unlink(missing_ok=True)
+    with OperationRecorder(path, header) as recorder:
+        sink = PlainSink(recorder, frames=frames)
+        longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
+        pressed: Callable[[float], Mapping[str, str]] = lambda now: {} if keys is None else keys.events  # noqa: E731
+        state = run_stepped(operator, tank, keys=pressed, sink=sink, show=show, longest=longest)
+    return result_of(operator, state, path, None)
+
+
 def result_of(operator: Operator, state: OperatorState, recording: Path | None, timing: Timing | None) -> Result:
     """What became of an operation, out of its last state and its recording.
 
@@ -168,7 +216,16 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         notes=state.notes,
         recording=recording,
         timing=timing,
+        aftermath=_aftermath(state) if accepted else "",
     )
+
+
+def _aftermath(state: OperatorState) -> str:
+    """What became of the robot after the run was over: it takes nothing from the run, but keeps it from the next."""
+    cause = BY_EVENT.get(state.supervisor.cause)
+    if cause is None or not state.supervisor.is_fault:
+        return ""
+    return f"After the run, {cause.says}. Look at the robot, then start with `--clear`."
 
 
 def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
@@ -202,6 +259,8 @@ def table(summary: Mapping[str, Any]) -> str:
         "idle_current": ("current at rest I_0", "A", 3),
         "electrical_power": ("power above idle (4)", "W", 2),
         "total_power": ("total power", "W", 2),
+        "convergence_time": ("within 0.1 m after", "s", 1),
+        "steady_error": ("p_y after that, RMS", "m", 4),
         "final_cross_track_error": ("p_y at the end", "m", 4),
     }
     lines = [f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"]
@@ -215,6 +274,8 @@ def table(summary: Mapping[str, Any]) -> str:
             f"{1e3 * timing['latency_p99']:.2f} ms, {timing['missed']} missed"
         )
     lines += [f"  note: {note}" for note in summary.get("notes", ())]
+    if summary.get("aftermath"):
+        lines.append(f"  note: {summary['aftermath']}")
     if summary.get("recording"):
         lines.append(f"  recording: {summary['recording']}")
     return "\n".join(lines)

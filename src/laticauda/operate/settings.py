@@ -192,8 +192,8 @@ class Limits:
     """Of a module [degC]."""
     max_current: float = 4.4
     """Of a motor, longer than `current_time` [A]."""
-    current_time: float = 1.0
-    """[s]."""
+    current_time: float = 3.0
+    """Longer than the servos of the model stall under the water's load, about 2 s with the fin [s]."""
     min_voltage: float = 28.0
     """Of the supply at a module [V]."""
     max_joint_error: float = math.radians(45.0)

@@ -46,10 +46,11 @@ class PlainSink:
 
     Args:
         recorder: Open; it stays open.
+        frames: Whether the raw frames of the bus are kept, which are most of a recording.
     """
 
-    def __init__(self, recorder: OperationRecorder) -> None:
-        self._recorder = recorder
+    def __init__(self, recorder: OperationRecorder, *, frames: bool = True) -> None:
+        self._recorder, self._frames = recorder, frames
         self.trouble = ""
 
     def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
@@ -57,7 +58,7 @@ class PlainSink:
         if self.trouble:
             return
         try:
-            write_tick(self._recorder, state, outputs, frames)
+            write_tick(self._recorder, state, outputs, frames if self._frames else ())
         except Exception as error:
             self.trouble = str(error) or type(error).__name__
 

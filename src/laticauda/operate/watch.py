@@ -83,8 +83,8 @@ class Watch:
             joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
             asked=asked,
         )
-        found = _of_modules(modules, limits, now)
-        found |= _of_motors(after, seen, limits)
+        # What a module says of itself tells more than what it does.
+        found = {**_of_motors(after, seen, limits), **_of_modules(modules, limits, now)}
         if seen.lateness > limits.max_lateness:
             found["late_loop"] = f"a tick came {seen.lateness:.3f} s late"
         if seen.references is not None:
@@ -117,9 +117,10 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
             found.setdefault("over_current", f"module {node}")
         if beat.voltage < limits.min_voltage:
             found.setdefault("low_voltage", f"module {node}: {beat.voltage:.1f} V")
-        faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
-        if beat.state == NodeState.FAULT and faults:
-            found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
+        if beat.state == NodeState.FAULT:
+            faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # that one we sent, or know already
+            if faults:
+                found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
     return found
 
 

@@ -1,18 +1,23 @@
 """Between messages and CAN frames, by `mamba.dbc`; the door of cantools and of python-can.
 
+Frames come and go three thousand times a second, so they are packed here by the layouts from which the file is written;
+that cantools makes the same bytes and numbers of them, by the file alone, is what the tests say.
+
 What a bus delivers is not to be trusted: `decode` gives None for whatever is no frame of ours, and never raises.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib import import_module
-from typing import Any, TypeAlias
+from operator import attrgetter
+from typing import Any
 
-from laticauda.errors import MissingExtra, finite
+from laticauda.errors import MissingExtra
 from laticauda.protocol.dbc import FILE, LAYOUTS
+from laticauda.protocol.layout import Packer
 from laticauda.protocol.messages import (
     N_GROUPS,
     N_NODES,
@@ -31,10 +36,8 @@ from laticauda.protocol.messages import (
     Sync,
 )
 
-Signals: TypeAlias = Mapping[str, Any]
-NOT_AVAILABLE = -32768
-FORCES = ("ForceAlong", "ForceLeft", "ForceUp")
 BASE = {layout.name: layout.identifier for layout in LAYOUTS}
+PACKERS = {layout.name: Packer(layout) for layout in LAYOUTS}
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,8 @@ class _Kind:
     name: str
     first: int  # number of the first frame: 1 for nodes, 0 for groups
     last: int
-    signals: Callable[[Any], dict[str, Any]]
-    message: Callable[[int, Signals], CanMessage]
+    signals: Callable[[Any], Sequence[Any]]  # in the order of the layout
+    message: Callable[[int, Sequence[Any]], CanMessage]
     number: Callable[[Any], int]
 
 
@@ -80,20 +83,12 @@ def encode(message: CanMessage) -> tuple[int, bytes]:
 
     Raises:
         ValueError: If there is no such node, or a number is not finite.
-        MissingExtra: If cantools is not installed.
     """
     kind = _KINDS[type(message)]
     number = kind.number(message)
     if not kind.first <= number <= kind.last:
         raise ValueError(f"`node` must be a number from {kind.first} to {kind.last}, got {number}.")
-    identifier = BASE[kind.name] + number
-    codec, scales, limits = _codec(identifier)
-    raw = {}
-    for name, value in kind.signals(message).items():
-        low, high = limits[name]
-        scaled = NOT_AVAILABLE if value is None else round(finite(name, value) / scales[name])
-        raw[name] = min(max(scaled, low), high)
-    return identifier, codec.encode(raw, scaling=False, strict=False)
+    return BASE[kind.name] + number, PACKERS[kind.name].packed(kind.signals(message))
 
 
 def decode(identifier: int, data: bytes) -> CanMessage | None:
@@ -102,21 +97,14 @@ def decode(identifier: int, data: bytes) -> CanMessage | None:
     Args:
         identifier: Of the frame, 11 bits.
         data: Its bytes.
-
-    Raises:
-        MissingExtra: If cantools is not installed.
     """
     found = _BY_IDENTIFIER.get(identifier)
     if found is None:
         return None
     kind, number = found
-    codec, scales, _ = _codec(identifier)
-    if len(data) != codec.length:
+    values = PACKERS[kind.name].unpacked(data)
+    if values is None:
         return None
-    raw = codec.decode(bytes(data), scaling=False, decode_choices=False)
-    values = {name: value * scales[name] if scales[name] != 1.0 else value for name, value in raw.items()}
-    if any(raw.get(name) == NOT_AVAILABLE for name in FORCES):
-        values |= dict.fromkeys(FORCES)
     try:
         return kind.message(number, values)
     except ValueError:  # a number that stands for no word
@@ -147,70 +135,42 @@ def from_frame(frame: Any) -> CanMessage | None:
     return decode(frame.arbitration_id, bytes(frame.data))
 
 
-@cache
-def _codec(identifier: int) -> tuple[Any, dict[str, float], dict[str, tuple[int, int]]]:
-    """cantools' message, and the scale and the range of raw values of its signals.
-
-    The lowest number of a signed signal is kept for "not available".
-    """
-    message = database().get_message_by_frame_id(identifier)
-    scales = {signal.name: float(signal.scale) for signal in message.signals}
-    limits = {
-        signal.name: (-(2 ** (signal.length - 1)) + (signal.name not in FORCES), 2 ** (signal.length - 1) - 1)
-        if signal.is_signed
-        else (0, 2**signal.length - 1)
-        for signal in message.signals
-    }
-    return message, scales, limits
-
-
-def _title(name: str) -> str:
-    """The signal of a field: its words run together."""
-    return "".join(word.capitalize() for word in name.split("_"))
-
-
-def _plain(kind: type[Any]) -> tuple[Callable[[Any], dict[str, Any]], Callable[[int, Signals], Any]]:
-    """Both ways for a class whose fields are its signals."""
-    names = {field.name: _title(field.name) for field in fields(kind) if field.name != "node"}
-    makes = {"state": NodeState, "result": Result}
+def _plain(kind: type[Any]) -> tuple[Callable[[Any], Sequence[Any]], Callable[[int, Sequence[Any]], Any]]:
+    """Both ways for a class whose fields are its signals, in the same order."""
+    names = [field.name for field in fields(kind) if field.name != "node"]
+    makes: dict[str, Callable[[Any], Any]] = {"state": NodeState, "result": Result}
     makes |= {f.name: bool for f in fields(kind) if f.type in (bool, "bool")}
+    made = [(at, makes[name]) for at, name in enumerate(names) if name in makes]
     with_node = any(field.name == "node" for field in fields(kind))
 
-    def signals(message: Any) -> dict[str, Any]:
-        return {signal: _number(getattr(message, name)) for name, signal in names.items()}
+    def message(number: int, values: Sequence[Any]) -> Any:
+        known = dict(zip(names, values, strict=True))
+        for at, make in made:
+            known[names[at]] = make(values[at])
+        return kind(node=number, **known) if with_node else kind(**known)
 
-    def message(number: int, values: Signals) -> Any:
-        made = {name: makes.get(name, _same)(values[signal]) for name, signal in names.items()}
-        return kind(node=number, **made) if with_node else kind(**made)
-
-    return signals, message
-
-
-def _number(value: Any) -> Any:
-    return int(value) if isinstance(value, bool) else value
+    # Of one name, the getter gives no tuple.
+    get = attrgetter(*names)
+    return (get if len(names) > 1 else lambda m: (get(m),)), message
 
 
-def _same(value: Any) -> Any:
-    return value
+def _command(number: int, values: Sequence[Any]) -> NodeCommand:
+    node, order, angle = values
+    return NodeCommand(node=node, order=Order(order), angle=angle)
 
 
-def _command(number: int, values: Signals) -> NodeCommand:
-    return NodeCommand(node=values["Node"], order=Order(values["Order"]), angle=values["Angle"])
+def _loads(number: int, values: Sequence[Any]) -> Loads:
+    along, left, up, torque = values
+    return Loads(node=number, force=None if None in (along, left, up) else (along, left, up), torque=torque)
 
 
-def _loads(number: int, values: Signals) -> Loads:
-    force = None if values["ForceAlong"] is None else tuple(values[name] for name in FORCES)
-    return Loads(node=number, force=force, torque=values["Torque"])  # pyright: ignore[reportArgumentType]
+def _load_signals(message: Loads) -> Sequence[Any]:
+    return (*((None, None, None) if message.force is None else message.force), message.torque)
 
 
-def _load_signals(message: Loads) -> dict[str, Any]:
-    force = (None, None, None) if message.force is None else message.force
-    return {**dict(zip(FORCES, force, strict=True)), "Torque": message.torque}
-
-
-def _references(number: int, values: Signals) -> References:
-    angles = tuple(values[f"Angle{k}"] for k in range(1, 5))
-    return References(group=number, angles=angles)  # pyright: ignore[reportArgumentType]
+def _references(number: int, values: Sequence[Any]) -> References:
+    one, two, three, four = values
+    return References(group=number, angles=(one, two, three, four))
 
 
 def _one(message: Any) -> int:
@@ -228,7 +188,7 @@ _KINDS: dict[type[Any], _Kind] = {
         "NodeCommand",
         0,
         0,
-        lambda m: {"Node": m.node, "Order": m.order, "Angle": m.angle},
+        lambda m: (m.node, m.order, m.angle),
         _command,
         _one,
     ),
@@ -236,7 +196,7 @@ _KINDS: dict[type[Any], _Kind] = {
         "References",
         0,
         N_GROUPS - 1,
-        lambda m: {f"Angle{k}": angle for k, angle in enumerate(m.angles, start=1)},
+        lambda m: m.angles,
         _references,
         lambda m: m.group,
     ),

@@ -8,6 +8,7 @@ ROS, with its data as JSON. Units stand in the metadata of each channel, under "
 from __future__ import annotations
 
 import json
+import struct
 import threading
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -20,6 +21,7 @@ from laticauda.trial import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
+_CAN_FRAME = struct.Struct("<4s iI I4s I??? B8s")  # encapsulation; stamp, frame_id ""; identifier, flags, length, data
 WORLD = "world"
 """The frame of the world axes."""
 
@@ -252,16 +254,17 @@ class Recorder:
         """
         if len(data) > 8:
             raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
-        content = {
-            "header": _header(time, ""),
-            "id": identifier,
-            "is_rtr": is_rtr,
-            "is_extended": is_extended,
-            "is_error": is_error,
-            "dlc": len(data),
-            "data": bytes(data).ljust(8, b"\x00"),
-        }
-        self.message(topic, time, "can_msgs/Frame", content)
+        now = _nanoseconds(finite("time", time, "s"))
+        if now < 0:
+            raise ValueError(f"`time` must be >= 0 s, got {time}.")
+        if not 0 <= identifier < 1 << 32:
+            raise ValueError(f"`identifier` must be from 0 to 2^32 - 1, got {identifier}.")
+        # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
+        seconds, rest = divmod(now, 1_000_000_000)
+        flags = bool(is_rtr), bool(is_extended), bool(is_error)
+        body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, *flags, len(data), bytes(data))
+        with self._lock:
+            self._add(self._channel(topic, "can_msgs/Frame", ""), now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
         """Record anything that JSON can hold, as a text (std_msgs/String).
