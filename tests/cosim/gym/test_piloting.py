@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,9 @@ from laticauda.cosim.gym import PathFollowing, Pilots, SwimmingVectorEnv
 TASK = PathFollowing(duration=30.0)
 
 
-def sight(interval: float = TASK.interval) -> lc.PathFollowing:
+def sight(interval: float = TASK.interval, gait: lc.Gait = TASK.gait) -> lc.PathFollowing:
     return lc.PathFollowing(
-        gait=TASK.gait,
+        gait=gait,
         path=lc.StraightLine(),
         guidance=lc.LineOfSight(look_ahead_distance=0.18),
         heading=lc.HeadingController(gain=0.4, max_offset=TASK.max_offset),
@@ -33,6 +35,18 @@ def test_line_of_sight_in_a_lane_is_the_trial_of_the_runner():
         trial = lc.run(TASK.plant, sight(), TASK.duration, start=at, sample_interval=TASK.interval)
         np.testing.assert_allclose(np.array(place)[:, :, lane], trial.center_of_mass[1:], atol=1e-12)
         np.testing.assert_allclose(np.array(work)[:, lane], trial.work[1:, 0], rtol=1e-12)
+
+
+def test_steering_adds_to_the_offset_of_the_gait():
+    task = replace(TASK, gait=replace(TASK.gait, offset=0.1), duration=5.0)
+    envs = SwimmingVectorEnv(1, task=task)
+    envs.reset(options={"y": 0.5, "heading": 0.0, "current_speed": 0.0})
+    pilots = Pilots(sight(gait=task.gait), envs.episodes)
+    for _ in range(task.n_steps):
+        envs.step(pilots.actions())
+    at = lc.Start(center_of_mass=(0.0, 0.5))
+    trial = lc.run(task.plant, sight(gait=task.gait), task.duration, start=at, sample_interval=task.interval)
+    assert envs.episodes.motion.heading[0] == pytest.approx(trial.heading[-1], abs=1e-12)
 
 
 def test_a_new_episode_gets_a_new_pilot():

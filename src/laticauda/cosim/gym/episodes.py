@@ -56,6 +56,8 @@ class Episodes:
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
         self._units = np.array([sight.unit for sight in task.sights])
         self._middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
+        # Steering adds to the offset that the gait has.
+        self._middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
         self._half = np.array([0.5 * (action.high - action.low) for action in task.actions])
 
     @property

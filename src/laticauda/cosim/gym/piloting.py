@@ -39,7 +39,12 @@ class Pilots:
     def _action(self, command: Command) -> list[float]:
         """A command as an action, which cannot ask for more than the task lets it."""
         action: list[float] = []
-        for each in self._episodes.task.actions:
-            value = command.offset + command.gait.offset if each.name == "offset" else getattr(command.gait, each.name)
+        task = self._episodes.task
+        for each in task.actions:
+            value = (
+                command.offset + command.gait.offset - task.gait.offset
+                if each.name == "offset"
+                else getattr(command.gait, each.name)
+            )
             action.append((value - 0.5 * (each.low + each.high)) / (0.5 * (each.high - each.low)))
         return action

@@ -6,7 +6,7 @@ return is an integral over time, whatever the interval.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -145,10 +145,10 @@ class Swimming(ABC):
         """What `step` is worth [-]."""
 
 
-def settle(task: object, check: object, unit: str, *names: str) -> None:
+def settle(task: object, check: Callable[[str, object, str], float], unit: str, *names: str) -> None:
     """Check fields of a frozen task, and keep them as floats."""
     for name in names:
-        object.__setattr__(task, name, check(name, getattr(task, name), unit))  # pyright: ignore
+        object.__setattr__(task, name, check(name, getattr(task, name), unit))
 
 
 def settle_ends(task: object, unit: str, *names: str) -> None:
