@@ -111,9 +111,12 @@ def commands_text(setting: Setting) -> str:
     note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
     is_file = setting.water is not None and water_source(setting.water) == WATER_FILE
     note += f"This water is no preset: download it as `{WATER_FILE}` first.\n\n" if is_file else ""
-    words = re.split(r" (?=--)", command_line(setting))
-    shown = " \\\n  ".join(words)  # a line per flag: the page's column is narrow
-    return f"{note}```bash\n{shown}\n```\n```python\n{python_code(setting)}\n```"
+    return f"{note}```bash\n{folded(command_line(setting))}\n```\n```python\n{python_code(setting)}\n```"
+
+
+def folded(command: str) -> str:
+    """A command with a line per flag: the page's column is narrow."""
+    return " \\\n  ".join(re.split(r" (?=--)", command))
 
 
 def _waves(gait: Gait) -> list[str]:

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, water_source
+from laticauda.cockpit.commands import FILE, WATER_FILE, command_line, commands_text, folded, python_code, water_source
 from laticauda.cockpit.controls import refuse
+from laticauda.cockpit.copying import copy_buttons
 from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
@@ -82,12 +83,16 @@ class Runs:
         self._away = gui.add_button("remove the ghost", visible=False)
         self._away.on_click(self._remove)
         gui.add_markdown("**The same run elsewhere**, from straight and at rest at the origin:")
+        self._copy = gui.add_html("")
         self._text = gui.add_markdown("")
 
     def changed(self) -> None:
         """After every change of the setting."""
-        self._text.content = commands_text(self._live.setting)
-        water = self._live.setting.water
+        setting = self._live.setting
+        self._text.content = commands_text(setting)
+        texts = {"copy the command": folded(command_line(setting)), "copy the Python": python_code(setting)}
+        self._copy.content = copy_buttons(texts)
+        water = setting.water
         self._water.visible = water is not None and water_source(water) == WATER_FILE
 
     def begin(self) -> None:
