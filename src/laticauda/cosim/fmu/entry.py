@@ -28,7 +28,8 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for
-from laticauda.compiling.lanes import INLINED, Rows
+from laticauda.compiling.lane_types import Rows
+from laticauda.compiling.lanes import INLINED
 from laticauda.planar.rows import VX, VY
 from laticauda.planar.specialize import FluidLaw, specialize
 
@@ -209,6 +210,7 @@ def _target() -> Target:
 
     return Target(
         kernel=njit(**_OWN),
+        law=njit(**_OWN),
         entry=njit(**_OWN),
         in_lanes=PROCESSOR.in_lanes,
         where=PROCESSOR.where,
