@@ -1,8 +1,8 @@
 """How fast is an FMU, how near is it to a swim, and how does it depend on the communication step?
 
 30 s of Mamba with its fin through FMPy (`pip install fmpy`): its own loop, and the FMU's steps alone, beside `swim`
-with as many samples; the greatest differences between the two runs. Then 10 s of servos whose references are sampled from a
-gait at every communication step: how far the center of mass is from that of a swim, in which the gait goes on.
+with as many samples; the greatest differences between the two runs. Then 10 s of servos whose references are sampled
+from a gait at every communication step: how far the center of mass is from that of a swim, in which the gait goes on.
 """
 
 import math

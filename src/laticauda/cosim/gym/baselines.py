@@ -61,11 +61,11 @@ class StableBaselines(VecEnv):
         self.envs.close()
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute of the environment, which its lanes share."""
+        """An attribute of the environment, which its lanes share. Arguments as for `VecEnv`."""
         return [getattr(self.envs, attr_name) for _ in self._lanes(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refused: lanes have no attributes of their own.
+        """Refused: lanes have no attributes of their own. Arguments as for `VecEnv`.
 
         Raises:
             ValueError: Always.
@@ -73,7 +73,7 @@ class StableBaselines(VecEnv):
         raise ValueError(f"`{attr_name}` must be given when the environment is made: its lanes share it.")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
-        """Refused, for the same reason.
+        """Refused, for the same reason. Arguments as for `VecEnv`.
 
         Raises:
             ValueError: Always.
@@ -81,7 +81,7 @@ class StableBaselines(VecEnv):
         raise ValueError(f"`{method_name}` must be called on `envs`: its lanes are no environments of their own.")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """They never are."""
+        """They never are. Arguments as for `VecEnv`."""
         return [False for _ in self._lanes(indices)]
 
     def _lanes(self, indices: Any) -> Iterable[int]:

@@ -238,8 +238,8 @@ class SwimmingVectorEnv(VectorEnv):
         power = np.where(waiting, 0.0, done.power)
         return self._observation.copy(), reward, terminated, truncated, self._infos(power) | infos
 
-    def close_extras(self, **_: Any) -> None:
-        """Let threads go."""
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let threads go; `kwargs`, which Gymnasium passes on, mean nothing here."""
         self.episodes.close()
 
     def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:

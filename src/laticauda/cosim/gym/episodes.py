@@ -139,7 +139,7 @@ class Episodes:
         )
 
     def observe(self, lane: int) -> Observation:
-        """What a controller sees of the robot in a lane."""
+        """What a controller sees of the robot in a `lane`."""
         return self._school.observe(lane)
 
     def close(self) -> None:
