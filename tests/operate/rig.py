@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from laticauda.kinematics import link_angles, link_centers
-from laticauda.operate.operator import Inputs, Operator, OperatorState, Outputs
+from laticauda.operate.operator import Operator
 from laticauda.operate.samples import Event, PoseSample, PowerReading
+from laticauda.operate.state import Inputs, OperatorState, Outputs
 from laticauda.protocol import (
     EmergencyStop,
     Heartbeat,

@@ -9,9 +9,9 @@ from typing import Any, Self, TextIO
 
 from laticauda.errors import MissingExtra
 from laticauda.operate.modules import Modules
-from laticauda.operate.operator import PHASES, OperatorState, Outputs
 from laticauda.operate.samples import Event
 from laticauda.operate.settings import Operation
+from laticauda.operate.state import PHASES, OperatorState, Outputs
 from laticauda.protocol import NodeState
 
 REFRESH = 0.2  # [s, wall clock]

@@ -11,8 +11,9 @@ import numpy as np
 
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.operator import Inputs, Operator, OperatorState, Outputs
+from laticauda.operate.operator import Operator
 from laticauda.operate.settings import Connection
+from laticauda.operate.state import Inputs, OperatorState, Outputs
 from laticauda.operate.timing import Timing
 from laticauda.protocol import BusAddress, EmergencyStop
 

@@ -6,127 +6,32 @@ The supervisor's state stands beside the phase: it says whether the joints may m
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from laticauda.interfaces import Command, Plant
+from laticauda.interfaces import Plant
 from laticauda.operate import preparing
-from laticauda.operate.asking import Asker, Asking
-from laticauda.operate.calibration import ClockOffset, MeanCurrent, SeenClock
-from laticauda.operate.estimate import Estimate, Mount
+from laticauda.operate.asking import Asker
+from laticauda.operate.calibration import ClockOffset
+from laticauda.operate.estimate import Mount
 from laticauda.operate.estimation import Estimator
 from laticauda.operate.kinematic import KinematicEstimator
-from laticauda.operate.modules import Modules, heard, no_modules
+from laticauda.operate.modules import heard, no_modules
 from laticauda.operate.packing import Recorded
 from laticauda.operate.replay import AnyEstimator
-from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading, ReferenceSample
+from laticauda.operate.samples import Event, JointSample, PoseSample, ReferenceSample
 from laticauda.operate.settings import Operation
-from laticauda.operate.supervisor import BY_EVENT, Entry, Supervisor, SupervisorState
-from laticauda.operate.watch import Seen, Watch, WatchState
+from laticauda.operate.state import Inputs, OperatorState, Outputs, Prepared
+from laticauda.operate.supervisor import BY_EVENT, Entry, Supervisor
+from laticauda.operate.watch import Seen, Watch
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
 from laticauda.robot import Robot
 
-PHASES = (*preparing.PHASES, "running", "stopping", "done")
 REPEAT = 0.1  # orders that are not obeyed yet are given again after [s]
 STRAIGHT_SHARE = 0.7  # of the time for straightening, on the way; the rest is for the joints to come after
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Inputs:
-    """What came in since the last tick."""
-
-    messages: tuple[tuple[float, CanMessage], ...] = ()
-    """From the bus, with the time of their arrival [s]."""
-    frames: tuple[tuple[float, PoseSample], ...] = ()
-    """From the motion capture, with the time of their arrival [s]; their own time is that of the cameras' clock, and
-    they are in the tank frame."""
-    readings: tuple[PowerReading, ...] = ()
-    """From the power meter, on our clock."""
-    events: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What drivers, recorder and operator say, by the names of the supervisor's table, with a sentence each."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Outputs:
-    """What goes out."""
-
-    messages: tuple[CanMessage, ...] = ()
-    """To the bus, in this order."""
-    samples: tuple[Recorded, ...] = ()
-    """What the estimator took, in that order, on our clock and in the path frame; then the power meter's readings."""
-    estimate: Estimate | None = None
-    """Where the robot is; None before it is known."""
-    command: Command | None = None
-    """What the controller decided at this tick; None where it was not asked."""
-    signals: Mapping[str, float] = field(default_factory=dict[str, float])
-    """What it had in mind."""
-    events: tuple[Event, ...] = ()
-    """For the log."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class OperatorState:
-    """Where an operation stands."""
-
-    phase: str = PHASES[0]
-    """One of `PHASES`."""
-    since: float | None = None
-    """When the phase began [s]; None before the first tick."""
-    now: float | None = None
-    """Time of the last tick [s]; None before the first."""
-    supervisor: SupervisorState
-    """The safety supervisor's."""
-    watch: WatchState
-    """Of the limits."""
-    modules: Modules
-    """What the modules say."""
-    estimator: Any
-    """State of the state estimation."""
-    estimate: Estimate | None = None
-    """Where the robot is, path frame; None before it is known."""
-    clock: SeenClock | None = None
-    """Offset of the cameras' clock."""
-    seen: float | None = None
-    """When the robot was seen last; None before [s]."""
-    reading: PowerReading | None = None
-    """The last one of the power meter."""
-    idle: MeanCurrent = field(default_factory=MeanCurrent)
-    """Current at rest, before the run."""
-    drawn: MeanCurrent = field(default_factory=MeanCurrent)
-    """Current of the run."""
-    asking: Asking
-    """What the joints are asked for."""
-    prepared: preparing.Prepared
-    """What the preparations found."""
-    begun: float | None = None
-    """When the run began [s]; None before."""
-    ended: float | None = None
-    """When the run ended [s]; None before."""
-    stopped_by: str = ""
-    """The event that ended the run; "" if it reached its end."""
-    failure: str = ""
-    """Why the operation is given up before the run; "" if it is not."""
-    error: str = ""
-    """What went wrong in our own program at the last tick."""
-    notes: tuple[str, ...] = ()
-    """Events of the run that did not stop it."""
-    ordered: float = -1e9
-    """When the last order went out that waits to be obeyed [s]."""
-    sync: int = 0
-    """Counter of the next Sync [-]."""
-
-    @property
-    def is_done(self) -> bool:
-        """Whether nothing is left to do."""
-        return self.phase == "done"
-
-    @property
-    def idle_current(self) -> float | None:
-        """I_0 [A]; None where it was not measured."""
-        return self.idle.mean
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -188,7 +93,7 @@ class Operator:
             modules=no_modules(n),
             estimator=self.estimator.init(),
             asking=self.asker.init(),
-            prepared=preparing.Prepared(),
+            prepared=Prepared(),
         )
 
     def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
@@ -207,7 +112,7 @@ class Operator:
             state = replace(state, since=now)
         state, samples = self._taken(state, now, inputs)
         state, wrong = self._looked(state, before, now, inputs)
-        state, requests, told = preparing.step(self, state, now) if not before.is_done else (state, (), ())
+        state, requests, told = self._prepared(state, now)
         state, asked = self._course(state, now, requests)
         state, entries = self._supervised(state, now, wrong, asked)
         state = self._moved(state, now)
@@ -218,6 +123,15 @@ class Operator:
         if state.asking.thoughts > before.asking.thoughts:
             outputs = replace(outputs, command=state.asking.command, signals=self.asker.signals(state.asking))
         return replace(state, now=now), outputs
+
+    def _prepared(self, state: OperatorState, now: float) -> preparing.Answer:
+        """One tick of the preparations, as far as they are to go."""
+        if state.is_done:
+            return state, (), ()
+        state, requests, told = preparing.step(self.operation, state, now)
+        if self.check_only and state.phase == "settling":
+            return replace(state, phase="done"), (), told
+        return state, requests, told
 
     # ---- what came in ----------------------------------------------------------------------------------------------
 

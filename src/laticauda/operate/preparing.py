@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,40 +10,20 @@ from laticauda.angles import wrap_to_pi
 from laticauda.operate.calibration import CalibrationFailed, Places, Stillness, joint_zeros, marker_yaw
 from laticauda.operate.modules import complaints
 from laticauda.operate.samples import Event
+from laticauda.operate.settings import Operation
+from laticauda.operate.state import OperatorState
 
-if TYPE_CHECKING:
-    from laticauda.operate.operator import Operator, OperatorState
-
-PHASES = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
 CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
 COLLECT_TIME = 1.0  # of samples for a calibration [s]
 LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
-Answer: TypeAlias = "tuple[OperatorState, tuple[str, ...], tuple[Event, ...]]"
+Answer = tuple[OperatorState, tuple[str, ...], tuple[Event, ...]]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Prepared:
-    """What the preparations found."""
-
-    marker_turned: float = 0.0
-    """By how much the marker body sits otherwise on its module than the trial file says, as measured [rad]."""
-    angle: tuple[np.ndarray, ...] = ()
-    """Joint angles of the limp robot [rad]."""
-    rotation: tuple[np.ndarray, ...] = ()
-    """Of the marker body, path frame [-]."""
-    sets_zero: bool = False
-    """Whether the modules are to take their angles as zero."""
-    places: Places = ()
-    """Where the robot was in the last moments."""
-    start: tuple[float, float, float] | None = None
-    """Center of mass [m, m] and heading [rad] of the robot at rest, path frame: p_y(0) and theta(0)."""
-
-
-def step(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def step(operation: Operation, state: OperatorState, now: float) -> Answer:
     """One tick of the phase that `state` is in.
 
     Args:
-        operator: The operation.
+        operation: What is to be prepared.
         state: Before.
         now: [s].
 
@@ -55,27 +34,27 @@ def step(operator: "Operator", state: "OperatorState", now: float) -> Answer:
     if phase is None or state.failure:
         return state, (), ()
     try:
-        return phase(operator, state, now)
+        return phase(operation, state, now)
     except CalibrationFailed as error:
         return _given_up(state, now, str(error))
 
 
-def _next(state: "OperatorState", now: float, phase: str, message: str, **data: object) -> Answer:
+def _next(state: OperatorState, now: float, phase: str, message: str, **data: object) -> Answer:
     event = Event(time=now, kind=state.phase, message=message, data=data)
     return replace(state, phase=phase, since=now), (), (event,)
 
 
-def _given_up(state: "OperatorState", now: float, why: str) -> Answer:
+def _given_up(state: OperatorState, now: float, why: str) -> Answer:
     return replace(state, failure=why), (), (Event(time=now, kind="failed", message=why),)
 
 
-def _gone(state: "OperatorState", now: float) -> float:
+def _gone(state: OperatorState, now: float) -> float:
     return 0.0 if state.since is None else now - state.since
 
 
-def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _connecting(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Until every module, the motion capture and the power meter have been heard."""
-    modules, connection = state.modules, operator.operation.connection
+    modules, connection = state.modules, operation.connection
     missing: list[str] = []
     if not modules.is_heard:
         silent = [
@@ -100,9 +79,9 @@ def _connecting(operator: "Operator", state: "OperatorState", now: float) -> Ans
     return state, (), ()
 
 
-def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Every module: firmware state, temperature, leak, voltage; limp."""
-    limits = operator.operation.limits
+    limits = operation.limits
     found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
         beats = [beat for beat in state.modules.heartbeat if beat is not None]
@@ -114,9 +93,9 @@ def _checking(operator: "Operator", state: "OperatorState", now: float) -> Answe
     return state, (), ()
 
 
-def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
-    how, prepared = operator.operation.calibration, state.prepared
+    how, prepared = operation.calibration, state.prepared
     prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
     state = replace(state, prepared=prepared)
     if _gone(state, now) < COLLECT_TIME:
@@ -131,36 +110,33 @@ def _calibrating(operator: "Operator", state: "OperatorState", now: float) -> An
         rotation = np.array(prepared.rotation).reshape(-1, 3, 3)
         if len(rotation) < LEAST_FRAMES:
             raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
-        yaw = marker_yaw(rotation, heading=how.straight_heading - operator.operation.tank.path_heading)
+        yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
         words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
     return _next(replace(state, prepared=prepared), now, "idle_current", "; ".join(words))
 
 
-def _idle_current(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
     """I_0: the mean while the robot is limp."""
-    if not operator.operation.connection.meter_port:
-        return _checked(operator, state, now, "no power meter: the run has no power")
-    if _gone(state, now) < operator.operation.calibration.idle_time:
+    if not operation.connection.meter_port:
+        return _checked(state, now, "no power meter: the run has no power")
+    if _gone(state, now) < operation.calibration.idle_time:
         return state, (), ()
     mean = state.idle.mean
     if mean is None:
         return _given_up(state, now, "The power meter fell silent while the current at rest was measured.")
     message = f"I_0 = {mean:.3f} A from {state.idle.count} readings"
-    return _checked(operator, state, now, message, current=mean, readings=state.idle.count)
+    return _checked(state, now, message, current=mean, readings=state.idle.count)
 
 
-def _checked(operator: "Operator", state: "OperatorState", now: float, message: str, **data: object) -> Answer:
-    if operator.check_only:
-        event = Event(time=now, kind=state.phase, message=message, data=data)
-        return replace(state, phase="done", since=now), (), (event,)
+def _checked(state: OperatorState, now: float, message: str, **data: object) -> Answer:
     state, _, events = _next(state, now, "settling", message, **data)
     return state, ("checked",), events
 
 
-def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Held straight, until the water is calm and the robot lies where it is to start."""
-    how, estimate = operator.operation.calibration, state.estimate
+    how, estimate = operation.calibration, state.estimate
     if state.supervisor.state == "idle":  # something spoke against it: ask again, and not forever
         if _gone(state, now) > CONNECT_TIME / 2.0:
             return _given_up(state, now, "The robot may not move: " + _why(state))
@@ -176,7 +152,7 @@ def _settling(operator: "Operator", state: "OperatorState", now: float) -> Answe
     if not is_still:
         return state, (), ()
     start = _mean(places)
-    off = _off_place(operator, start)
+    off = _off_place(operation, start)
     if off:
         return _given_up(state, now, off)
     message = f"still at p_y(0) = {start[1]:.4f} m, theta(0) = {math.degrees(start[2]):.2f} deg"
@@ -188,8 +164,8 @@ def _mean(places: Places) -> tuple[float, float, float]:
     return sum(p[1] for p in places) / n, sum(p[2] for p in places) / n, sum(p[3] for p in places) / n
 
 
-def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
-    wanted = operator.operation.start
+def _off_place(operation: Operation, start: tuple[float, float, float]) -> str:
+    wanted = operation.start
     if wanted is None:
         return ""
     away = math.hypot(start[0] - wanted.position[0], start[1] - wanted.position[1])
@@ -202,20 +178,20 @@ def _off_place(operator: "Operator", start: tuple[float, float, float]) -> str:
     )
 
 
-def _countdown(operator: "Operator", state: "OperatorState", now: float) -> Answer:
+def _countdown(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Some seconds for everybody to step back."""
-    return state, ("started",) if _gone(state, now) >= operator.operation.countdown else (), ()
+    return state, ("started",) if _gone(state, now) >= operation.countdown else (), ()
 
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
 
 
-def _why(state: "OperatorState") -> str:
+def _why(state: OperatorState) -> str:
     return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
 
 
-_STEPS: dict[str, Callable[["Operator", "OperatorState", float], Answer]] = {
+_STEPS: dict[str, Callable[[Operation, OperatorState, float], Answer]] = {
     "connecting": _connecting,
     "checking": _checking,
     "calibrating": _calibrating,

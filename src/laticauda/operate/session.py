@@ -11,11 +11,12 @@ from laticauda.operate.drivers import Clock
 from laticauda.operate.keys import Keys
 from laticauda.operate.loop import connected, run_loop
 from laticauda.operate.operation_log import read_operation
-from laticauda.operate.operator import Operator, OperatorState, Outputs
+from laticauda.operate.operator import Operator
 from laticauda.operate.recording import Header, OperationRecorder
 from laticauda.operate.replay import trial_of
 from laticauda.operate.settings import Operation
 from laticauda.operate.sink import PlainSink, RecordingSink
+from laticauda.operate.state import OperatorState, Outputs
 from laticauda.operate.stepped import SteppedTank, run_stepped
 from laticauda.operate.supervisor import BY_EVENT
 from laticauda.operate.timing import Timing

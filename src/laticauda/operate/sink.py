@@ -6,8 +6,8 @@ from types import TracebackType
 from typing import Self
 
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.operator import Inputs, OperatorState, Outputs
 from laticauda.operate.recording import OperationRecorder
+from laticauda.operate.state import Inputs, OperatorState, Outputs
 
 PAUSE = 0.02  # of the thread when there is nothing to write [s, wall clock]
 PATIENCE = 10.0  # for the rest to be written at the end [s, wall clock]

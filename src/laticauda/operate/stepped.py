@@ -10,8 +10,9 @@ import numpy as np
 
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.loop import NoSink, Sink
-from laticauda.operate.operator import Inputs, Operator, OperatorState, Outputs
+from laticauda.operate.operator import Operator
 from laticauda.operate.samples import PoseSample, PowerReading
+from laticauda.operate.state import Inputs, OperatorState, Outputs
 from laticauda.protocol import MocapFrame, ProtocolError, decode, encode
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
