@@ -82,11 +82,20 @@ def learned(seed: int, budget: int) -> tuple[Any, float]:
     return model, time.perf_counter() - begun
 
 
-def row(name: str, figures: dict[str, np.ndarray]) -> str:
-    """One line of the table: means over the episodes, the error as their root mean square."""
-    mean, spread = figures["return"].mean(), figures["return"].std() / math.sqrt(EPISODES)
-    words = f"| {name} | {mean:.1f} ± {spread:.1f} | {1e3 * math.sqrt(np.mean(figures['error'] ** 2)):.0f} "
+def row(name: str, figures: dict[str, np.ndarray], best: np.ndarray) -> str:
+    """One line of the table: means over the episodes, the error as their root mean square.
+
+    The episodes are the same for all, so the difference to the best law says more than the two returns.
+    """
+    returns = figures["return"]
+    error = 1e3 * math.sqrt(np.mean(figures["error"] ** 2))
+    words = f"| {name} | {mean(returns)} | {mean(returns - best)} | {error:.0f} "
     return f"{words}| {figures['speed'].mean():.3f} | {figures['power'].mean():.1f} |"
+
+
+def mean(values: np.ndarray) -> str:
+    """Of the episodes, and its standard error."""
+    return f"{values.mean():.1f} ± {values.std() / math.sqrt(EPISODES):.1f}"
 
 
 def best_of(laws: list[tuple[Any, float]]) -> tuple[Any, float]:
@@ -98,8 +107,8 @@ def best_of(laws: list[tuple[Any, float]]) -> tuple[Any, float]:
     return max(laws, key=worth)
 
 
-def print_laws() -> None:
-    """The rows of those that do not learn."""
+def print_laws() -> np.ndarray:
+    """The rows of those that do not learn; the returns of the best."""
     sight = [(lc.LineOfSight(look_ahead_distance=d), k) for d, k in itertools.product(DISTANCES, GAINS)]
     learns = [
         (lc.IntegralLineOfSight(look_ahead_distance=d, integral_gain=s), k)
@@ -114,9 +123,14 @@ def print_laws() -> None:
         f"LOS, {distance}, best of {len(sight)}": near,
         f"ILOS, {integral}, best of {len(learns)}": far,
     }
+    figures: dict[str, dict[str, np.ndarray]] = {}
     for name, law in laws.items():
         make: Any = (lambda envs: lambda _: np.zeros((EPISODES, 1))) if law is None else None
-        print(row(name, evaluated(make or (lambda envs, law=law: steers(envs, *law)), UNSEEN, EPISODES)), flush=True)
+        figures[name] = evaluated(make or (lambda envs, law=law: steers(envs, *law)), UNSEEN, EPISODES)
+    best = max((each["return"] for each in figures.values()), key=np.mean)
+    for name, each in figures.items():
+        print(row(name, each, best), flush=True)
+    return best
 
 
 def main() -> None:
@@ -124,20 +138,18 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--budget", type=int, default=1_000_000, help="steps of 0.2 s that each learner may take")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the learners")
-    parser.add_argument("--learners", action="store_true", help="the learners alone")
     args = parser.parse_args()
     if importlib.util.find_spec("stable_baselines3") is None:
         print('This needs stable-baselines3; run `pip install "laticauda[learn]"`.', file=sys.stderr)
         return
-    print("| who steers | return | rms error [mm] | along [m/s] | power [W] |")
-    print("|---|---|---|---|---|")
-    if not args.learners:
-        print_laws()
+    print("| who steers | return | less the best law's | rms error [mm] | along [m/s] | power [W] |")
+    print("|---|---|---|---|---|---|")
+    best = print_laws()
     for seed in args.seeds:
         model, seconds = learned(seed, args.budget)
         act: Act = lambda seen, model=model: model.predict(seen, deterministic=True)[0]  # noqa: E731
         figures = evaluated(lambda envs, act=act: act, UNSEEN, EPISODES)
-        print(row(f"PPO, {args.budget} steps, seed {seed}", figures), f"learned in {seconds:.0f} s", flush=True)
+        print(row(f"PPO, {args.budget} steps, seed {seed}", figures, best), f"learned in {seconds:.0f} s", flush=True)
 
 
 if __name__ == "__main__":

@@ -31,9 +31,32 @@ def test_follow_takes_waypoints_and_the_integral_law(run):
     assert settings["guidance"].startswith("IntegralLineOfSight(")
 
 
+def test_follow_plans_ahead_in_a_current_within_a_power(run):
+    done = run(
+        "follow --robot mamba-fin --frequency-deg-s 90 --current 0 0.03 --guidance model-predictive "
+        "--frequency-limits-deg-s 60 120 --power-limit 12 --duration 60 --json"
+    )
+    assert done.status == 0
+    found = json.loads(done.out)
+    assert abs(found["path_following"]["last_third_error"]) < 0.02
+    assert found["mean_power"] < 13.0
+    assert found["settings"]["guidance"] == "ModelPredictive"
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
+        ("--power-limit 3", "--power-limit must not be given without --guidance model-predictive."),
+        ("--guidance model-predictive --heading-estimate raw", "--heading-estimate must not be given with --guidance"),
+        ("--guidance model-predictive --speed 0", "--speed must be > 0 m/s, got 0"),
+        (
+            "--guidance model-predictive --frequency-deg-s 90 --frequency-limits-deg-s 100 120",
+            "--frequency-limits-deg-s must hold the gait's frequency of 90 deg/s between them, got 100 and 120.",
+        ),
+        (
+            "--guidance model-predictive --frequency-limits-deg-s 120 60",
+            "--frequency-limits-deg-s must be 0 < least < greatest in deg/s, got 120 and 60.",
+        ),
         ("--look-ahead-distance 0", "--look-ahead-distance must be > 0 m, got 0"),
         ("--waypoints 0 0", "must"),
         ("--waypoints 0 0 0 0", "must"),

@@ -59,6 +59,9 @@ Numbers = Annotated[
 ]
 Files = Annotated[tuple[str, ...] | None, _option("*", "FILE ...", lambda words: tuple(words))]
 Two = Annotated[tuple[float, ...] | None, _option(2, "X Y", lambda words: tuple(_number(word) for word in words))]
+Ends = Annotated[
+    tuple[float, ...] | None, _option(2, "LEAST GREATEST", lambda words: tuple(_number(word) for word in words))
+]
 Whole = Annotated[int | None, _option(1, "N", lambda words: _whole(words[0]))]
 Words = Annotated[tuple[str, ...], _option("*", "NAME=VALUES ...", tuple)]
 Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff, default("off")]

@@ -14,15 +14,19 @@ from laticauda.cli.groups import (
     WaterChanges,
     radians,
 )
-from laticauda.cli.messages import in_flags
+from laticauda.cli.messages import given, in_flags
 from laticauda.cli.outputs import check_output
+from laticauda.cli.planned import PlanFlags
 from laticauda.cli.swim import PICTURES, OutputFlags, announced
 from laticauda.cli.view import check_film, write_film
 
 if TYPE_CHECKING:
-    from laticauda.control import Guidance, Path, PathFollowing
+    from laticauda.control import Guidance, ModelPredictive, Path, PathFollowing
+    from laticauda.gaits import Gait
+    from laticauda.interfaces import Plant
 
 DURATION = 90.0  # [s]
+GUIDANCE = ("line-of-sight", "integral-line-of-sight", "model-predictive")
 # The paper's settings for Mamba, and where published integral guidance starts from.
 LOOK_AHEAD, GAIN, MAX_OFFSET_DEG, INTEGRAL_GAIN, INTERVAL = 0.18, 0.4, 20.0, 0.12, 0.05
 
@@ -58,20 +62,21 @@ class PathFlags:
 class GuidanceFlags:
     """How it is led there."""
 
-    guidance: Annotated[str | None, choice("line-of-sight", "integral-line-of-sight"), default("line-of-sight")] = None
-    """The guidance law; the integral one learns a current."""
+    guidance: Annotated[str | None, choice(*GUIDANCE), default(GUIDANCE[0])] = None
+    """The guidance law; the last two learn a current, and model-predictive plans ahead."""
     look_ahead_distance: Annotated[Number, default(f"{LOOK_AHEAD:g}")] = None
-    """Delta [m]."""
+    """Delta; model-predictive falls back on line of sight with 1.62 [m]."""
     integral_gain: Annotated[Number, default(f"{INTEGRAL_GAIN:g}")] = None
     """sigma of the integral law [m/s]."""
     gain: Annotated[Number, default(f"{GAIN:g}")] = None
-    """k, offset per heading error [-]."""
+    """k, offset per heading error; 0.25 where model-predictive falls back [-]."""
     max_offset_deg: Annotated[Number, default(f"{MAX_OFFSET_DEG:g}")] = None
     """Largest offset of the joints to either side [deg]."""
     heading_estimate: Annotated[str | None, choice("raw", "cycle-mean"), default("raw")] = None
     """The heading that is controlled: the mean link angle as it is, or its mean over the last gait cycle."""
-    control_interval: Annotated[Number, default(f"{INTERVAL:g}")] = None
+    control_interval: Annotated[Number, default(f"{INTERVAL:g}, or 0.2 for model-predictive")] = None
     """Time between two control instants [s]."""
+    plan: PlanFlags = field(default_factory=PlanFlags)
 
     def law(self) -> "Guidance[Any]":
         """The guidance law that is asked for."""
@@ -83,13 +88,23 @@ class GuidanceFlags:
             return IntegralLineOfSight(look_ahead_distance=distance, integral_gain=gain)
         return LineOfSight(look_ahead_distance=distance)
 
-    def controller(self, gait: GaitFlags, path: PathFlags) -> "PathFollowing":
-        """Path following with all of it."""
+    def controller(self, gait: "Gait", path: "Path[Any]", body: "Plant[Any]") -> "PathFollowing | ModelPredictive":
+        """Path following with all of it.
+
+        Args:
+            gait: What swims.
+            path: Where to go.
+            body: The robot in its water.
+        """
+        if self.guidance == GUIDANCE[-1]:
+            return self._planned(gait, path, body)
+        for name in given(self.plan):
+            raise ValueError(f"`{name}` must not be given without `guidance` {GUIDANCE[-1]}.")
         from laticauda.control import HeadingController, PathFollowing
 
         return PathFollowing(
-            gait=gait.chosen(),
-            path=path.chosen(),
+            gait=gait,
+            path=path,
             guidance=self.law(),
             heading=HeadingController(
                 gain=GAIN if self.gain is None else self.gain,
@@ -98,6 +113,15 @@ class GuidanceFlags:
             heading_estimate=self.heading_estimate or "raw",
             interval=INTERVAL if self.control_interval is None else self.control_interval,
         )
+
+    def _planned(self, gait: "Gait", path: "Path[Any]", body: "Plant[Any]") -> "ModelPredictive":
+        for name in ("integral_gain", "heading_estimate"):
+            if getattr(self, name) is not None:
+                raise ValueError(f"`{name}` must not be given with `guidance` {GUIDANCE[-1]}.")
+        fields = {"look_ahead_distance": "look_ahead_distance", "gain": "gain", "control_interval": "interval"}
+        settings = {fields[name]: value for name, value in given(self).items() if name in fields}
+        settings["max_offset"] = radians(self.max_offset_deg, MAX_OFFSET_DEG)
+        return self.plan.controller(gait, path, body, settings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,18 +164,18 @@ class Follow:
         from laticauda.interfaces import Start
         from laticauda.simulate import plant, run
 
-        controller = self.guidance.controller(self.gait, self.path)
-        environment, origin = self.environment.chosen(controller.gait, self.coefficients)
+        gait = self.gait.chosen()
+        environment, origin = self.environment.chosen(gait, self.coefficients)
         position = (0.0, 1.0) if self.start.position is None else self.start.position
         if len(position) != 2:
             raise ValueError(f"`position` must be two numbers, x y [m], got {len(position)}.")
         duration = DURATION if self.start.duration is None else self.start.duration
-        robot = self.environment.equipped(self.robot.chosen(), controller.gait)
+        robot = self.environment.equipped(self.robot.chosen(), gait)
         body = plant(robot, environment, **self.environment.model_settings(self.model))
+        progress = announced(environment, duration, model=self.model.model)
+        controller = self.guidance.controller(gait, self.path.chosen(), body)
         start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
-        trial = run(
-            body, controller, duration, start=start, progress=announced(environment, duration, model=self.model.model)
-        )
+        trial = run(body, controller, duration, start=start, progress=progress)
         trial = self.environment.noted(trial)
         if self.output.save is not None:
             trial.save(self.output.save)

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 import re
-from typing import Any
+from typing import Any, cast
 
 # Arguments of the calls behind a command that its options call otherwise.
 OTHERWISE = {
@@ -57,7 +57,10 @@ def in_flags(message: str, command: object) -> str:
         message = re.sub(r"between (\S+) and (\S+) rad", _range_in_degrees, message)
         message = re.sub(r"(\d[\d.e+-]*) rad\b", _in_degrees, message)
         message = re.sub(r"\brad\b", "deg", message)
-        message = re.sub(r"([,;]) got .*$", rf"\1 got {known[spelled]:g}.", message)
+        value: Any = known[spelled]
+        values = cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,))
+        typed = " and ".join(f"{each:g}" for each in values)
+        message = re.sub(r"([,;]) got .*$", rf"\1 got {typed}.", message)
     return re.sub(r"`(\w+)(?:\[\d+\])?`", lambda found: _typed(found, known), message)
 
 

@@ -1,0 +1,66 @@
+"""`laticauda follow --guidance model-predictive`: what is planned for, and the trials that the model is fitted to."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+from laticauda.cli.flags import Ends, Number, default
+
+if TYPE_CHECKING:
+    from laticauda.control import ModelPredictive, Path
+    from laticauda.gaits import Gait
+    from laticauda.interfaces import Plant
+
+N_TRIALS = 4
+AROUND = 1.0 / 3.0  # the trials' frequencies go so far below and above the gait's, where no limits are given [-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanFlags:
+    """Model-predictive guidance; it learns how the gait moves the robot in four trials of its own first."""
+
+    speed: Annotated[Number, default("what the gait swims")] = None
+    """Speed along the path that is asked for [m/s]."""
+    power_limit: Annotated[Number, default("none")] = None
+    """Most that the gait may take, mean over its cycle [W]."""
+    frequency_limits_deg_s: Annotated[Ends, default("the gait's frequency alone")] = None
+    """Least and greatest frequency of the gait [deg/s]."""
+
+    def controller(
+        self, gait: "Gait", path: "Path[Any]", body: "Plant[Any]", settings: dict[str, Any]
+    ) -> "ModelPredictive":
+        """Path following by planning ahead.
+
+        Args:
+            gait: What swims.
+            path: Where to go.
+            body: The robot in its water.
+            settings: Further fields of `ModelPredictive`.
+        """
+        from laticauda.control import ModelPredictive, OffsetSteps, fit_averaged
+        from laticauda.simulate import run
+
+        limits = self._limits()
+        low, high = limits or ((1.0 - AROUND) * gait.frequency, (1.0 + AROUND) * gait.frequency)
+        frequencies = [low + (high - low) * k / (N_TRIALS - 1) for k in range(N_TRIALS)]
+        turns = [OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
+        model = fit_averaged([run(body, each, each.duration) for each in turns])
+        return ModelPredictive(
+            gait=gait,
+            path=path,
+            model=model,
+            speed=model.speed(gait.frequency, 0.0) if self.speed is None else self.speed,
+            power_limit=math.inf if self.power_limit is None else self.power_limit,
+            frequency_limits=limits,
+            **settings,
+        )
+
+    def _limits(self) -> tuple[float, float] | None:
+        if self.frequency_limits_deg_s is None:
+            return None
+        low, high = self.frequency_limits_deg_s
+        if not 0.0 < low < high:
+            raise ValueError(
+                f"`frequency_limits_deg_s` must be 0 < least < greatest in deg/s, got {low:g} and {high:g}."
+            )
+        return math.radians(low), math.radians(high)
