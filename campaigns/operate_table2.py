@@ -99,34 +99,30 @@ def gathered(folder: Path) -> None:
 
 
 def table(rows: list[dict[str, object]]) -> str:
-    """As it stands in docs/how-to/operate.md."""
-    lines = [
-        "| setting | runs | v operated [m/s] | simulated | difference | measured | p_y RMS [m] | simulated "
-        "| P above idle [W] | simulated | measured | P total [W] |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|",
+    """As it stands in docs/how-to/operate.md: speeds and errors, then powers."""
+    speeds = [
+        "| setting | v operated [m/s] | simulated | difference | measured | p_y operated [m] | simulated |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    powers = [
+        "| setting | P above idle, operated [W] | simulated | measured | P total [W] |",
+        "|---|---|---|---|---|",
     ]
     for one in rows:
-        velocity = one["forward_velocity"]
-        away = "" if velocity is None else f"{100 * (velocity[0] / one['simulated_velocity'] - 1):+.1f} %"
-        simulated_error = "-" if one["simulated_error"] is None else f"{one['simulated_error']:.3f}"
-        cells = (
-            str(one["name"]).replace("-", " "),
-            str(one["accepted"]),
-            shown(velocity, 4),
-            f"{one['simulated_velocity']:.4f}",
-            away,
-            f"{one['measured_velocity']:.4f}",
-            shown(one["steady_error"], 3),
-            simulated_error,
-            shown(one["electrical_power"], 1),
-            f"{one['simulated_power']:.1f}",
-            f"{one['measured_power']:.1f}",
-            shown(one["total_power"], 1),
+        velocity, error = one["forward_velocity"], one["simulated_error"]
+        name = (
+            str(one["name"]).replace("lateral-undulation", "lateral").replace("-fin", ", fin").replace("-case-", ", ")
         )
-        lines.append(f"| {' | '.join(cells)} |")
-    said = [f"rejected: {text}" for one in rows for text in one["rejected"]]
+        away = "" if velocity is None else f"{100 * (velocity[0] / one['simulated_velocity'] - 1):+.1f} %"
+        swum = (shown(velocity, 4), f"{one['simulated_velocity']:.4f}", away, f"{one['measured_velocity']:.4f}")
+        beside = (shown(one["steady_error"], 3), "-" if error is None else f"{error:.3f}")
+        drawn = (shown(one["electrical_power"], 1), f"{one['simulated_power']:.1f}", f"{one['measured_power']:.1f}")
+        speeds.append(f"| {' | '.join((name, *swum, *beside))} |")
+        powers.append(f"| {' | '.join((name, *drawn, shown(one['total_power'], 1)))} |")
+    said = [f"{one['name']}: {one['accepted']} runs accepted" for one in rows]
+    said += [f"rejected: {text}" for one in rows for text in one["rejected"]]
     said += [text for one in rows for text in one["aftermath"]]
-    return "\n".join([*lines, "", *(said or ["No run was rejected."])])
+    return "\n".join([*speeds, "", *powers, "", *said])
 
 
 def shown(figure, digits: int) -> str:
