@@ -83,6 +83,12 @@ def number(page, name):
     return float(found.group()) if found else float("nan")
 
 
+def height(page, text):
+    """Of what shows a text [px]; infinite as long as nothing does."""
+    box = page.get_by_text(text).bounding_box()
+    return float("inf") if box is None else box["height"]
+
+
 def field(page, label):
     """The field of a control."""
     return page.get_by_text(label, exact=True).locator("xpath=following::input[not(@type='hidden')][1]")

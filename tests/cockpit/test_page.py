@@ -17,6 +17,7 @@ from cockpit_browser import (
     choose,
     close_notes,
     field,
+    height,
     need_chromium,
     number,
     on_screen,
@@ -135,7 +136,7 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     assert until(lambda: abs(number(page, ERROR)) < 0.1)
     page.screenshot(path=folder / "5-path.png")
     page.get_by_role("tab", name="Plots").click()
-    assert until(lambda: page.get_by_text("Speed [m/s]").bounding_box()["height"] < 30.0)  # has found its width
+    assert until(lambda: height(page, "Speed [m/s]") < 30.0)  # has found its width
     page.screenshot(path=folder / "6-plots.png")
     page.get_by_role("tab", name="Run").click()
     page.screenshot(path=folder / "7-run.png")
