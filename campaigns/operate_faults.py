@@ -107,10 +107,10 @@ class FullDisk(PlainSink):
         super().__init__(recorder)
         self._at = at
 
-    def tick(self, state, inputs, outputs, frames) -> None:
+    def tick(self, state, outputs, frames, tick) -> None:
         if state.now is not None and state.now >= self._at:
             self.trouble = "no space left on device"
-        super().tick(state, inputs, outputs, frames)
+        super().tick(state, outputs, frames, tick)
 
 
 def operation(chance: random.Random, rate: float, duration: float) -> Operation:

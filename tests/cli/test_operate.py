@@ -61,7 +61,10 @@ def test_a_trial_file_becomes_a_trial_a_recording_and_one_json_object(lab, trial
     assert found["accepted"]
     assert found["initial_heading"] == pytest.approx(0.1, abs=math.radians(1))
     assert lc.load_trial(tmp_path / "runs" / "cli.nc").forward_velocity == found["forward_velocity"]
-    assert (tmp_path / "runs" / "cli.mcap").exists()
+    picture = tmp_path / "timing.png"
+    assert main(["replay", str(tmp_path / "runs" / "cli.mcap"), "--plot-timing", str(picture)]) == 0
+    assert f"{found['timing']['ticks']} ticks of 50.0 ms" in capsys.readouterr().out
+    assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_check_says_that_all_devices_are_well_and_keeps_nothing(lab, trial, tmp_path, capsys):

@@ -51,3 +51,10 @@ def test_a_broken_file_is_refused_in_one_sentence(tmp_path: Path, capsys: pytest
     assert said.count("\n") == 1 and "it is no MCAP file" in said
     assert main(["replay", str(tmp_path / "none.mcap")]) == 2
     assert "no such file" in capsys.readouterr().err
+
+
+def test_a_recording_without_a_clock_has_no_timing_to_draw(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    assert main(["replay", str(file), "--plot-timing", str(tmp_path / "timing.png")]) == 2
+    assert "--plot-timing must go with a recording of a loop that had a clock" in capsys.readouterr().err

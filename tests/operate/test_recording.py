@@ -22,6 +22,7 @@ from laticauda.operate import (
     ReferenceSample,
     read_operation,
 )
+from laticauda.operate.timing import Tick
 from laticauda.trial import open_recording, read_messages
 
 
@@ -50,6 +51,19 @@ def test_the_header_comes_back(file):
     assert log.header.operation == "kind = 'operation'\n"
     assert log.header.estimator.backlash > 0.0 and log.header.estimator.robot == log.header.robot
     assert log.notes["idle"] == {"current": repr(IDLE)}
+
+
+def test_the_ticks_of_the_loop_come_back_as_its_timing(tmp_path):
+    ticks = [Tick(0.01 * k, 0.01 * k + 1e-4, 0.01 * k + 0.003) for k in range(1, 50)]
+    robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
+    with OperationRecorder(
+        tmp_path / "a.mcap", Header(robot=robot, environment=water, settings={"rate": 100.0})
+    ) as recorder:
+        for tick in ticks:
+            recorder.tick(tick)
+    timing = read_operation(tmp_path / "a.mcap").timing
+    assert timing.interval == 0.01 and timing.missed == 0
+    assert [Tick(*row) for row in zip(timing.due, timing.began, timing.sent, strict=True)] == ticks
 
 
 def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):

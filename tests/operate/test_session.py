@@ -91,6 +91,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     assert summary["total_power"] - summary["electrical_power"] == pytest.approx(35 * summary["idle_current"])
     assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
     assert summary["timing"]["ticks"] > 50
+    assert read_operation(tmp_path / "session.mcap").timing.summary() == result.timing.summary()
     assert "forward velocity (5)" in table(summary)
     assert {thread.name for thread in threading.enumerate() if thread not in threads} == set()
 
@@ -222,7 +223,7 @@ def test_a_recorder_that_fails_in_its_thread_says_so_and_does_not_wait(tmp_path:
     operator = Operator(operation=operation())
     with OperationRecorder(tmp_path / "a.mcap", header_of(operator)) as recorder:
         with RecordingSink(recorder) as sink:
-            sink.tick(operator.init(), None, None, ())  # type: ignore[arg-type]  # what cannot be written
+            sink.tick(operator.init(), None, (), None)  # type: ignore[arg-type]  # what cannot be written
             end = time.monotonic() + 3.0
             while not sink.trouble and time.monotonic() < end:
                 time.sleep(0.01)

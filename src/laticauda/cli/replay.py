@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import Switch, Text
+from laticauda.cli.flags import File, Switch, Text
 from laticauda.cli.outputs import check_output
+from laticauda.cli.swim import PICTURES
 
 if TYPE_CHECKING:
     from laticauda.operate import Estimate, OperationLog, Rerun
+    from laticauda.operate.timing import Timing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,18 +36,23 @@ class Replay:
     """Estimate it by kinematics alone, without the filter."""
     control: Switch = False
     """Let the controller decide again, and compare its commands with the recorded ones."""
+    plot_timing: File = None
+    """Draw how punctual the operator's loop was into this file (.png, .svg or .pdf)."""
     json: Switch = False
     """Print one JSON object in SI units."""
 
     def __call__(self) -> int:
         """Read, run again, write, print, and return the exit status."""
         check_output("save", self.save, (".nc",))
+        check_output("plot_timing", self.plot_timing, PICTURES)
         from laticauda.cli.report import as_json, as_text
         from laticauda.operate import read_operation, rerun_controller, trial_of
 
         log = read_operation(self.file)
         estimates = self._estimates(log)
         trial = trial_of(log, estimates)
+        timing = log.timing
+        self._draw(timing)
         rerun = rerun_controller(log, estimates=estimates) if self.control else None
         if self.save is not None:
             trial.save(self.save)
@@ -53,14 +60,27 @@ class Replay:
             print(f"laticauda: {log.lost}", file=sys.stderr)
         if self.json:
             found: dict[str, Any] = {**json.loads(as_json(trial)), "lost": log.lost}
+            if timing is not None:
+                found["timing"] = timing.summary()
             if rerun is not None:
                 found["control"] = _compared(rerun)
             print(json.dumps(found, indent=2, allow_nan=False))
         else:
             print(as_text(trial))
+            if timing is not None:
+                print(f"\n{_punctual(timing)}")
             if rerun is not None:
                 print(f"\n{_sentence(rerun)}")
         return 0 if trial.succeeded else 1
+
+    def _draw(self, timing: "Timing | None") -> None:
+        if self.plot_timing is None:
+            return
+        if timing is None:
+            raise ValueError(f"`plot_timing` must go with a recording of a loop that had a clock, got {self.file}.")
+        from laticauda.figures import save_figure, timing_sheet
+
+        save_figure(timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)
 
     def _estimates(self, log: "OperationLog") -> "list[Estimate] | None":
         from laticauda.operate import KinematicEstimator, rerun_estimator
@@ -71,6 +91,18 @@ class Replay:
             kwargs = {} if mount is None else {"mount": mount}
             return rerun_estimator(log, KinematicEstimator(robot=log.header.robot, **kwargs))
         return rerun_estimator(log, plant=plant) if self.estimate else None
+
+
+def _punctual(timing: "Timing") -> str:
+    found = timing.summary()
+    ms = {name: f"{1e3 * found.get(name, 0.0):.1f}" for name in found}
+    words = [f"The operator's loop: {found['ticks']} ticks of {ms['interval']} ms, {found['missed']} missed deadlines."]
+    words += [
+        f"{name} median {ms[f'{name}_median']}, 99 % {ms[f'{name}_p99']}, largest {ms[f'{name}_largest']} ms"
+        for name in ("period", "latency")
+        if f"{name}_median" in ms
+    ]
+    return "\n".join(words)
 
 
 def _compared(rerun: "Rerun") -> dict[str, float]:

@@ -5,6 +5,7 @@ from laticauda.figures.following import follow_sheet
 from laticauda.figures.path import path_strip
 from laticauda.figures.style import new_figure, save_figure
 from laticauda.figures.swim import joint_angle, joint_torque, speed, swim_sheet
+from laticauda.figures.timing import timing_sheet
 
 __all__ = [
     "ConvergenceCurve",
@@ -17,4 +18,5 @@ __all__ = [
     "save_figure",
     "speed",
     "swim_sheet",
+    "timing_sheet",
 ]

@@ -8,10 +8,45 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from laticauda.figures.style import BLUE, GRAY, INK, LINE, ORANGE, THIN, TICK, dress
+from laticauda.figures.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GRAY,
+    INK,
+    LINE,
+    ORANGE,
+    THIN,
+    TICK,
+    dress,
+    head,
+    new_figure,
+)
 
 KINDS = {"period": BLUE, "latency": ORANGE}
+
+
+def timing_sheet(
+    period: Float[np.ndarray, " n_periods"], latency: Float[np.ndarray, " n_ticks"], interval: float, *, note: str = ""
+) -> Figure:
+    """Both distributions of a loop in one picture.
+
+    Args:
+        period: From the begin of a tick to that of the next [s].
+        latency: From when a tick was due until its last frame was sent [s].
+        interval: Between two ticks, as asked for [s].
+        note: What else there is to say, behind the ticks and the missed deadlines.
+    """
+    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    left, right = figure.subplots(1, 2)
+    plot_timing(left, period, interval, "period")
+    plot_timing(right, latency, interval, "latency")
+    missed = int(np.count_nonzero(latency > interval))
+    words = f"{latency.size} ticks, {missed} missed deadlines{'; ' if note else ''}{note}"
+    head(figure, f"Operator's loop at {1.0 / interval:g} Hz", words)
+    return figure
 
 
 def plot_timing(
@@ -30,18 +65,22 @@ def plot_timing(
     beyond = 100.0 * (n - np.arange(n)) / n
     ax.step(sorted_ms, beyond, where="post", color=KINDS[kind], linewidth=LINE)
     ax.axvline(1e3 * interval, color=GRAY, linewidth=THIN, linestyle="--")
-    ax.text(
-        1e3 * interval, 130.0, "interval" if kind == "period" else "deadline", fontsize=TICK, color=GRAY, ha="center"
-    )
+    line = " interval" if kind == "period" else " deadline"
+    ax.text(1e3 * interval, 400.0, line, fontsize=TICK, color=GRAY, va="top")
     for name, value, share in (
         ("median", np.median(sorted_ms), 50.0),
         ("99 %", np.percentile(sorted_ms, 99.0), 1.0),
         ("largest", sorted_ms[-1], 100.0 / n),
     ):
         ax.plot(value, share, "o", color=KINDS[kind], markersize=3)
-        ax.annotate(f"{name} {value:.2f}", (value, share), (5, 4), textcoords="offset points", fontsize=TICK, color=INK)
+        said = ax.annotate(f"{name} {value:.2f}", (value, share), (5, 4), textcoords="offset points", fontsize=TICK)
+        said.set(color=INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.set_ylim(50.0 / n, 250.0)
+    ax.set_ylim(50.0 / n, 400.0)
     ax.set_xlim(0.8 * max(sorted_ms[0], 1e-2), 2.5 * sorted_ms[-1])
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     return dress(ax, xlabel=f"{kind} [ms]", ylabel="ticks beyond [%]")

@@ -7,14 +7,12 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.operator import Operator
 from laticauda.operate.settings import Connection
 from laticauda.operate.state import Inputs, OperatorState, Outputs
-from laticauda.operate.timing import Timing
+from laticauda.operate.timing import Tick, Timing, timing_of
 from laticauda.protocol import BusAddress, EmergencyStop
 
 MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
@@ -29,8 +27,8 @@ class Sink(Protocol):
         """Why nothing is recorded any more; "" as long as it is."""
         ...
 
-    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
-        """Keep one tick: the state after it, what came in and went out, and the frames of the bus, both ways."""
+    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
+        """Keep one tick: the state after it, what went out, the frames of the bus, both ways, and when it was."""
         ...
 
 
@@ -39,7 +37,7 @@ class NoSink:
 
     trouble = ""
 
-    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
         """Nothing is kept."""
 
 
@@ -123,9 +121,9 @@ def run_loop(
     sink = sink or NoSink()
     interval = 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
-    times: list[tuple[float, float, float]] = []
-    due = clock.now()
+    ticks: list[Tick] = []
     with _undisturbed():
+        due = clock.now()
         while not state.is_done:
             clock.wait_until(due)
             now = clock.now()
@@ -146,20 +144,19 @@ def run_loop(
             said = devices.can.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
                 devices.meter.restart()  # its average is that of the run
-            times.append((due, now, clock.now()))
-            _kept(sink, state, inputs, outputs, (*heard, *said))
+            ticks.append(Tick(due, now, clock.now()))
+            _kept(sink, state, outputs, (*heard, *said), ticks[-1])
             if show is not None:
                 show(state, outputs)
             due += interval
             if now > due + interval:  # what was missed is not made up for
                 due = now + interval
-    due_at, began, sent = np.array(times).T if times else np.zeros((3, 0))
-    return state, Timing(due=due_at, began=began, sent=sent, interval=interval)
+    return state, timing_of(ticks, interval)
 
 
-def _kept(sink: Sink, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+def _kept(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick) -> None:
     try:
-        sink.tick(state, inputs, outputs, frames)
+        sink.tick(state, outputs, frames, tick)
     except Exception:
         # The sink says so itself by `trouble`; one that cannot must not stop the loop in the middle of a tick.
         if not sink.trouble:

@@ -10,8 +10,9 @@ from laticauda.errors import TrialFileError
 from laticauda.interfaces import Command
 from laticauda.operate.estimate import Estimate
 from laticauda.operate.packing import ESTIMATE, TOPICS, Recorded, unpacked, unpacked_estimate
-from laticauda.operate.recording import COMMAND, FORMAT, HEADER, Header
+from laticauda.operate.recording import COMMAND, FORMAT, HEADER, TICK, Header
 from laticauda.operate.samples import Event
+from laticauda.operate.timing import Tick, Timing, timing_of
 from laticauda.operate.values import from_json
 from laticauda.robot import Robot, from_toml
 from laticauda.trial import Logged, open_recording
@@ -29,7 +30,7 @@ class Decision:
     """What it had in mind."""
 
 
-Entry = Recorded | Estimate | Decision | Event
+Entry = Recorded | Estimate | Decision | Event | Tick
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +49,13 @@ class OperationLog:
     """In the order in which they were recorded."""
     lost: str
     """What is missing from the file: a sentence; "" if nothing is."""
+
+    @property
+    def timing(self) -> Timing | None:
+        """How punctual the loop was; None if it had no clock."""
+        ticks = self.of(Tick)
+        rate = self.header.settings.get("rate")
+        return timing_of(ticks, 1.0 / float(rate)) if ticks and rate is not None else None
 
     def of(self, *kinds: type[Any]) -> list[Any]:
         """The entries of some `kinds` of class, in their order."""
@@ -74,7 +82,7 @@ def read_operation(path: str | Path) -> OperationLog:
         )
     try:
         header = _header(texts)
-        topics = (*TOPICS.values(), ESTIMATE, COMMAND, "/events")
+        topics = (*TOPICS.values(), ESTIMATE, COMMAND, TICK, "/events")
         entries = tuple(_entry(logged) for logged in recording.messages(*topics))
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
@@ -119,6 +127,8 @@ def _entry(logged: Logged) -> Entry:
         told = json.loads(content["data"])
         command = from_json(json.dumps(told["command"]))
         return Decision(time=told["time"], command=command, signals=told["signals"])
+    if logged.topic == TICK:
+        return Tick(*content["data"])
     if logged.topic == ESTIMATE:
         return unpacked_estimate(content["data"])
     return unpacked(logged.topic, content["data"])

@@ -13,12 +13,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+import numpy as np
+
 from laticauda.errors import instance, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
 from laticauda.operate.estimate import Estimate
 from laticauda.operate.packing import ESTIMATE, LABELS, TOPICS, Recorded, packed, packed_estimate
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading
+from laticauda.operate.timing import Tick
 from laticauda.operate.values import to_json
 from laticauda.robot import Environment, Robot, to_toml
 from laticauda.trial import Recorder
@@ -26,6 +29,7 @@ from laticauda.trial import Recorder
 HEADER = "operation"
 FORMAT = "1"
 COMMAND = "/command"
+TICK = "/loop/tick"
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning"}
 
@@ -140,6 +144,10 @@ class OperationRecorder:
         self._recorder.json(COMMAND, time, content)
         for name, value in (signals or {}).items():
             self._recorder.scalar(f"/control/{name}", time, value, unit="SI")
+
+    def tick(self, tick: Tick) -> None:
+        """When a `tick` of the loop was due, when it began, and when its last frame was sent."""
+        self._recorder.array(TICK, tick.began, np.array(tick), unit="s", labels=("due, began, sent",))
 
     def can(self, time: float, identifier: int, data: bytes, *, sent: bool = False) -> None:
         """A raw frame of the bus.

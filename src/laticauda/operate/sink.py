@@ -7,14 +7,21 @@ from typing import Self
 
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.recording import OperationRecorder
-from laticauda.operate.state import Inputs, OperatorState, Outputs
+from laticauda.operate.state import OperatorState, Outputs
+from laticauda.operate.timing import Tick
 
 PAUSE = 0.02  # of the thread when there is nothing to write [s, wall clock]
 PATIENCE = 10.0  # for the rest to be written at the end [s, wall clock]
-Tick = tuple[OperatorState, Outputs, tuple[Frame, ...]]
+What = tuple[OperatorState, Outputs, tuple[Frame, ...], Tick | None]
 
 
-def write_tick(recorder: OperationRecorder, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+def write_tick(
+    recorder: OperationRecorder,
+    state: OperatorState,
+    outputs: Outputs,
+    frames: tuple[Frame, ...],
+    tick: Tick | None = None,
+) -> None:
     """Write everything of one tick.
 
     Args:
@@ -22,6 +29,7 @@ def write_tick(recorder: OperationRecorder, state: OperatorState, outputs: Outpu
         state: After the tick.
         outputs: Of the tick.
         frames: Of the bus, both ways.
+        tick: When it was; None where there is no clock.
     """
     now = state.now
     assert now is not None  # it was a tick
@@ -33,6 +41,8 @@ def write_tick(recorder: OperationRecorder, state: OperatorState, outputs: Outpu
         recorder.estimate(outputs.estimate)
         if outputs.command is not None:
             recorder.command(outputs.estimate.time, outputs.command, outputs.signals)
+    if tick is not None:
+        recorder.tick(tick)
     for event in outputs.events:
         recorder.event(event)
         if event.kind == "idle_current" and "current" in event.data:
@@ -53,12 +63,12 @@ class PlainSink:
         self._recorder, self._frames = recorder, frames
         self.trouble = ""
 
-    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
         """Write one tick; after an error nothing more."""
         if self.trouble:
             return
         try:
-            write_tick(self._recorder, state, outputs, frames if self._frames else ())
+            write_tick(self._recorder, state, outputs, frames if self._frames else (), tick)
         except Exception as error:
             self.trouble = str(error) or type(error).__name__
 
@@ -68,23 +78,23 @@ class RecordingSink(PlainSink):
 
     def __init__(self, recorder: OperationRecorder) -> None:
         super().__init__(recorder)
-        self._waiting: deque[Tick] = deque()
+        self._waiting: deque[What] = deque()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="laticauda-recorder", daemon=True)
 
-    def tick(self, state: OperatorState, inputs: Inputs, outputs: Outputs, frames: tuple[Frame, ...]) -> None:
+    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
         """Hand one tick over."""
         if not self.trouble:
-            self._waiting.append((state, outputs, frames))
+            self._waiting.append((state, outputs, frames, tick))
 
     def _run(self) -> None:
         while self._waiting or not self._ended.is_set():
             if not self._waiting:
                 self._ended.wait(PAUSE)
                 continue
-            state, outputs, frames = self._waiting.popleft()
+            what = self._waiting.popleft()
             try:
-                write_tick(self._recorder, state, outputs, frames)
+                write_tick(self._recorder, *what)
             except Exception as error:
                 self.trouble = str(error) or type(error).__name__
                 self._waiting.clear()

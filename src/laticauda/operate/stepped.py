@@ -97,7 +97,7 @@ def run_stepped(
             identifier, data = encode(message)
             said.append(Frame(time=now, identifier=identifier, data=data, is_ours=True, message=message))
             tank.receive(identifier, data, now)
-        sink.tick(state, inputs, outputs, (*heard, *said))
+        sink.tick(state, outputs, (*heard, *said), None)
         if show is not None:
             show(state, outputs)
         count += 1

@@ -1,11 +1,29 @@
 """How punctual the loop was: period and latency of every tick, and the deadlines that it missed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 Times = Float[np.ndarray, " n_ticks"]
+
+
+class Tick(NamedTuple):
+    """One tick of the loop."""
+
+    due: float
+    """When it was to begin [s]."""
+    began: float
+    """When it began [s]."""
+    sent: float
+    """When its last frame had been handed to the bus [s]."""
+
+    @property
+    def time(self) -> float:
+        """When it began [s]."""
+        return self.began
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +79,17 @@ class Timing:
                     f"{name}_largest": spread.largest,
                 }
         return found
+
+
+def timing_of(ticks: Sequence[Tick], interval: float) -> Timing:
+    """The ticks of an operation together.
+
+    Args:
+        ticks: In their order.
+        interval: Between two of them, as asked for [s].
+    """
+    due, began, sent = np.array(ticks).T if ticks else np.zeros((3, 0))
+    return Timing(due=due, began=began, sent=sent, interval=interval)
 
 
 def spread_of(values: Times) -> Spread:
