@@ -1,21 +1,21 @@
 """What was identified, put into a robot, a water, or a parameter file."""
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from laticauda.gaits import Gait
+from laticauda.identify.problem import Problem
 from laticauda.identify.settling import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS, JOINT_LAWS
 from laticauda.simulate.parameters import changed, parameters
 
-if TYPE_CHECKING:
-    from laticauda.identify.result import Fit
-
 Changes = dict[str, dict[str, Any]]
+Values = Mapping[str, float]
 
 _STILL = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.0)
 _TABLES = {
@@ -27,33 +27,35 @@ _TABLES = {
 }
 
 
-def applied(found: "Fit", robot: Robot, environment: Environment, gait_kind: str) -> tuple[Robot, Environment]:
+def applied(
+    problem: Problem, values: Values, robot: Robot, environment: Environment, gait_kind: str
+) -> tuple[Robot, Environment]:
     """A robot and an environment with what was identified for a kind of gait.
 
     Args:
-        found: The fit.
+        problem: What was fitted.
+        values: What was found, by the names of the unknowns.
         robot: What to change; numbers of what it does not have are left out.
         environment: What to change, likewise.
         gait_kind: Whose own numbers win over the general ones; "": the general ones only.
     """
     known = parameters(robot, _STILL, environment, each=True)
-    wanted = {name: value for name, value in _for_gait(found, gait_kind).items() if name in known}
+    wanted = {name: value for name, value in _for_gait(problem, values, gait_kind).items() if name in known}
     new_robot, _, new_environment = changed(robot, _STILL, environment, wanted)
     return new_robot, new_environment
 
 
-def as_parameters(found: "Fit", name: str, title: str) -> Parameters:
+def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Parameters:
     """What was identified as a parameter file has it; see `Fit.parameters`."""
-    put = found.problem
-    bases = {s.gait.kind: s.environment for s in reversed(put.settings) if isinstance(s.environment, Water)}
+    bases = {s.gait.kind: s.environment for s in reversed(problem.settings) if isinstance(s.environment, Water)}
     if not bases:
         raise ValueError("`measurements` must be made in water for a parameter file, got ground.")
-    first = put.settings[0].environment
+    first = problem.settings[0].environment
     first = first if isinstance(first, Water) else next(iter(bases.values()))
-    common = _water(found, first, "")
-    own = {kind: _water(found, bases.get(kind, first), kind) for kind in GAITS}
-    changes, own_changes = _changes(found, ""), {kind: _changes(found, kind) for kind in GAITS}
-    joints: Any = put.options.get("joints")
+    common = _water(problem, values, first, "")
+    own = {kind: _water(problem, values, bases.get(kind, first), kind) for kind in GAITS}
+    changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
+    joints: Any = problem.options.get("joints")
     return Parameters(
         name=name,
         title=title,
@@ -65,32 +67,32 @@ def as_parameters(found: "Fit", name: str, title: str) -> Parameters:
     )
 
 
-def _water(found: "Fit", water: Water, gait_kind: str) -> Water:
-    environment = applied(found, found.problem.settings[0].robot, water, gait_kind)[1]
+def _water(problem: Problem, values: Values, water: Water, gait_kind: str) -> Water:
+    environment = applied(problem, values, problem.settings[0].robot, water, gait_kind)[1]
     assert isinstance(environment, Water)
     return environment
 
 
-def _for_gait(found: "Fit", gait_kind: str) -> dict[str, float]:
+def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:
     """Values by name without scope: those for all, and over them those for a kind of gait."""
-    chosen = [unknown for unknown in found.problem.unknowns if unknown.scope in ("", gait_kind)]
+    chosen = [unknown for unknown in problem.unknowns if unknown.scope in ("", gait_kind)]
     chosen.sort(key=lambda unknown: unknown.scope != "")
     result: dict[str, float] = {}
     for unknown in chosen:
-        at = int(np.argmax(found.problem.moves[:, found.problem.unknowns.index(unknown)]))
-        base, name = found.problem.settings[at], unknown.parameter.name
-        result |= with_tied(base, name, found.values[unknown.name], unknown.tied)
+        at = int(np.argmax(problem.moves[:, problem.unknowns.index(unknown)]))
+        base, name = problem.settings[at], unknown.parameter.name
+        result |= with_tied(base, name, values[unknown.name], unknown.tied)
     return result
 
 
-def _changes(found: "Fit", gait_kind: str) -> Changes:
+def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
     """What a parameter file can say about the robot.
 
     Raises:
         ValueError: If something was identified of the robot that it cannot say.
     """
     result: Changes = {}
-    for name, value in _for_gait(found, gait_kind).items():
+    for name, value in _for_gait(problem, values, gait_kind).items():
         if not name.startswith("robot."):
             continue
         way, _, last = name.rpartition(".")

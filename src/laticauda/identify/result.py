@@ -202,7 +202,7 @@ class Fit:
             robot: What to change; a fin's numbers are left out if it has none.
             gait_kind: For which gait.
         """
-        return applied(self, robot, self.problem.settings[0].environment, gait_kind)[0]
+        return applied(self.problem, self.values, robot, self.problem.settings[0].environment, gait_kind)[0]
 
     def water(self, water: Water, gait_kind: str) -> Water:
         """A water with what was identified of it.
@@ -211,7 +211,7 @@ class Fit:
             water: What to change.
             gait_kind: For which gait.
         """
-        environment = applied(self, self.problem.settings[0].robot, water, gait_kind)[1]
+        environment = applied(self.problem, self.values, self.problem.settings[0].robot, water, gait_kind)[1]
         assert isinstance(environment, Water)
         return environment
 
@@ -227,4 +227,4 @@ class Fit:
         Raises:
             ValueError: If the measurements were not made in water, or a parameter file cannot say what was identified.
         """
-        return as_parameters(self, name, title)
+        return as_parameters(self.problem, self.values, name, title)
