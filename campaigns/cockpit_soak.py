@@ -12,12 +12,12 @@ The tests run a slice of it.
 
 The first 20 minutes fill the memory that is set aside for the run: only after them is growth a loss.
 
-Last answer (2 shared cores with a load of 20 from other work, 2026-11-21), with Chromium:
+Last answer (2 cores, 2026-11-21), with Chromium:
     minutes                       1      5     10     15     20     25     30
-    nothing done  server [MB] 237.4  242.0  242.7  245.3  247.8  247.8  247.8
-                  page [MB]    15.1   17.0   16.4   16.5   16.1   16.3   17.6
-    busy          server [MB] 254.3  259.2  259.7  259.9  260.1  262.4  262.5
-                  page [MB]    15.7   17.1   17.4   18.5   18.7   18.3   19.0
+    nothing done  server [MB] 241.2  243.3  245.9  248.4  251.1  251.2  251.2
+                  page [MB]    15.8   16.3   17.7   16.6   17.0   17.2   17.2
+    busy          server [MB] 258.0  262.2  263.5  265.5  265.7  266.1  266.3
+                  page [MB]    16.4   17.4   17.8   18.9   19.3   18.7   18.6
 """
 
 import argparse
@@ -121,7 +121,7 @@ def do_something(cockpit: Cockpit, chance: random.Random) -> None:
         lambda: live.alter(current=(chance.uniform(-0.05, 0.05), 0.0)),
         lambda: live.alter(path=None if live.setting.path else StraightLine()),
         lambda: setattr(live, "link_forces", not live.link_forces),
-        lambda: cockpit._reset(None),
+        cockpit._reset,
     )
     chance.choice(things)()
     cockpit._show_setting()

@@ -1,5 +1,6 @@
 """What the page's controls do, as its server calls them; `test_page` does the same in a browser."""
 
+import asyncio
 import math
 import time
 from dataclasses import replace
@@ -12,6 +13,7 @@ import laticauda as lc
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, Setting
 from laticauda.cockpit.gait_map import at
+from laticauda.cockpit.turns import Asked
 from laticauda.control import StraightLine
 from laticauda.errors import TrialFileError
 
@@ -45,7 +47,8 @@ def use(cockpit, handle, value):
     """As if somebody had set a control on a page; what the page was told."""
     page = Page()
     handle.value = value
-    cockpit._controls._apply(SimpleNamespace(client=page, target=handle))
+    cockpit._controls._apply(Asked(client=page, target=handle, value=value))
+    cockpit._controls._settle()
     cockpit.live.advance(0.1)
     cockpit.frame()
     return page.told
@@ -105,19 +108,30 @@ def test_what_is_typed_beyond_the_ends_of_a_slider_is_refused(cockpit, field, va
     assert handle.value == shown
 
 
+def test_a_slider_that_is_dragged_ends_where_it_was_let_go(cockpit):
+    handle, live = cockpit._controls._angles["frequency"], cockpit.live
+    for value in np.arange(125.0, 60.0, -1.0):
+        handle._impl.value = value  # as the page's server does it
+        for heard in handle._impl.update_cb:
+            asyncio.run(heard(SimpleNamespace(client=Page(), target=handle)))
+    cockpit._turns.close()
+    assert math.degrees(live.setting.gait.frequency) == pytest.approx(61.0)
+    assert handle.value == 61.0
+
+
 def test_a_speed_of_time_beyond_its_limits_is_refused(cockpit):
     page, handle = Page(), cockpit._controls._speed
     handle.value = 99.0
-    cockpit._controls._set_speed(SimpleNamespace(client=page, target=handle))
+    cockpit._controls._set_speed(Asked(client=page, target=handle, value=99.0))
+    cockpit._controls._settle()
     assert page.told == ["`speed` must be between 0.1 and 8, got 99.0."]
     assert handle.value == cockpit.live.speed == 1.0
 
 
 def test_the_path_goes_where_it_is_dragged(cockpit):
     use(cockpit, cockpit._controls._follow, True)
-    gizmo = cockpit._gizmo
-    gizmo.position, gizmo.wxyz = (1.0, 2.0, 0.0), (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
-    cockpit._drag(SimpleNamespace(client=Page(), target=gizmo, phase="end"))
+    pose = (1.0, 2.0, 0.0), (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
+    cockpit._drag(Asked(client=Page(), target=cockpit._gizmo, value=(*pose, "end")))
     path = cockpit.live.setting.path
     assert path.point == (1.0, 2.0)
     assert path.angle == pytest.approx(0.4)
@@ -131,8 +145,8 @@ def test_a_click_on_the_map_sets_the_gait(cockpit):
         cockpit.frame()
         time.sleep(0.05)
     eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(40.0, 160.0))
-    click = SimpleNamespace(client=Page(), ray_origin=tuple(eye), ray_direction=tuple(goal - eye))
-    board._click(click)
+    board._click(Asked(client=Page(), target=None, value=(eye, goal - eye)))
+    cockpit._show_setting()
     assert live.setting.gait == at(GAIT, 40.0, 160.0)
     assert cockpit._controls._angles["amplitude"].value == 40.0
     assert board.pointed_at(eye, np.array([0.0, 1.0, 2.0])) is None  # beside the board
@@ -171,7 +185,7 @@ def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world
     runs._place()
     np.testing.assert_allclose(runs._ghost.sample(0.0)["center_of_mass"], (5.0, 2.0))
     live.advance(1.0)
-    cockpit._reset(None)
+    cockpit._reset()
     assert runs._since == live.world.time == 0.0
 
 
@@ -239,7 +253,7 @@ def test_forces_failure_and_reset_are_shown(cockpit):
     for _ in range(12):
         cockpit.frame()
     assert cockpit._figures.content.startswith("**The run diverged.**")
-    cockpit._reset(None)
+    cockpit._reset()
     assert live.world.failure is None
     live.alter(path=StraightLine())
     cockpit.frame()

@@ -87,12 +87,13 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     page, folder = open_page(chromium, address), shots(tmp_path)
     sliders = page.get_by_role("slider")
     pause = page.get_by_text("pause", exact=True)
-    assert until(lambda: number(page, SPEED) > 0.1)
+    assert until(lambda: number(page, SPEED) > 0.14)  # no transient any more
     before, speed = picture(page, folder / "1-swims.png"), number(page, SPEED)
 
     # A slider: the speed and the picture change. A paused world stands still in the picture.
     for _ in range(10):
         sliders.nth(1).press("ArrowLeft")
+    page.wait_for_timeout(200)  # viser's page sends every 50 ms what was changed last, of whatever control
     sliders.nth(SPEED_OF_TIME).press("End")
     assert until(lambda: number(page, SPEED) < 0.8 * speed)
     assert field(page, "frequency [°/s]").input_value() == "80"

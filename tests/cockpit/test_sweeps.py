@@ -11,6 +11,7 @@ import laticauda as lc
 from laticauda.cockpit import Cockpit, Live, Setting
 from laticauda.cockpit.chart import with_values
 from laticauda.cockpit.files import opened, received_sweep
+from laticauda.cockpit.turns import Asked
 from laticauda.errors import TrialFileError
 from laticauda.figures.gait_map import gait_map_picture
 from laticauda.studies import Grid, Rows, Sweep, open_sweep, run_sweep
@@ -126,7 +127,7 @@ def test_a_loaded_sweep_is_the_map_and_a_click_on_it_sets_its_numbers(folder):
         assert controls._choice.others["water.normal_drag"].visible
         assert not controls._choice.others["gait.frequency"].visible
         eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(math.degrees(0.6), math.degrees(2.5)))
-        board._click(SimpleNamespace(client=page, ray_origin=tuple(eye), ray_direction=tuple(goal - eye)))
+        board._click(Asked(client=page, target=None, value=(eye, goal - eye)))
         assert (cockpit.live.setting.gait.amplitude, cockpit.live.setting.gait.frequency) == (0.6, 2.5)
         assert cockpit.live.setting.environment.normal_drag == 1.75
         controls._x.value = "gait.frequency"  # that the other axis has: they change places

@@ -12,6 +12,7 @@ from laticauda.cockpit.controls import refuse
 from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, QUANTITIES, GaitMap, base, chart, gait_map
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.sweep_controls import SweepControls
+from laticauda.cockpit.turns import Asked, Turns
 from laticauda.errors import LaticaudaError
 from laticauda.figures.gait_map import Picture, gait_map_picture
 
@@ -30,11 +31,15 @@ class Board:
         gui: Of the page's server; the controls go where it is.
         scene: Of the same server.
         live: Whose gait the map sets.
+        turns: Where it is set.
         changed: Called after every change.
     """
 
-    def __init__(self, gui: Any, scene: Any, live: Live, changed: Callable[[], None]) -> None:
-        self._scene, self._live, self._changed = scene, live, changed
+    def __init__(self, gui: Any, scene: Any, live: Live, turns: Turns, changed: Callable[[], None]) -> None:
+        self._scene, self._live = scene, live
+        self._clicked = turns.hear(
+            self._click, then=changed, read=lambda event: (event.ray_origin, event.ray_direction)
+        )
         self._on = gui.add_checkbox("show the map", False, hint="On a board beside the robot; a click sets the gait")
         self._quantity = gui.add_dropdown("quantity", tuple(QUANTITIES))
         self._text = gui.add_markdown("")
@@ -120,7 +125,7 @@ class Board:
         self._frame = self._scene.add_frame("/board", show_axes=False, wxyz=UPRIGHT)
         image = self._scene.add_image("/board/map", self._picture.pixels, WIDTH, HEIGHT, format="png")
         self._dot = self._scene.add_icosphere("/board/dot", radius=0.022, color=(230, 60, 30))
-        image.on_click(self._click)
+        image.on_click(self._clicked)
 
     def _place(self, across: float, up: float) -> tuple[float, float, float]:
         """Where two numbers are on the picture, in its frame: x to the right, y down [m]."""
@@ -164,12 +169,11 @@ class Board:
             *(low + share * (top - low) for share, (low, top) in zip(inside, limits, strict=True))
         )
 
-    def _click(self, event: Any) -> None:
-        found = self.pointed_at(np.array(event.ray_origin), np.array(event.ray_direction))
+    def _click(self, asked: Asked) -> None:
+        found = self.pointed_at(*(np.array(part) for part in asked.value))
         if found is None:
             return
         try:
             self._live.change(with_values(self._live.setting, found))
         except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
-        self._changed()
+            refuse(asked.client, error)

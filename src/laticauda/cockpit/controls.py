@@ -8,6 +8,7 @@ from typing import Any
 
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.settings import Setting, with_fin
+from laticauda.cockpit.turns import Asked, Turns
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError, within
 from laticauda.fields import field_docs, split_unit
@@ -38,10 +39,11 @@ class Controls:
     Args:
         gui: Of the page's server.
         live: What they set.
+        turns: Where what they ask for is done.
         changed: Called after every change.
     """
 
-    def __init__(self, gui: Any, live: Live, changed: Callable[[], None]) -> None:
+    def __init__(self, gui: Any, live: Live, turns: Turns, changed: Callable[[], None]) -> None:
         self._live, self._changed = live, changed
         setting = live.setting
         self._own, self._envelope = setting.robot, setting.gait.envelope
@@ -75,10 +77,13 @@ class Controls:
             self._pause = gui.add_checkbox("pause", live.paused)
             self._reset = gui.add_button("reset")
         inputs = (self._kind, *self._angles.values(), self._robot, self._fin, self._rigidity, self._model)
-        for handle in (*inputs, self._joints, *self._current, self._follow):
-            handle.on_update(self._apply)
-        self._speed.on_update(self._set_speed)
-        self._pause.on_update(self._set_pause)
+        inputs = (*inputs, self._joints, *self._current, self._follow)
+        # What the controls stand for: what is on the page may be further on.
+        self._stands = {id(handle): handle.value for handle in inputs}
+        for handle in inputs:
+            handle.on_update(turns.hear(self._apply, then=self._settle))
+        self._speed.on_update(turns.hear(self._set_speed, then=self._settle))
+        self._pause.on_update(turns.hear(self._set_pause))
 
     @property
     def reset(self) -> Any:
@@ -87,68 +92,74 @@ class Controls:
 
     def show(self, setting: Setting) -> None:
         """Let the controls show a setting that came from elsewhere."""
-        self._kind.value = setting.gait.kind
+        self._put(self._kind, setting.gait.kind)
         for _, field, low, high, _ in ANGLES:
-            self._angles[field].value = _shown(setting.gait, field, low, high)
-        self._robot.value = self._own_name(setting.robot)
+            self._put(self._angles[field], _shown(setting.gait, field, low, high))
+        self._put(self._robot, self._own_name(setting.robot))
         fin = setting.robot.caudal_fin
-        self._fin.value = _fin_of(setting.robot)
-        if fin is not None and fin.flexural_rigidity is not None:
-            self._rigidity.value = fin.flexural_rigidity
-        elif self._rigidity.value <= 0.0:
-            self._rigidity.value = RIGIDITY
-        self._model.value, self._joints.value = setting.model, setting.joints
+        self._put(self._fin, _fin_of(setting.robot))
+        rigidity = None if fin is None else fin.flexural_rigidity
+        self._put(self._rigidity, self._stands[id(self._rigidity)] if rigidity is None else rigidity)
+        self._put(self._model, setting.model)
+        self._put(self._joints, setting.joints)
         for handle, value in zip(self._current, setting.current, strict=True):
-            handle.value = value
-        self._follow.value = setting.path is not None
+            self._put(handle, value)
+        self._put(self._follow, setting.path is not None)
 
-    def asked_for(self, touched: Any = None) -> Setting:
-        """The setting that the controls show.
+    def _put(self, handle: Any, value: Any) -> None:
+        handle.value = self._stands[id(handle)] = value
+
+    def _read(self, handle: Any, asked: Asked) -> Any:
+        """What a control stands for, if somebody asks for something."""
+        return asked.value if handle is asked.target else self._stands[id(handle)]
+
+    def asked_for(self, asked: Asked) -> Setting:
+        """The setting that somebody asks for.
 
         Args:
-            touched: The control that somebody has just used: only what it stands for is read, so that a value between
-                a slider's steps stays what it is.
+            asked: Which control was used: only what it stands for is read, so that a value between a slider's steps
+                stays what it is.
 
         Raises:
-            ValueError: If it is none.
+            ValueError: If there is no such setting.
         """
-        setting = self._live.setting
+        setting, touched = self._live.setting, asked.target
         gait = setting.gait
         if touched is self._kind:
-            kind = self._kind.value
+            kind = asked.value
             gait = replace(gait, kind=kind, envelope=self._envelope if kind == "custom" else None)
         for _, field, low, high, _ in ANGLES:
             if touched is self._angles[field]:  # what is typed beside a slider may lie beyond its ends
-                value = math.radians(touched.value)
+                value = math.radians(asked.value)
                 gait = replace(gait, **{field: value})  # what no gait can have, it refuses itself
-                within(_flag(field), touched.value, low, high)
+                within(_flag(field), asked.value, low, high)
         robot = setting.robot
         if touched in (self._robot, self._fin, self._rigidity):
-            robot = self._robot_asked_for(touched)
+            robot = self._robot_asked_for(asked)
         path = setting.path
         if touched is self._follow:
-            path = self._new_path() if self._follow.value else None
+            path = self._new_path() if asked.value else None
         current = setting.current
         if touched in self._current:
-            x, y = (within("current", handle.value, -CURRENT, CURRENT, "m/s") for handle in self._current)
+            x, y = (within("current", self._read(handle, asked), -CURRENT, CURRENT, "m/s") for handle in self._current)
             current = (x, y)
         return replace(
             setting,
             gait=gait,
             robot=robot,
-            model=self._model.value if touched is self._model else setting.model,
-            joints=self._joints.value if touched is self._joints else setting.joints,
+            model=asked.value if touched is self._model else setting.model,
+            joints=asked.value if touched is self._joints else setting.joints,
             current=current,
             path=path,
         )
 
-    def _robot_asked_for(self, touched: Any) -> Robot:
-        name = self._robot.value
+    def _robot_asked_for(self, asked: Asked) -> Robot:
+        name, fin, rigidity = (self._read(handle, asked) for handle in (self._robot, self._fin, self._rigidity))
         own = self._own if name == self._own.name else load_robot(name)
-        if touched is self._robot:  # another robot comes with the fin that it has
+        if asked.target is self._robot:  # another robot comes with the fin that it has
             return own
-        elastic = self._fin.value == "elastic" or (touched is self._rigidity and self._fin.value != "none")
-        return with_fin(own, self._fin.value != "none", self._rigidity.value if elastic else None)
+        elastic = fin == "elastic" or (asked.target is self._rigidity and fin != "none")
+        return with_fin(own, fin != "none", rigidity if elastic else None)
 
     def _new_path(self) -> StraightLine:
         """Along the heading that the robot has, some way to its right: so that it can be seen to come to it."""
@@ -157,27 +168,28 @@ class Controls:
         angle = float(sample["heading"])
         return StraightLine(point=(x + 0.6 * math.sin(angle), y - 0.6 * math.cos(angle)), angle=angle)
 
-    def _apply(self, event: Any) -> None:
-        if event.client is None:  # set by the program itself
-            return
+    def _apply(self, asked: Asked) -> None:
         try:
-            self._live.change(self.asked_for(event.target))
+            self._live.change(self.asked_for(asked))
         except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
+            refuse(asked.client, error)
+        else:
+            self._stands[id(asked.target)] = asked.value
+
+    def _settle(self) -> None:
+        """All pages show what is so."""
         self.show(self._live.setting)
+        self._speed.value = self._live.speed
         self._changed()
 
-    def _set_speed(self, event: Any) -> None:
-        if event.client is None:
-            return
+    def _set_speed(self, asked: Asked) -> None:
         try:
-            self._live.speed = event.target.value
+            self._live.speed = asked.value
         except ValueError as error:
-            refuse(event.client, error)
-            self._speed.value = self._live.speed
+            refuse(asked.client, error)
 
-    def _set_pause(self, event: Any) -> None:
-        self._live.paused = event.target.value
+    def _set_pause(self, asked: Asked) -> None:
+        self._live.paused = asked.value
 
     def _own_name(self, robot: Robot) -> str:
         return robot.name if robot.name in self._robot.options else self._own.name

@@ -18,6 +18,7 @@ from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import AHEAD, FIELD_OF_VIEW, Scene, look_down
 from laticauda.cockpit.sweeps import StoredSweep
+from laticauda.cockpit.turns import Asked, Turns
 from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
@@ -43,6 +44,7 @@ class Cockpit:
     def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         self.live = live
         self._server = door.server(host, port)
+        self._turns = Turns()
         self._follows: dict[int, Any] = {}
         self._until: dict[int, float] = {}
         self._stop = threading.Event()
@@ -59,12 +61,12 @@ class Cockpit:
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
-            self._controls = Controls(gui, live, self._changed)
+            self._controls = Controls(gui, live, self._turns, self._changed)
             self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
         with tabs.add_tab("Plots"):
             self._plots = Plots(gui)
         with tabs.add_tab("Map"):
-            self._board = Board(gui, self._server.scene, live, self._show_setting)
+            self._board = Board(gui, self._server.scene, live, self._turns, self._show_setting)
         with tabs.add_tab("Run"):
             self._runs = Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
@@ -72,8 +74,11 @@ class Cockpit:
         self._gizmo = self._server.scene.add_transform_controls(
             "/handle", scale=0.35, active_axes=(True, True, False), visible=False
         )
-        self._gizmo.on_update(self._drag)
-        self._controls.reset.on_click(self._reset)
+        dragged = self._turns.hear(
+            self._drag, read=lambda event: (event.target.position, event.target.wxyz, event.phase)
+        )
+        self._gizmo.on_update(dragged)
+        self._controls.reset.on_click(self._turns.hear(lambda _: self._reset()))
         self._forces.on_update(self._show_forces)
         self._server.on_client_connect(self._welcome)
         self._server.on_client_disconnect(self._forget)
@@ -129,6 +134,7 @@ class Cockpit:
             self._thread.join(5.0)
         self._watched.disconnect()
         door.stop(self._server)
+        self._turns.close()
 
     def _run(self) -> None:
         last = time.perf_counter()
@@ -189,22 +195,21 @@ class Cockpit:
         self._controls.show(self.live.setting)
         self._changed()
 
-    def _drag(self, event: Any) -> None:
+    def _drag(self, asked: Asked) -> None:
         """The path goes where its gizmo is dragged to."""
-        path = self.live.setting.path
-        if event.client is None or path is None:
+        if self.live.setting.path is None:
             return
-        (x, y, _), (w, _, _, z) = event.target.position, event.target.wxyz
+        (x, y, _), (w, _, _, z), phase = asked.value
         moved = StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w)))
         try:
             self.live.alter(path=moved)
         except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
+            refuse(asked.client, error)
         self._scene.path(self.live.setting.path)
-        if event.phase == "end":
+        if phase == "end":
             self._runs.changed()
 
-    def _reset(self, event: Any) -> None:
+    def _reset(self) -> None:
         self.live.reset()
         self._runs.begin()
         self._new_trail = True
