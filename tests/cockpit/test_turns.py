@@ -1,7 +1,7 @@
 """Turns: what pages ask for is done in the order in which it came, and with the value that it had then."""
 
 import asyncio
-import time
+import threading
 from types import SimpleNamespace
 
 import pytest
@@ -29,13 +29,14 @@ def come(heard, *values, client="a page"):
 
 
 def test_every_value_is_done_in_its_order_and_the_pages_are_brought_up_to_date_once(turns):
-    done, after = [], []
+    done, after, all_there = [], [], threading.Event()
 
     def act(asked):
-        time.sleep(0.02 if asked.value == 0 else 0.0)
+        all_there.wait(10.0)
         done.append(asked.value)
 
     come(turns.hear(act, then=lambda: after.append(len(done))), *range(10))
+    all_there.set()
     turns.close()
     assert done == list(range(10))
     assert after == [10]

@@ -68,11 +68,18 @@ class Turns:
         owed: dict[Callable[[], None], None] = {}
         while (turn := self._waiting.get()) is not None:
             act, then, asked = turn
-            try:
-                act(asked)
-                if then is not None:
-                    owed[then] = None
-                while owed and self._waiting.empty():
-                    owed.popitem()[0]()
-            except Exception:  # a fault of ours must not leave the controls dead
-                logging.getLogger(__name__).exception("A control of the cockpit failed.")
+            _guarded(lambda act=act, asked=asked: act(asked))
+            if then is not None:
+                owed[then] = None
+            while owed and self._waiting.empty():
+                _guarded(owed.popitem()[0])
+        for then in owed:
+            _guarded(then)
+
+
+def _guarded(call: Callable[[], None]) -> None:
+    """A fault of ours must not leave the controls dead."""
+    try:
+        call()
+    except Exception:
+        logging.getLogger(__name__).exception("A control of the cockpit failed.")
