@@ -229,8 +229,9 @@ class Cockpit:
         def bring(event: Any = None) -> None:
             self._until[client.client_id] = time.monotonic() + PATIENCE
 
-        def seen(camera: Any) -> None:
-            # A page that has just been opened reports where its camera was before it was brought here.
+        async def seen(camera: Any) -> None:
+            # A page that has just been opened reports where its camera was before it was brought here. Looked at in the
+            # server's own loop, at once: a thread would see where the camera has been brought to meanwhile.
             if np.allclose(camera.position - camera.look_at, home_view, atol=0.02):
                 self._until.pop(client.client_id, None)
 
