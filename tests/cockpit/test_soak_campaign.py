@@ -1,24 +1,15 @@
 """A slice of campaigns/cockpit_soak.py: a page left open, with somebody busy on it, leaks no memory."""
 
-import importlib.util
-import sys
-from pathlib import Path
-
+import campaign_scripts
 import pytest
 
-FILE = Path(__file__).parents[2] / "campaigns" / "cockpit_soak.py"
 ROOM = 8.0  # for what is not set aside yet, and what the interpreter keeps [MB]
 
 
 @pytest.fixture(scope="module")
 def campaign():
     pytest.importorskip("viser")
-    spec = importlib.util.spec_from_file_location("cockpit_soak", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["cockpit_soak"] = module
-    spec.loader.exec_module(module)
-    return module
+    return campaign_scripts.campaign("cockpit_soak")
 
 
 @pytest.mark.slow

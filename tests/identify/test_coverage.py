@@ -1,7 +1,7 @@
 """A slice of campaigns/identify_coverage.py: errors that are as great as the fit says."""
 
 import numpy as np
-from studies.sweeps import campaign
+from campaign_scripts import campaign
 
 coverage = campaign("identify_coverage")
 ROBOTS = 3

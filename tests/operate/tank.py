@@ -1,11 +1,11 @@
 """Runs, what the sensors make of them, and recordings, for the tests of this folder."""
 
-import importlib.util
 import math
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import campaign_scripts
 
 import laticauda as lc
 from laticauda.operate import Estimator, Event, Header, OperationRecorder, PowerReading
@@ -13,15 +13,9 @@ from laticauda.operate import Estimator, Event, Header, OperationRecorder, Power
 ROOT = Path(__file__).parents[2]
 
 
-@cache
 def campaign() -> Any:
     """campaigns/estimator.py as a module."""
-    spec = importlib.util.spec_from_file_location("estimator_campaign", ROOT / "campaigns" / "estimator.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return campaign_scripts.campaign("estimator")
 
 
 @cache

@@ -1,22 +1,14 @@
 """A slice of campaigns/operate_faults.py: whatever goes wrong, the robot comes to a safe stop and the log is whole."""
 
-import importlib.util
-import sys
 from pathlib import Path
 
+import campaign_scripts
 import pytest
-
-FILE = Path(__file__).parents[2] / "campaigns" / "operate_faults.py"
 
 
 @pytest.fixture(scope="module")
 def faults():
-    spec = importlib.util.spec_from_file_location("operate_faults", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["operate_faults"] = module
-    spec.loader.exec_module(module)
-    return module
+    return campaign_scripts.campaign("operate_faults")
 
 
 @pytest.mark.parametrize("seed", [3, 11, 19])

@@ -1,11 +1,9 @@
 """A slice of campaigns/operate_table2.py: a series in the tank, and what report and identification make of it."""
 
-import importlib.util
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
+import campaign_scripts
 import pytest
 
 import laticauda as lc
@@ -15,19 +13,13 @@ from laticauda.operate.settings import Calibration
 from laticauda.reports.efficiency_tables import repeat_table
 from laticauda.studies.repeats import load_repeats
 
-FILE = Path(__file__).parents[2] / "campaigns" / "operate_table2.py"
 QUICK = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5)
 DURATION = 6.0
 
 
 @pytest.fixture(scope="module")
 def campaign():
-    spec = importlib.util.spec_from_file_location("operate_table2", FILE)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["operate_table2"] = module
-    spec.loader.exec_module(module)
-    return module
+    return campaign_scripts.campaign("operate_table2")
 
 
 @pytest.fixture(scope="module")

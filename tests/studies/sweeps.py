@@ -1,8 +1,6 @@
-"""Small sweeps for the tests, and the campaign whose slice they run."""
+"""Small sweeps for the tests."""
 
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import laticauda as lc
@@ -18,12 +16,3 @@ def small(**changes: Any) -> Sweep:
     """Twelve trials of one second."""
     points = Grid(values={"gait.amplitude": AMPLITUDE, "water.normal_drag": DRAG})
     return Sweep(**{"robot": lc.load_robot("mamba"), "gait": GAIT, "duration": 1.0, "points": points, **changes})
-
-
-def campaign(name: str) -> ModuleType:
-    """A script of campaigns/ as a module."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / "campaigns" / f"{name}.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module

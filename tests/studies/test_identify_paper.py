@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from studies.sweeps import campaign
+from campaign_scripts import campaign
 
 import laticauda as lc
 from laticauda.trial.measured import efficiency_trials

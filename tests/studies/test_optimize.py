@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies.sweeps import campaign
+from campaign_scripts import campaign
 
 import laticauda as lc
 from laticauda.errors import StorageFailed

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from studies.sweeps import campaign
+from campaign_scripts import campaign
 
 kills = campaign("sweep_kills")
 SIZE = 32

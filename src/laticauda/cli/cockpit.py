@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,11 +68,11 @@ class LabFlags:
         from laticauda.operate.settings import Connection
 
         usual, mount = Connection(), Mount()
-        if (operation := self.operation()) is not None:
-            how, usual = operation.calibration, operation.connection
-            mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
+        if self.operation is not None:
+            usual, mount = self.operation.connection, self.operation.calibration.mount
         watched.connect(addressed(usual, can=self.can, mocap=self.mocap), robot, mount=mount)
 
+    @cached_property
     def operation(self) -> "Operation | None":
         """The trial file's, or None without one."""
         if self.trial is None:
@@ -89,9 +90,8 @@ class LabFlags:
         Args:
             flags: What is asked for.
         """
-        operation = self.operation()
-        if operation is not None and flags.robot is None:
-            return load_robot(operation.robot)
+        if self.operation is not None and flags.robot is None:
+            return load_robot(self.operation.robot)
         return (replace(flags, robot=LAB_ROBOT) if self.lab and flags.robot is None else flags).chosen()
 
 

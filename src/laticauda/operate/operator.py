@@ -16,7 +16,6 @@ from laticauda.interfaces import Plant
 from laticauda.operate import preparing
 from laticauda.operate.asking import Asker
 from laticauda.operate.calibration import ClockOffset
-from laticauda.operate.estimate import Mount
 from laticauda.operate.estimation import Estimator
 from laticauda.operate.kinematic import KinematicEstimator
 from laticauda.operate.modules import heard, no_modules
@@ -77,8 +76,7 @@ class Operator:
     @cached_property
     def estimator(self) -> AnyEstimator:
         """The state estimation."""
-        how = self.operation.calibration
-        mount = Mount(module=how.marker_module, offset=how.marker_offset, angle=how.marker_yaw)
+        mount = self.operation.calibration.mount
         if self.operation.estimator == "kinematics":
             return KinematicEstimator(robot=self.robot, mount=mount)
         lost_after = self.operation.limits.mocap_timeout

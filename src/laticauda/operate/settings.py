@@ -23,6 +23,7 @@ from laticauda.control import (
 from laticauda.errors import finite, instance, not_negative, one_of, positive, whole, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop
+from laticauda.operate.estimate import Mount
 from laticauda.operate.tank import Tank, pair, put
 from laticauda.robot import Robot, Water, load_robot, load_water
 
@@ -182,6 +183,11 @@ class Calibration:
         units |= {"idle_time": "s", "still_time": "s"}
         for name, unit in units.items():
             put(self, name, positive(name, getattr(self, name), unit))
+
+    @property
+    def mount(self) -> Mount:
+        """Where the rigid body of the motion capture sits."""
+        return Mount(module=self.marker_module, offset=self.marker_offset, angle=self.marker_yaw)
 
 
 @dataclass(frozen=True, kw_only=True)

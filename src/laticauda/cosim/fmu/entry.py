@@ -222,45 +222,50 @@ def _target() -> Target:
 # ---- the function ----------------------------------------------------------------------------------------------------
 
 
+@njit(**_OWN)
+@no_type_check
+def _assign(whole, real, piece, v, rows):
+    """Set rows that are multiples of variables."""
+    pairs, factors = whole[piece], whole[piece + 1]
+    for k in range(whole[piece + 2]):
+        rows[whole[pairs + 2 * k + 1]] = real[factors + k] * v[whole[pairs + 2 * k]]
+
+
+@njit(**_OWN)
+@no_type_check
+def _begin(whole, real, v, rows):
+    """Fill all rows: the template, what depends on the coefficients of the water, and the start."""
+    for q in range(whole[N_ROWS]):
+        rows[q] = real[q]
+    terms, values, pairs, slopes = whole[TERMS], whole[TERMS + 1], whole[SLOPES], whole[SLOPES + 1]
+    for k in range(whole[SLOPES + 2]):
+        term = whole[pairs + 2 * k]
+        now = v[whole[terms + 2 * term + 1]]
+        if whole[terms + 2 * term] != NONE:
+            now *= v[whole[terms + 2 * term]]
+        rows[whole[pairs + 2 * k + 1]] += real[slopes + k] * (now - real[values + term])
+    _assign(whole, real, STARTED, v, rows)
+    rows[VX] = v[whole[VELOCITY]] * math.cos(v[whole[HEADING]])
+    rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
+
+
+@njit(**_OWN)
+@no_type_check
+def _look(whole, real, rows, v):
+    """Set the variables that are sums of rows."""
+    pairs, factors = whole[SEEN], whole[SEEN + 1]
+    for k in range(whole[SEEN + 2]):
+        v[whole[pairs + 2 * k]] = 0.0
+    for k in range(whole[SEEN + 2]):
+        v[whole[pairs + 2 * k]] += real[factors + k] * rows[whole[pairs + 2 * k + 1]]
+
+
 def _move(run: Any) -> Any:
     """The function: robots' variables in, the kernel's steps, variables out.
 
     Args:
         run: The kernel that marches.
     """
-
-    @njit(**_OWN)
-    @no_type_check
-    def assign(whole, real, piece, v, rows):
-        pairs, factors = whole[piece], whole[piece + 1]
-        for k in range(whole[piece + 2]):
-            rows[whole[pairs + 2 * k + 1]] = real[factors + k] * v[whole[pairs + 2 * k]]
-
-    @njit(**_OWN)
-    @no_type_check
-    def begin(whole, real, v, rows):
-        for q in range(whole[N_ROWS]):
-            rows[q] = real[q]
-        terms, values, pairs, slopes = whole[TERMS], whole[TERMS + 1], whole[SLOPES], whole[SLOPES + 1]
-        for k in range(whole[SLOPES + 2]):
-            term = whole[pairs + 2 * k]
-            now = v[whole[terms + 2 * term + 1]]
-            if whole[terms + 2 * term] != NONE:
-                now *= v[whole[terms + 2 * term]]
-            rows[whole[pairs + 2 * k + 1]] += real[slopes + k] * (now - real[values + term])
-        assign(whole, real, STARTED, v, rows)
-        rows[VX] = v[whole[VELOCITY]] * math.cos(v[whole[HEADING]])
-        rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
-
-    @njit(**_OWN)
-    @no_type_check
-    def look(whole, real, rows, v):
-        pairs, factors = whole[SEEN], whole[SEEN + 1]
-        for k in range(whole[SEEN + 2]):
-            v[whole[pairs + 2 * k]] = 0.0
-        for k in range(whole[SEEN + 2]):
-            v[whole[pairs + 2 * k]] += real[factors + k] * rows[whole[pairs + 2 * k + 1]]
-
     reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
 
     @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **_OWN)
@@ -269,11 +274,11 @@ def _move(run: Any) -> Any:
         """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
         steps, dt = 0, v[whole[DT]]
         if interval == 0.0:
-            begin(whole, real, v, rows)
+            _begin(whole, real, v, rows)
         else:
             steps = max(1, math.ceil(interval / dt - 1e-9))
             dt = interval / steps
-        assign(whole, real, HELD, v, rows)
+        _assign(whole, real, HELD, v, rows)
         written = run(
             rows,
             whole[N_BODIES],
@@ -288,7 +293,7 @@ def _move(run: Any) -> Any:
             max(1, steps),
             _log_at(_beyond(rows, whole[N_ROWS])),
         )
-        look(whole, real, rows, v)
+        _look(whole, real, rows, v)
         return 1 if written == (1 if steps == 0 else 2) else 0
 
     return move

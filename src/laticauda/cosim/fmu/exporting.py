@@ -8,7 +8,7 @@ from pathlib import Path
 
 from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
 from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tables_in_c
-from laticauda.cosim.fmu.tables import tables_of
+from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import instance, one_of
 from laticauda.gaits import Gait
@@ -91,6 +91,24 @@ def export_fmu(
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
     tables = tables_of(body, gait, start or Start(), inputs=inputs)
+    _export(file, body, tables, inputs, fmi)
+    return tables.variables
+
+
+def needs_compiling(water: Water, *, fluid_law: FluidLaw | None = None) -> bool:
+    """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
+
+    Args:
+        water: Where it will swim.
+        fluid_law: As for `export_fmu`.
+    """
+    from laticauda.cosim.fmu.entry import is_compiled
+
+    return not is_compiled(law_of(water, fluid_law))
+
+
+def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
+    """Compile, and pack what belongs together; its identity is a digest of all that it is made of."""
     c_compiler()  # before the kernels, which take seconds
     from laticauda.cosim.fmu.entry import object_code
 
@@ -113,19 +131,6 @@ def export_fmu(
             "documentation/index.html": words.page().encode(),
         },
     )
-    return tables.variables
-
-
-def needs_compiling(water: Water, *, fluid_law: FluidLaw | None = None) -> bool:
-    """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
-
-    Args:
-        water: Where it will swim.
-        fluid_law: As for `export_fmu`.
-    """
-    from laticauda.cosim.fmu.entry import is_compiled
-
-    return not is_compiled(law_of(water, fluid_law))
 
 
 def _identifier(stem: str) -> str:
