@@ -12,7 +12,6 @@ from laticauda.operate.recording import HEADER
 from laticauda.trial import FORMATS, Trial, load_trial, open_recording
 
 READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
-SWEEPS = (".zip", ".nc")
 
 
 def opened(path: Path) -> Trial | StoredSweep:
@@ -27,7 +26,7 @@ def opened(path: Path) -> Trial | StoredSweep:
     """
     if not path.exists():
         raise TrialFileError(f"Cannot load {path}: there is no such file.")
-    if path.is_dir() or path.suffix.lower() == ".zip" or (path.suffix.lower() == ".nc" and is_sweep(path)):
+    if _has_sweep(path):
         return _sweep(path, path.name)
     return _trial(path, str(path))
 
@@ -44,7 +43,7 @@ def received_trial(name: str, content: bytes) -> Trial:
         MissingExtra: If the format needs a package that is not installed.
     """
     with _stored(name, content) as path:
-        if path.suffix == ".zip" or (path.suffix == ".nc" and is_sweep(path)):
+        if _has_sweep(path):
             raise TrialFileError(f"Cannot play back {name}: it is no trial; the tab Map loads sweeps.")
         return _trial(path, name)
 
@@ -64,6 +63,12 @@ def received_sweep(name: str, content: bytes) -> StoredSweep:
         return _sweep(path, name)
 
 
+def _has_sweep(path: Path) -> bool:
+    """Whether it is meant as a sweep: both are stored as .nc."""
+    ending = path.suffix.lower()
+    return path.is_dir() or ending == ".zip" or (ending == ".nc" and is_sweep(path))
+
+
 def _trial(path: Path, name: str) -> Trial:
     if path.suffix not in READ:
         raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
@@ -76,12 +81,11 @@ def _trial(path: Path, name: str) -> Trial:
 
 
 def _sweep(path: Path, name: str) -> StoredSweep:
-    if path.is_dir():
+    ending = path.suffix.lower()
+    if path.is_dir() or ending == ".nc":
         return read_sweep(path, name)
-    if path.suffix.lower() not in SWEEPS:
+    if ending != ".zip":
         raise TrialFileError(f"Cannot load {name}: {NO_SWEEP}.")
-    if path.suffix.lower() == ".nc":
-        return read_sweep(path, name)
     with tempfile.TemporaryDirectory() as folder:
         return read_sweep(unpacked(path, Path(folder), name), name)
 
