@@ -38,7 +38,7 @@ class Camera:
         """Let a robot swim from rest [s]."""
         self.cockpit.live.change(setting)
         self.cockpit._show_setting()
-        self.cockpit._reset(None)
+        self.cockpit._reset()
         self.pass_time(duration)
 
     def open(self, tab: str) -> None:
@@ -47,13 +47,12 @@ class Camera:
 
     def look(self, offset: tuple[float, float, float], ahead: float) -> None:
         """Put the camera beside the robot; `ahead` of it is the middle of the picture [m]."""
-        (client,) = self.cockpit._server.get_clients().values()
-        (follows,) = self.cockpit._follows.values()
-        follows.value = False
+        (view,) = self.cockpit._views.all()
+        view.follows.value = False
         x, y = (float(value) for value in self.cockpit.live.latest()["center_of_mass"][:2])
         target = np.array([x + ahead, y, 0.0])
         self.settle()
-        client.camera.position, client.camera.look_at = target + offset, target
+        view.camera.position, view.camera.look_at = target + offset, target
         self.settle()
 
     def settle(self, rounds: int = 24) -> None:

@@ -6,8 +6,6 @@ import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from laticauda.cockpit import door
 from laticauda.cockpit.board import Board
 from laticauda.cockpit.controls import Controls, refuse
@@ -16,15 +14,15 @@ from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.plots import Plots
 from laticauda.cockpit.runs import Runs
-from laticauda.cockpit.scene import AHEAD, FIELD_OF_VIEW, Scene, look_down
+from laticauda.cockpit.scene import FIELD_OF_VIEW, Scene, look_down
 from laticauda.cockpit.sweeps import StoredSweep
 from laticauda.cockpit.turns import Asked, Turns
+from laticauda.cockpit.views import Views
 from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError
 
 FRAME = 0.05  # time between two pictures [s]
-PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 SLOW = 5  # pictures between two updates of numbers and plots
 
 
@@ -45,8 +43,6 @@ class Cockpit:
         self.live = live
         self._server = door.server(host, port)
         self._turns = Turns()
-        self._follows: dict[int, Any] = {}
-        self._until: dict[int, float] = {}
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -80,9 +76,8 @@ class Cockpit:
         self._gizmo.on_update(dragged)
         self._controls.reset.on_click(self._turns.hear(lambda _: self._reset()))
         self._forces.on_update(self._show_forces)
-        self._server.on_client_connect(self._welcome)
-        self._server.on_client_disconnect(self._forget)
         self._changed()
+        self._views = Views(self._server)  # what a page has for itself stands below the rest
 
     @property
     def address(self) -> str:
@@ -93,7 +88,7 @@ class Cockpit:
     @property
     def pages(self) -> int:
         """How many pages are open."""
-        return len(self._server.get_clients())
+        return len(self._views)
 
     @property
     def watched(self) -> Watched:
@@ -161,23 +156,7 @@ class Cockpit:
                 self._figures.content = figures_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._follow((sample["center_of_mass"] if watched is None else watched)[:2])
-
-    def _follow(self, at: np.ndarray) -> None:
-        """Let the cameras that follow look at the robot, from where their page has put them around it."""
-        for number, client in self._server.get_clients().items():
-            if number in self._until and time.monotonic() < self._until[number]:
-                self._bring(client, at)
-            elif number in self._follows and self._follows[number].value:
-                # What a slow page reports is old, but its direction and distance are right; look_at goes along.
-                target = np.array([float(at[0]) + AHEAD, float(at[1]), 0.0])
-                door.move(client.camera, target + client.camera.position - client.camera.look_at)
-
-    def _bring(self, client: Any, at: np.ndarray) -> None:
-        """Put a camera where it begins, beside the robot."""
-        position, look_at = look_down()
-        shift = np.array([float(at[0]), float(at[1]), 0.0])
-        door.move(client.camera, shift + position, shift + look_at)
+        self._views.show((sample["center_of_mass"] if watched is None else watched)[:2])
 
     def _changed(self) -> None:
         """After every change of the setting."""
@@ -216,30 +195,3 @@ class Cockpit:
 
     def _show_forces(self, event: Any) -> None:
         self.live.link_forces = event.target.value
-
-    def _welcome(self, client: Any) -> None:
-        """What every page has for itself: its camera."""
-        with client.gui.add_folder("This page"):
-            box = client.gui.add_checkbox("camera follows", True)
-            home = client.gui.add_button("camera to the robot")
-
-        position, look_at = look_down()
-        home_view = np.subtract(position, look_at)
-
-        def bring(event: Any = None) -> None:
-            self._until[client.client_id] = time.monotonic() + PATIENCE
-
-        async def seen(camera: Any) -> None:
-            # A page that has just been opened reports where its camera was before it was brought here. Looked at in the
-            # server's own loop, at once: a thread would see where the camera has been brought to meanwhile.
-            if np.allclose(camera.position - camera.look_at, home_view, atol=0.02):
-                self._until.pop(client.client_id, None)
-
-        home.on_click(bring)
-        client.camera.on_update(seen)
-        self._follows[client.client_id] = box
-        bring()
-
-    def _forget(self, client: Any) -> None:
-        self._follows.pop(client.client_id, None)
-        self._until.pop(client.client_id, None)
