@@ -49,7 +49,8 @@ from laticauda.studies.scores import Score, scores
 from laticauda.studies.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.studies.stability import BEHAVIORS, Loops, StabilityMap, StabilitySettings, StabilityStudy, run_stability
 from laticauda.studies.stability_dataset import stability_dataset, write_stability_netcdf
-from laticauda.studies.sweep import Sweep, open_sweep, run_sweep
+from laticauda.studies.sweep import Sweep
+from laticauda.studies.sweep_run import open_sweep, run_sweep
 from laticauda.studies.swimmers import Steering, Swimmer, swimmers
 from laticauda.studies.table1 import FinGain, Maximum, fin_gains, maxima
 from laticauda.studies.table2 import (

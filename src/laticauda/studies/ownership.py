@@ -6,12 +6,10 @@ import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from laticauda.studies.regions import Regions
-
-if TYPE_CHECKING:
-    from laticauda.studies.sweep import Sweep
+from laticauda.studies.sweep import Sweep
 
 DEFINITION = "sweep.json"
 NEW = ".new"  # the end of a file's name until it is complete

@@ -30,6 +30,7 @@ from laticauda.errors import MissingExtra, StorageFailed
 from laticauda.studies.ownership import NEW, check_place, claim, regions_of
 from laticauda.studies.regions import Regions, extent
 from laticauda.studies.sampling import Grid
+from laticauda.studies.sweep import Sweep
 from laticauda.studies.trials import QUANTITIES
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from laticauda.studies.sweep import Sweep
     from laticauda.studies.trials import Column, Table
 
 RESULTS, DONE = "results.zarr", "regions.done"

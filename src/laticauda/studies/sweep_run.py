@@ -1,0 +1,104 @@
+"""Running a sweep in a folder that survives anything."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from laticauda.errors import whole
+from laticauda.studies.progress import Progress
+from laticauda.studies.regions import Regions
+from laticauda.studies.store import Store, open_dataset
+from laticauda.studies.sweep import Sweep
+from laticauda.studies.trials import swim_points
+
+if TYPE_CHECKING:
+    import xarray
+
+    from laticauda.studies.trials import Column, Table
+
+
+def run_sweep(
+    sweep: Sweep,
+    folder: str | Path,
+    *,
+    progress: Progress | None = None,
+    client: Any = None,
+    threads: int | None = None,
+    region_size: int | None = None,
+    resume: bool = True,
+) -> xarray.Dataset:
+    """Run a sweep, or the rest of it, and keep the results in a folder.
+
+    Work and storage go region by region: a region is marked as done once all of it is stored. So the run may be killed
+    at any moment, even by SIGKILL, and called again: it goes on, and what comes out has the same bits as if it had
+    never stopped (on processors of one kind). Memory does not grow with the number of trials.
+
+    Args:
+        sweep: What to run.
+        folder: Where the results go; made if need be. It must be empty, or hold this very sweep.
+        progress: Called at the start and after every region with the number of trials done, and of all.
+        client: A `dask.distributed.Client`: the trials run on its cluster. None runs them here.
+        threads: How many run here at once; None is one per core. On a cluster every thread of a worker is one.
+        region_size: Greatest number of trials in a region of a new folder; None takes about a second of work. The
+            results depend on it by rounding only.
+        resume: False refuses a folder that has results already.
+
+    Returns:
+        The whole sweep, read from the folder when it is used; see `open_sweep`.
+
+    Raises:
+        ValueError: If an argument is out of its range, or the folder holds something else, or another sweep: the
+            message names what differs.
+        StorageFailed: If the results cannot be written. Nothing that was stored is lost.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die again and again. The same holds.
+        MissingExtra: If zarr is not installed, or scipy for samples.
+    """
+    if threads is not None:
+        whole("threads", threads, 1)
+    with Store.open(folder, sweep, region_size=region_size, resume=resume) as store:
+        tell = progress or _say_nothing
+        tell(store.n_done, sweep.n_trials)
+        pending = store.pending()
+        with closing(_results(sweep, store.regions, pending, client, threads)) as results:
+            for index, table, found in results:
+                store.write(index, table, found)
+                tell(store.n_done, sweep.n_trials)
+    return open_sweep(folder)
+
+
+def open_sweep(folder: str | Path) -> xarray.Dataset:
+    """The results of a sweep, finished or not, read when they are used.
+
+    A grid has a dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
+    and the parameters as coordinates along it. Points that are still to come are nan, and have not `succeeded`; the
+    attributes `n_trials` and `n_finished` count them.
+
+    Args:
+        folder: As for `run_sweep`.
+
+    Raises:
+        ValueError: If the folder holds no sweep.
+        MissingExtra: If zarr is not installed.
+    """
+    return open_dataset(folder)
+
+
+def _say_nothing(done: int, total: int) -> None:
+    """Stands for progress that nobody wants to know."""
+
+
+def _results(
+    sweep: Sweep, regions: Regions, pending: list[int], client: Any, threads: int | None
+) -> Generator[tuple[int, Table, dict[str, Column]]]:
+    """What the pending regions come to, in the order in which they are done."""
+    tables = zip(pending, sweep.tables(regions.blocks(pending)), strict=True)
+    if client is None:
+        for index, table in tables:
+            yield index, table, swim_points(sweep.setup, sweep.points.names, table, threads)
+    else:
+        from laticauda.studies.cluster import swim_on
+
+        yield from swim_on(client, sweep.setup, sweep.points.names, tables)
