@@ -7,8 +7,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from laticauda.operate.belief import EstimatorState
     from laticauda.operate.estimate import Estimate, Mount
-    from laticauda.operate.estimation import Estimator, EstimatorState
+    from laticauda.operate.estimation import Estimator
     from laticauda.operate.kinematic import KinematicEstimator, KinematicState
     from laticauda.operate.noise import Noise
     from laticauda.operate.onlooker import Onlooker
@@ -21,7 +22,7 @@ _WHERE = {
     "Decision": "operation_log",
     "Estimate": "estimate",
     "Estimator": "estimation",
-    "EstimatorState": "estimation",
+    "EstimatorState": "belief",
     "Event": "samples",
     "Header": "recording",
     "JointSample": "samples",

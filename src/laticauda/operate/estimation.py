@@ -19,63 +19,20 @@ from laticauda.gaits.reference import filter_step
 from laticauda.interfaces import Plant
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.operate import filtering
+from laticauda.operate.belief import Belief, EstimatorState, nothing_seen, remembered
 from laticauda.operate.estimate import Estimate, Mount, status_at
 from laticauda.operate.filtering import Gaussian
 from laticauda.operate.motion import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
 from laticauda.operate.noise import Noise, beside_twin
 from laticauda.operate.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
-from laticauda.operate.twin import PlantRecord, TwinState, check_plant, stepped
+from laticauda.operate.twin import PlantRecord, check_plant, stepped
 from laticauda.operate.twin import start as twin_start
 from laticauda.robot import Robot
 
 Vector: TypeAlias = NDArray[np.float64]
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Belief:
-    """What the filter believes right after one sample."""
-
-    time: float
-    """[s]."""
-    known: Gaussian | None
-    """What is estimated; None before the first frame."""
-    asked: Vector
-    """phi_ref in force [rad]."""
-    smooth: Vector
-    """phi_ref after the filter that stands for the joints' lag [rad]."""
-    smooth_rate: Vector
-    """Its rate [rad/s]."""
-    frequency: float
-    """Of the gait [rad/s]."""
-    joint: Vector | None
-    """The last joint angles, before the first frame [rad]."""
-    seen: float
-    """When the last frame that was believed was taken; -inf before [s]."""
-    twin: TwinState | None
-    """The plant that runs along; None without one."""
-    twin_failed: bool
-    """Whether the twin had to be given up [-]."""
-    n_refused: int
-    """Frames in a row that were not believed [-]."""
-    n_stray: np.ndarray
-    """Samples in a row that were not believed, per joint [-]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class EstimatorState:
-    """The filter's state: what it believes now, and the last few samples with what it believed after each."""
-
-    history: tuple[tuple[Sample | None, Belief], ...]
-    """Oldest first; the first one has no sample."""
-    n_outliers: int = 0
-    """Frames that were not believed so far [-]."""
-    n_late: int = 0
-    """Samples that came too late and were left out so far [-]."""
-
-    @property
-    def belief(self) -> Belief:
-        """After the last sample."""
-        return self.history[-1][1]
+PLAY_TORQUE = 0.3  # that has a gear touch on one side, about [N m]
+LONGEST_STEP = 0.05  # of the prediction over a gap [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -160,22 +117,7 @@ class Estimator:
         if self.plant is not None:
             still = np.zeros(self.model.n_joints)
             stepped(self._plant, twin_start(self._plant, still), still, None, 0.0, 0.01)
-        nothing = np.zeros(self.model.n_joints)
-        belief = Belief(
-            time=time,
-            known=None,
-            asked=nothing,
-            smooth=nothing,
-            smooth_rate=nothing,
-            frequency=0.0,
-            joint=None,
-            seen=-math.inf,
-            twin=None,
-            twin_failed=False,
-            n_refused=0,
-            n_stray=np.zeros(self.model.n_joints, dtype=np.int64),
-        )
-        return EstimatorState(history=((None, belief),))
+        return EstimatorState(history=((None, nothing_seen(self.model.n_joints, time)),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
         """The state after one more sample, in whatever order samples come.
@@ -201,7 +143,7 @@ class Estimator:
             history.append((item, belief))
             refused += item is sample and belief.n_refused > before.n_refused
         return EstimatorState(
-            history=self._remembered(history), n_outliers=state.n_outliers + refused, n_late=state.n_late
+            history=remembered(history, self.horizon), n_outliers=state.n_outliers + refused, n_late=state.n_late
         )
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
@@ -243,14 +185,6 @@ class Estimator:
         )
 
     # ---- inside ----------------------------------------------------------------------------------------------------
-
-    def _remembered(self, history: list[tuple[Sample | None, Belief]]) -> tuple[tuple[Sample | None, Belief], ...]:
-        """The end of the history that a late sample may still go back to."""
-        oldest = history[-1][1].time - self.horizon
-        keep = 0
-        while keep + 1 < len(history) and history[keep + 1][1].time <= oldest:
-            keep += 1
-        return ((None, history[keep][1]), *history[keep + 1 :])
 
     def _after(self, belief: Belief, sample: Sample) -> Belief:
         belief = self._moved(belief, sample.time)
@@ -397,12 +331,6 @@ class Estimator:
     def _yaw(self, name: str, angle: Vector) -> Vector:
         """Of the joints that turn in the plane, whichever of both was given."""
         return yaw_joints(self.robot, name, angle)
-
-
-# Torque that has a gear touch on one side, about [N m].
-PLAY_TORQUE = 0.3
-# Prediction over a gap takes steps of at most that length [s].
-LONGEST_STEP = 0.05
 
 
 def _larger_eigenvalue(matrix: NDArray[np.float64]) -> float:
