@@ -1,4 +1,4 @@
-"""MCAP files, the door of the package `mcap`: a recorder whose file survives that its program is killed.
+"""What a recording holds: messages of ROS 2, by the kind of what happened.
 
 Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
 refuse files of mixed encodings, so even what has no ROS type of its own travels as one: an event as the log message of
@@ -9,33 +9,19 @@ from __future__ import annotations
 
 import json
 import struct
-import threading
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, Self
+from typing import Any, Self
 
-from laticauda.errors import MissingExtra, StorageFailed, finite, positive, whole
 from laticauda.trial import ros2
+from laticauda.trial.mcap_file import McapFile, moment, nanoseconds
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
 _CAN_FRAME = struct.Struct("<4s iI I4s I??? B8s")  # encapsulation; stamp, frame_id ""; identifier, flags, length, data
 WORLD = "world"
 """The frame of the world axes."""
-
-
-def need_mcap() -> None:
-    """Refuse where the package is missing.
-
-    Raises:
-        MissingExtra: If it is not installed.
-    """
-    try:
-        import_module("mcap")
-    except ImportError as error:
-        raise MissingExtra("Reading and writing MCAP", "mcap", "logs") from error
 
 
 class Recorder:
@@ -65,28 +51,12 @@ class Recorder:
     def __init__(
         self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
     ) -> None:
-        need_mcap()
-        from mcap.writer import Writer
+        self._file = McapFile(path, chunk_seconds=chunk_seconds, chunk_bytes=chunk_bytes, overwrite=overwrite)
 
-        self._chunk_ns = _nanoseconds(positive("chunk_seconds", chunk_seconds, "s"))
-        self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
-        self.path = Path(path)
-        try:
-            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
-        except OSError as error:
-            raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
-        # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
-        self._writer = Writer(self._file, chunk_size=1 << 40)
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[str, tuple[int, str]] = {}
-        self._lock = threading.Lock()
-        self._open_since: int | None = None
-        self._open_bytes = 0
-        self._sequence = 0
-        self._is_open = True
-        self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
-
-    # ---- what happens --------------------------------------------------------------------------------------------
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._file.path
 
     def message(self, topic: str, time: float, kind: str, content: Mapping[str, Any], *, unit: str = "") -> None:
         """Record any message of a known type.
@@ -102,12 +72,8 @@ class Recorder:
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        now = _nanoseconds(finite("time", time, "s"))
-        if now < 0:
-            raise ValueError(f"`time` must be >= 0 s, got {time}.")
-        data = ros2.codec(kind).encode(content)
-        with self._lock:
-            self._add(self._channel(topic, kind, unit), now, data)
+        now = moment(time)
+        self._file.add(topic, kind, unit, now, ros2.codec(kind).encode(content))
 
     def joint_state(
         self,
@@ -254,17 +220,14 @@ class Recorder:
         """
         if len(data) > 8:
             raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
-        now = _nanoseconds(finite("time", time, "s"))
-        if now < 0:
-            raise ValueError(f"`time` must be >= 0 s, got {time}.")
+        now = moment(time)
         if not 0 <= identifier < 1 << 32:
             raise ValueError(f"`identifier` must be from 0 to 2^32 - 1, got {identifier}.")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
         seconds, rest = divmod(now, 1_000_000_000)
         flags = bool(is_rtr), bool(is_extended), bool(is_error)
         body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, *flags, len(data), bytes(data))
-        with self._lock:
-            self._add(self._channel(topic, "can_msgs/Frame", ""), now, body)
+        self._file.add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
         """Record anything that JSON can hold, as a text (std_msgs/String).
@@ -295,7 +258,7 @@ class Recorder:
         except TypeError as error:
             raise ValueError(f"`data` must be data that JSON can hold: {error}.") from error
         content = {
-            "stamp": ros2.stamp(_nanoseconds(time)),
+            "stamp": ros2.stamp(nanoseconds(time)),
             "level": LEVELS[level],
             "name": name,
             "msg": text,
@@ -313,27 +276,15 @@ class Recorder:
             name: What they are about.
             content: The texts by name.
         """
-        with self._lock:
-            self._guarded(lambda: self._writer.add_metadata(name, dict(content)))
-            self._guarded(self._writer.flush)
-
-    # ---- files ---------------------------------------------------------------------------------------------------
+        self._file.metadata(name, content)
 
     def flush(self) -> None:
         """Complete the open chunk and hand it to the operating system."""
-        with self._lock:
-            self._end_chunk()
+        self._file.flush()
 
     def close(self) -> None:
         """Complete the file; a second time it does nothing."""
-        with self._lock:
-            if not self._is_open:
-                return
-            self._is_open = False
-            try:
-                self._guarded(self._writer.finish)
-            finally:
-                self._guarded(self._file.close)
+        self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -341,56 +292,9 @@ class Recorder:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    def _channel(self, topic: str, kind: str, unit: str) -> int:
-        found = self._channels.get(topic)
-        if found is not None:
-            if found[1] != kind:
-                raise ValueError(f"`topic` {topic} must keep its type {found[1]}, got {kind}.")
-            return found[0]
-        if not topic:
-            raise ValueError("`topic` must be a name such as /joint_states, got ''.")
-        if kind not in self._schemas:
-            text = ros2.schema_text(kind).encode()
-            self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
-        # The profile asks for the quality of service, and may have it empty.
-        metadata = {"offered_qos_profiles": "", "unit": unit}
-        number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
-        self._channels[topic] = number, kind
-        return number
-
-    def _add(self, channel: int, now: int, data: bytes) -> None:
-        if not self._is_open:
-            raise StorageFailed(f"Cannot write {self.path}: it is closed.")
-        if self._open_since is None:
-            self._open_since = now
-        self._sequence += 1
-        self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
-        self._open_bytes += len(data)
-        # Moments of several sources need not be in order: an older one does not end a chunk.
-        if self._open_bytes >= self._chunk_bytes or now - self._open_since >= self._chunk_ns:
-            self._end_chunk()
-
-    def _end_chunk(self) -> None:
-        self._guarded(self._writer.flush)
-        self._open_since, self._open_bytes = None, 0
-
-    def _guarded(self, act: Any) -> None:
-        try:
-            act()
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise StorageFailed(f"Cannot write {self.path}: {reason}; what came before is kept.") from error
-
-
-# ---- inside --------------------------------------------------------------------------------------------------------
-
-
-def _nanoseconds(time: float) -> int:
-    return round(time * 1e9)
-
 
 def _header(time: float, frame: str) -> dict[str, Any]:
-    return {"stamp": ros2.stamp(_nanoseconds(time)), "frame_id": frame}
+    return {"stamp": ros2.stamp(nanoseconds(time)), "frame_id": frame}
 
 
 def _xyz(values: Sequence[float]) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
 from laticauda.errors import TrialFileError
 from laticauda.trial import ros2
-from laticauda.trial.mcap import need_mcap
+from laticauda.trial.mcap_file import need_mcap
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Schema
