@@ -30,6 +30,7 @@ from cockpit_browser import (
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit.scene import look_down
 
 pytestmark = pytest.mark.slow
 GAIT = lc.lateral_undulation(
@@ -71,7 +72,7 @@ def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
     from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
     from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES
-    from laticauda.cockpit.scene import FIELD_OF_VIEW, look_down
+    from laticauda.cockpit.scene import FIELD_OF_VIEW
     from laticauda.figures.gait_map import gait_map_picture
 
     values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
@@ -191,6 +192,8 @@ def test_pages_keep_their_own_view(chromium, cockpit):
     cockpit.live.speed, cockpit.live.paused = 8.0, False
     assert until(lambda: cockpit.live.latest()["center_of_mass"][0] > 1.5)
     assert until(lambda: first.position[0] > home[0] + 1.0)
+    view = np.subtract(*look_down())
+    assert until(lambda: np.allclose(first.position - first.look_at, view, atol=1e-3), patience=5.0)
     np.testing.assert_allclose(second.position, left, atol=0.1)
     for page in (one, other):
         page.context.close()

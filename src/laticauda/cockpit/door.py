@@ -60,19 +60,18 @@ def stop(page: Any) -> None:
         page.stop()
 
 
-def move(camera: Any, position: np.ndarray, look_at: np.ndarray | None = None) -> None:
+def move(page: Any, position: np.ndarray, look_at: np.ndarray) -> None:
     """Move a page's camera; a page that has just vanished is no reason to say anything.
 
     Args:
-        camera: Of a page.
+        page: Whose camera.
         position: Where to [m].
-        look_at: What it looks at then; None: it keeps its direction [m].
+        look_at: What it looks at then [m].
     """
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), page.atomic():
         warnings.simplefilter("ignore", UserWarning)
-        camera.position = position
-        if look_at is not None:
-            camera.look_at = look_at
+        page.camera.position = position
+        page.camera.look_at = look_at
 
 
 def time_scale() -> dict[str, Any]:

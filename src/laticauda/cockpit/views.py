@@ -1,5 +1,10 @@
-"""What every page has for itself: its camera."""
+"""What every page has for itself: its camera.
 
+All of it happens in the server's own loop, where the pages' reports arrive. In another thread, a report that comes in
+between two lines would mix where the camera was with where it is, and a camera that follows would keep that error.
+"""
+
+import asyncio
 import time
 from typing import Any
 
@@ -20,12 +25,11 @@ class View:
 
     def __init__(self, client: Any) -> None:
         self._client = client
-        self._until = 0.0
+        self._until = time.monotonic() + PATIENCE
         with client.gui.add_folder("This page"):
             self.follows = client.gui.add_checkbox("camera follows", True)
             client.gui.add_button("camera to the robot").on_click(self._go_home)
         client.camera.on_update(self._seen)
-        self._go_home()
 
     @property
     def camera(self) -> Any:
@@ -46,18 +50,17 @@ class View:
         robot = np.array([float(at[0]), float(at[1]), 0.0])
         if not self.is_home:
             position, look_at = look_down()
-            door.move(self.camera, robot + position, robot + look_at)
+            door.move(self._client, robot + position, robot + look_at)
         elif self.follows.value:
-            # What a slow page reports is old, but its direction and distance are right; look_at goes along.
+            # What a slow page reports is old, but its direction and distance are right.
             target = np.add(robot, (AHEAD, 0.0, 0.0))
-            door.move(self.camera, target + self.camera.position - self.camera.look_at)
+            door.move(self._client, target + self.camera.position - self.camera.look_at, target)
 
-    def _go_home(self, event: Any = None) -> None:
+    async def _go_home(self, event: Any) -> None:
         self._until = time.monotonic() + PATIENCE
 
     async def _seen(self, camera: Any) -> None:
-        # A page that has just been opened reports where its camera was before it was brought here. Looked at in the
-        # server's own loop, at once: a thread would see where the camera has been brought to meanwhile.
+        # A page that has just been opened reports where its camera was before it was brought here.
         position, look_at = look_down()
         if np.allclose(camera.position - camera.look_at, np.subtract(position, look_at), atol=0.02):
             self._until = 0.0
@@ -72,6 +75,7 @@ class Views:
 
     def __init__(self, server: Any) -> None:
         self._views: dict[int, View] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._forget)
 
@@ -84,13 +88,22 @@ class Views:
         return list(self._views.values())
 
     def show(self, at: np.ndarray) -> None:
-        """Let the cameras that follow look at the robot, from where their page has put them around it."""
-        for view in self.all():
+        """Let the cameras that follow look at the robot, from where their page has put them around it; returns at once.
+
+        Args:
+            at: Where the robot is [m].
+        """
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._show, at)
+
+    def _show(self, at: np.ndarray) -> None:
+        for view in self._views.values():
             view.show(at)
 
-    # The server's loop waits for these two, so no page can be forgotten before it was welcomed.
+    # The loop waits for these two, so no page can be forgotten before it was welcomed.
 
     async def _welcome(self, client: Any) -> None:
+        self._loop = asyncio.get_running_loop()
         self._views[client.client_id] = View(client)
 
     async def _forget(self, client: Any) -> None:
