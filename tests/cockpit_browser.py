@@ -100,6 +100,20 @@ def choose(page, label, wanted):
     page.get_by_role("option", name=wanted, exact=True).click()
 
 
+def drag(page, slider, share):
+    """Take hold of a slider and let it go at this share of its length.
+
+    Not with the arrow keys: viser's page turns the camera with them, too, if a picture is drawn while they are down.
+    """
+    thumb = slider.bounding_box()
+    track = slider.locator("xpath=ancestor::*[contains(@class, 'mantine-Slider-root')]").bounding_box()
+    height = thumb["y"] + 0.5 * thumb["height"]
+    page.mouse.move(thumb["x"] + 0.5 * thumb["width"], height)
+    page.mouse.down()
+    page.mouse.move(track["x"] + share * track["width"], height, steps=10)
+    page.mouse.up()
+
+
 def picture(page, path=None):
     """The 3D picture beside the panel; with a path, the whole page is kept there."""
     from matplotlib.image import imread

@@ -16,6 +16,7 @@ from cockpit_browser import (
     changed,
     choose,
     close_notes,
+    drag,
     field,
     height,
     need_chromium,
@@ -92,12 +93,11 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     before, speed = picture(page, folder / "1-swims.png"), number(page, SPEED)
 
     # A slider: the speed and the picture change. A paused world stands still in the picture.
-    for _ in range(10):
-        sliders.nth(1).press("ArrowLeft")
+    drag(page, sliders.nth(1), 0.36)
     page.wait_for_timeout(200)  # viser's page sends every 50 ms what was changed last, of whatever control
     sliders.nth(SPEED_OF_TIME).press("End")
     assert until(lambda: number(page, SPEED) < 0.8 * speed)
-    assert until(lambda: field(page, "frequency [°/s]").input_value() == "80")
+    assert 75.0 <= float(field(page, "frequency [°/s]").input_value()) <= 85.0
     assert changed(before, picture(page)) > 0.005
     pause.click()
     bare = still_picture(page)
