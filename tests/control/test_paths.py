@@ -3,7 +3,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -117,6 +117,7 @@ def test_the_length_of_a_spline_is_that_of_a_numerical_integration(corners):
 
 
 @given(corners=waypoints(), position=POINT)
+@example(corners=((0.0, 0.0), (3.0167649748995418, 1.64806621706116)), position=(3.0, 2.0))  # behind its end
 def test_the_error_of_a_spline_is_the_distance_to_its_nearest_point(corners, position):
     path = Spline(waypoints=corners)
     frame = located(path, position)

@@ -43,7 +43,8 @@ class Curve:
 
     def length(self, u: Numbers) -> Numbers:
         """Length from the begin up to `u` [m]."""
-        i = np.clip(np.searchsorted(self.nodes, u, side="right") - 1, 0, self.nodes.size - 2)
+        # At the end that is the last node: nothing is added, not even rounding, and what lies beyond is told apart.
+        i = np.searchsorted(self.nodes, u, side="right") - 1
         return self.lengths[i] + _length(self.knots, self.cubics, self.nodes[i], u)
 
     def parameter(self, length: Numbers) -> Numbers:
