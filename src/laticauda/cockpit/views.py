@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit import door
-from laticauda.cockpit.scene import AHEAD, look_down
+from laticauda.cockpit.scene import look_down
 
 PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 
@@ -47,13 +47,12 @@ class View:
         Args:
             at: Where the robot is [m].
         """
-        robot = np.array([float(at[0]), float(at[1]), 0.0])
+        position, look_at = (np.array(part) for part in look_down())
+        target = look_at + np.array([float(at[0]), float(at[1]), 0.0])
         if not self.is_home:
-            position, look_at = look_down()
-            door.move(self._client, robot + position, robot + look_at)
+            door.move(self._client, target + position - look_at, target)
         elif self.follows.value:
             # What a slow page reports is old, but its direction and distance are right.
-            target = np.add(robot, (AHEAD, 0.0, 0.0))
             door.move(self._client, target + self.camera.position - self.camera.look_at, target)
 
     async def _go_home(self, event: Any) -> None:

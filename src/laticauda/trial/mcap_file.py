@@ -51,16 +51,7 @@ def moment(time: float) -> int:
 class McapFile:
     """Messages gathered in chunks; a complete chunk is handed to the operating system at once. Any thread may write.
 
-    Args:
-        path: The file.
-        chunk_seconds: A chunk is complete after this much time of the messages [s].
-        chunk_bytes: And when it holds this much [bytes].
-        overwrite: Whether an older file of that name may be replaced.
-
-    Raises:
-        ValueError: If an argument is out of range.
-        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
-        MissingExtra: If the package `mcap` is not installed.
+    Its arguments, and what it refuses, are those of `laticauda.trial.Recorder`.
     """
 
     def __init__(self, path: str | Path, *, chunk_seconds: float, chunk_bytes: int, overwrite: bool) -> None:
