@@ -86,7 +86,7 @@ def finite(name: str, value: object, unit: str = "") -> float:
     """
     in_unit = f" in {unit}" if unit else ""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"`{name}` must be a number{in_unit}, got {_shown(value)}.")
+        raise ValueError(f"`{name}` must be a number{in_unit}, got {shown(value)}.")
     try:
         number = float(value)
     except OverflowError:  # a Python integer beyond the largest float
@@ -132,7 +132,7 @@ def whole(name: str, value: object, least: int) -> int:
         ValueError: If `value` is no integer (2.0 is none either), or too small.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise ValueError(f"`{name}` must be a whole number >= {least}, got {_shown(value)}.")
+        raise ValueError(f"`{name}` must be a whole number >= {least}, got {shown(value)}.")
     return int(value)
 
 
@@ -154,7 +154,7 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     else:
         hint = ""
     listed = ", ".join(f"`{choice}`" for choice in choices)
-    raise ValueError(f"`{name}` must be one of {listed}, got {_shown(value)}{hint or '.'}")
+    raise ValueError(f"`{name}` must be one of {listed}, got {shown(value)}{hint or '.'}")
 
 
 def instance(name: str, value: object, *kinds: type) -> None:
@@ -191,7 +191,7 @@ def _spaced(unit: str) -> str:
     return f" {unit}" if unit else ""
 
 
-def _shown(value: object) -> str:
+def shown(value: object) -> str:
     """`value` as a message shows it: on one line, and short."""
     shape = getattr(value, "shape", ())
     if shape:

@@ -1,0 +1,90 @@
+"""What others may add to: a base class whose subclasses are known by name, wherever they are defined.
+
+A drag law, a joint law, an envelope, a controller is a class below such a base. Its name in files, flags and messages
+is its class's name with hyphens. It is found if it comes with the package, has been defined or imported by this
+process, or is an entry point of an installed package; nothing that a file names is imported for it.
+"""
+
+import functools
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any, ClassVar, Self
+
+from laticauda.errors import nearest
+
+ENTRY_POINTS = "laticauda."
+"""What the entry-point groups begin with; the group of drag laws is ``laticauda.drag_laws``."""
+
+
+class Extensible:
+    """Base of such a base; that one names its group, and what comes with the package.
+
+    class DragLaw(Extensible, group="drag_laws"): ...
+    class PathFollowing(Controller): ...      # known as path-following
+    """
+
+    group: ClassVar[str]
+    """Of entry points, without `ENTRY_POINTS`."""
+    _known: ClassVar[dict[str, type]]
+    _homes: ClassVar[Mapping[str, str]]
+
+    def __init_subclass__(
+        cls, *, group: str | None = None, homes: Mapping[str, str] | None = None, **rest: Any
+    ) -> None:
+        """Found a group, or join that of the base.
+
+        Args:
+            group: Given by the base of a new group.
+            homes: Its members that come with the package and are imported only when asked for, module by name.
+            rest: For other bases.
+        """
+        super().__init_subclass__(**rest)
+        if group is not None:
+            cls.group, cls._known, cls._homes = group, {}, homes or {}
+        elif not cls.__name__.startswith("_"):
+            cls._known[name_of(cls)] = cls
+
+    @classmethod
+    def named(cls, name: str) -> type[Self]:
+        """The member of this group with a name.
+
+        Raises:
+            ValueError: If there is none; the message lists those that are known.
+        """
+        if name in cls._homes and name not in cls._known:
+            import_module(cls._homes[name])
+        if name not in cls._known and name in _installed(cls.group):
+            _installed(cls.group)[name].load()
+        if name not in cls._known:
+            listed = ", ".join(f"`{one}`" for one in cls.names())
+            hint = nearest(name, cls.names())
+            raise ValueError(f"`kind` must be one of {listed}, got {name!r}{hint or '.'}")
+        return cls._known[name]
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """The names of all members of this group, those of the package first."""
+        return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
+
+
+def name_of(kind: type) -> str:
+    """What files, flags and messages call a class: TotalSpeedDrag is total-speed-drag.
+
+    Args:
+        kind: The class.
+    """
+    own = kind.__dict__.get("called")
+    if own is not None:
+        return str(own)
+    letters = kind.__name__
+    parts = [
+        f"-{c.lower()}" if c.isupper() and i > 0 and not letters[i - 1].isupper() else c.lower()
+        for i, c in enumerate(letters)
+    ]
+    return "".join(parts)
+
+
+@functools.cache
+def _installed(group: str) -> Mapping[str, Any]:
+    return {point.name: point for point in entry_points(group=f"{ENTRY_POINTS}{group}")}

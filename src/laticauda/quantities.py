@@ -1,0 +1,268 @@
+"""Declare a number once: its unit, text, range and default stand together, and everything else reads them here.
+
+    @value
+    class PolynomialDrag:
+        reference_speed: float = quantity("m/s", "U_ref, where both parts are equal", ge=0.0, default=1.0)
+        linear: bool = option("Whether there is a part that is linear in the speed", default=True)
+
+A `value` is a frozen, keyword-only dataclass that checks each of its fields once, by type and declared range. Files,
+flags, sweeps, FMUs, pages, the reference and `help` read the declarations by `quantities_of`, `texts_of`, `hints_of`.
+"""
+
+import dataclasses
+import functools
+import math
+import sys
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, dataclass
+from typing import Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin, overload
+
+from laticauda.errors import finite, instance, one_of, shown, whole
+
+T = TypeVar("T")
+Kind = TypeVar("Kind", bound=type[Any])
+Check = Callable[[str, Any], Any]
+
+DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
+"""What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """A finite number in a unit and a range."""
+
+    unit: str
+    """Of the number; "" for a pure one."""
+    text: str
+    """What it is, a phrase without a full stop."""
+    ge: float = -math.inf
+    """It is not below this."""
+    gt: float = -math.inf
+    """It is above this."""
+    le: float = math.inf
+    """It is not above this."""
+
+    def checked(self, name: str, value: object) -> float:
+        """`value` as a float.
+
+        Args:
+            name: Of the argument.
+            value: What was given.
+
+        Raises:
+            ValueError: If it is no finite number, or out of the range.
+        """
+        number = finite(name, value, self.unit)
+        unit = f" {self.unit}" if self.unit else ""
+        if number <= self.gt:
+            raise ValueError(f"`{name}` must be > {self.gt:g}{unit}, got {shown(value)}.")
+        if not self.ge <= number <= self.le:
+            raise ValueError(f"`{name}` must be {self.range}{unit}, got {shown(value)}.")
+        return number
+
+    @property
+    def least(self) -> float:
+        """The smallest number that will do; minus infinity if there is none."""
+        return max(self.ge, math.nextafter(self.gt, math.inf) if math.isfinite(self.gt) else self.gt)
+
+    @property
+    def range(self) -> str:
+        """The range in words, "" if any number will do."""
+        low = self.ge if self.ge >= self.gt else self.gt
+        if math.isfinite(low) and math.isfinite(self.le):
+            return f"between {low:g} and {self.le:g}"
+        if math.isfinite(self.le):
+            return f"<= {self.le:g}"
+        if math.isfinite(self.gt) and self.gt >= self.ge:
+            return f"> {self.gt:g}"
+        return f">= {self.ge:g}" if math.isfinite(self.ge) else ""
+
+
+@overload
+def quantity(
+    unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ..., compare: bool = ...
+) -> T: ...
+@overload
+def quantity(
+    unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ..., compare: bool = ...
+) -> Any: ...
+def quantity(
+    unit: str,
+    text: str,
+    *,
+    default: Any = MISSING,
+    ge: float = -math.inf,
+    gt: float = -math.inf,
+    le: float = math.inf,
+    compare: bool = True,
+) -> Any:
+    """A field that is a number, several numbers, or None where its type allows it.
+
+    Args:
+        unit: "" for a pure number.
+        text: What it is, a phrase without a full stop.
+        default: Left out: it must be given.
+        ge: It is not below this.
+        gt: It is above this.
+        le: It is not above this.
+        compare: Whether two values differ if this differs.
+    """
+    declared = Quantity(unit=unit, text=text, ge=ge, gt=gt, le=le)
+    return dataclasses.field(default=default, compare=compare, metadata={"quantity": declared, "text": text})
+
+
+@overload
+def option(text: str, *, default: T, compare: bool = ...) -> T: ...
+@overload
+def option(text: str, *, default_factory: Callable[[], T], compare: bool = ...) -> T: ...
+@overload
+def option(text: str, *, compare: bool = ...) -> Any: ...
+def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING, compare: bool = True) -> Any:
+    """A field that is no number: a text, a truth value, a choice or another value.
+
+    Args:
+        text: What it is, a phrase without a full stop.
+        default: Left out: it must be given.
+        default_factory: Makes the default.
+        compare: Whether two values differ if this differs.
+    """
+    made: Any = {"default_factory": default_factory} if default_factory is not MISSING else {"default": default}
+    return dataclasses.field(**made, compare=compare, metadata={"text": text})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))
+def value(kind: Kind) -> Kind:
+    """Decorator: a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__``.
+
+    Numbers become floats within their range, whole numbers ints; texts of a `Literal` are among its choices, truth
+    values are true or false, and a field of a class holds an object of it. What its type is not told by is left to
+    the class itself.
+
+    Args:
+        kind: The class; its docstring gets a list of the fields.
+    """
+    own = kind.__dict__.get("__post_init__")
+
+    def check(self: Any) -> None:
+        for name, low, high, rule in _checks(type(self)):
+            given = getattr(self, name)
+            if type(given) is float and low <= given <= high:
+                continue
+            if rule is not None:
+                cleaned = rule(name, given)
+                if cleaned is not given:
+                    object.__setattr__(self, name, cleaned)
+        if own is not None:
+            own(self)
+
+    kind.__post_init__ = check  # type: ignore[attr-defined]
+    made: Any = dataclass(frozen=True, kw_only=True)(kind)
+    made.__doc__ = _with_fields(made)
+    return made
+
+
+@functools.cache
+def quantities_of(kind: type) -> Mapping[str, Quantity]:
+    """The declared numbers of a class by field."""
+    found = {field.name: field.metadata.get("quantity") for field in dataclasses.fields(kind)}
+    return types.MappingProxyType({name: one for name, one in found.items() if one is not None})
+
+
+@functools.cache
+def texts_of(kind: type) -> Mapping[str, str]:
+    """What every field of a class is; "" where nothing is declared."""
+    return types.MappingProxyType({f.name: f.metadata.get("text", "") for f in dataclasses.fields(kind)})
+
+
+@functools.cache
+def hints_of(kind: type) -> Mapping[str, Any]:
+    """The types of a class's fields."""
+    hints = typing.get_type_hints(kind)
+    return types.MappingProxyType({field.name: hints[field.name] for field in dataclasses.fields(kind)})
+
+
+@functools.cache
+def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
+    """By field: within what a float is fine as it is, and what else is asked."""
+    hints, numbers = hints_of(kind), quantities_of(kind)
+    found: list[tuple[str, float, float, Check | None]] = []
+    most = sys.float_info.max
+    for field in dataclasses.fields(kind):
+        declared = numbers.get(field.name)
+        low, high = math.inf, -math.inf  # nothing is within
+        if declared is not None and float in (hints[field.name], *get_args(hints[field.name])):
+            low, high = max(declared.least, -most), min(declared.le, most)
+        found.append((field.name, low, high, _check_of(hints[field.name], declared)))
+    return tuple(found)
+
+
+def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
+    """What is asked of a field of this type; None: nothing."""
+    inner = [one for one in get_args(hint) if one is not type(None)]
+    if get_origin(hint) in (types.UnionType, Union):
+        checks = [_check_of(one, declared) for one in inner]
+        if len(inner) == 1 and len(get_args(hint)) == 2:  # something or None
+            check = checks[0]
+            return None if check is None else lambda name, given: None if given is None else check(name, given)
+        kinds = get_args(hint)
+        return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
+    if get_origin(hint) is tuple and declared is not None:
+        return functools.partial(_numbers, declared, None if inner[-1] is Ellipsis else len(inner))
+    if get_origin(hint) is Literal:
+        return lambda name, given: one_of(name, given, get_args(hint))
+    if declared is not None:
+        if hint is int:
+            return functools.partial(_whole, declared)
+        return declared.checked
+    if hint is bool:
+        return _flag
+    if isinstance(hint, type) and hint is not str and not getattr(hint, "_is_protocol", False):
+        return _instance_of((hint,))
+    return None
+
+
+def _instance_of(kinds: tuple[type, ...]) -> Check:
+    def check(name: str, given: Any) -> Any:
+        instance(name, given, *kinds)
+        return given
+
+    return check
+
+
+def _flag(name: str, given: object) -> bool:
+    if not isinstance(given, bool):
+        raise ValueError(f"`{name}` must be true or false, got {shown(given)}.")
+    return given
+
+
+def _whole(declared: Quantity, name: str, given: Any) -> int:
+    least = -sys.maxsize if math.isinf(declared.least) else math.ceil(declared.least)
+    number = whole(name, given, least)
+    declared.checked(name, number)
+    return number
+
+
+def _numbers(declared: Quantity, count: int | None, name: str, given: Any) -> tuple[float, ...]:
+    in_unit = f" in {declared.unit}" if declared.unit else ""
+    amount = "" if count is None else f"{count} "
+    several = isinstance(given, Iterable) and not isinstance(given, str)
+    values: tuple[Any, ...] = tuple(given) if several else ()
+    if not several or (count is not None and len(values) != count):
+        raise ValueError(f"`{name}` must be {amount}numbers{in_unit}, got {shown(given)}.")
+    return tuple(declared.checked(f"{name}[{i}]", one) for i, one in enumerate(values))
+
+
+def _with_fields(kind: type) -> str:
+    """The docstring of a class with its fields."""
+    lines = [(kind.__doc__ or kind.__name__).rstrip(), "", "Fields:"]
+    for field in dataclasses.fields(kind):
+        text, declared = field.metadata.get("text", ""), field.metadata.get("quantity")
+        if declared is not None:
+            unit = f" [{declared.unit or '-'}]"
+            text += f"{unit}, {declared.range}" if declared.range else unit
+        if field.default is not MISSING:
+            text += f"; default {field.default!r}"
+        lines.append(f"    {field.name}: {text}.")
+    return "\n".join(lines) + "\n"
