@@ -4,7 +4,7 @@ import math
 import pytest
 
 from laticauda.gaits import Gait, lateral_undulation
-from laticauda.robot import load_ground, load_robot
+from laticauda.robot import load_ground, load_parameters, load_robot
 from laticauda.trial import efficiency_trials, measured_counterpart, measured_trial, path_following_trials
 
 
@@ -63,6 +63,27 @@ def test_only_mamba_in_water_has_a_counterpart(make_trial):
     assert measured_counterpart(make_trial(gait=gait, robot=load_robot("chain"))) is None
     assert measured_counterpart(make_trial(gait=gait, environment=load_ground("viscous"))) is None
     assert measured_counterpart(make_trial(gait=None)) is None
+
+
+def test_a_robot_is_mamba_by_what_it_is_and_not_by_its_name(make_trial, tmp_path):
+    gait = gait_deg(30, 130, 40)
+    short = load_robot("mamba", n_links=5)
+    assert short.name == "mamba" and measured_counterpart(make_trial(gait=gait, robot=short)) is None
+
+    def described(text):
+        path = tmp_path / "mine.toml"
+        path.write_text(f'kind = "robot"\nextends = "mamba"\nname = "mamba-mine"\n{text}', encoding="utf-8")
+        return load_robot(path)
+
+    assert measured_counterpart(make_trial(gait=gait, robot=described(""))).forward_velocity == 0.1514
+    tuned = load_parameters("mamba-identified").robot(load_robot("mamba-fin"), gait.kind)
+    assert measured_counterpart(make_trial(gait=gait, robot=tuned)).forward_velocity == 0.2226
+    longer = "[[modules]]\ncount = 9\nlength = 0.2\nmass = 0.8\nsection = { half_height = 0.055, half_width = 0.05 }\n"
+    for change in (longer, "[caudal_fin]\nlength = 0.3\n"):
+        assert measured_counterpart(make_trial(gait=gait, robot=described(change))) is None
+    fin = dataclasses.replace(load_robot("mamba-fin").caudal_fin, n_hinges=3, flexural_rigidity=0.2)
+    bending = dataclasses.replace(load_robot("mamba-fin"), name="mamba", caudal_fin=fin)
+    assert measured_counterpart(make_trial(gait=gait, robot=bending)) is None
 
 
 def test_table_2_has_twelve_cases_of_path_following():

@@ -11,7 +11,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Plant
 from laticauda.robot import CaudalFin, Robot, Water, load_robot, load_water
 from laticauda.simulate import default_water, plant
-from laticauda.trial import MeasuredTrial, measured_trial
+from laticauda.trial import MeasuredTrial, measured_setting
 
 # The paper's path following of Mamba.
 LOOK_AHEAD, GAIN, MAX_OFFSET = 0.18, 0.4, math.radians(20.0)
@@ -94,12 +94,8 @@ class Setting:
         return controller
 
     def measured(self) -> MeasuredTrial | None:
-        """The paper's trial of this setting, if it is one: Mamba, bare or with its own fin, in still water."""
-        is_mamba = self.robot.name == "mamba" or self.robot.name.startswith("mamba-")
-        plain = self.robot.caudal_fin in (None, mamba_fin()) and not self.robot.thrusters
-        if not (is_mamba and plain) or self.current != CURRENT or self.path is not None:
-            return None
-        return measured_trial(self.gait, self.robot.caudal_fin is not None)
+        """The paper's trial of this setting, if it is one."""
+        return None if self.path is not None else measured_setting(self.robot, self.gait, self.environment)
 
 
 def with_fin(robot: Robot, has_fin: bool, rigidity: float | None) -> Robot:

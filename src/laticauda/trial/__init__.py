@@ -14,6 +14,7 @@ from laticauda.trial.measured import (
     efficiency_trials,
     group_name,
     measured_counterpart,
+    measured_setting,
     measured_trial,
     path_following_trials,
 )
@@ -43,6 +44,7 @@ __all__ = [
     "load_column_map",
     "load_trial",
     "measured_counterpart",
+    "measured_setting",
     "measured_trial",
     "open_recording",
     "path_following_trials",

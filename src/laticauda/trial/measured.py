@@ -3,17 +3,18 @@
 import csv
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
 from laticauda.gaits import Gait
-from laticauda.robot import Ground
+from laticauda.robot import Actuator, Ground, Robot, Water, load_robot
 from laticauda.trial.trial import Trial
 
 GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion"}
 _KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 _TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
+_MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 _FOLLOWING_AMPLITUDE_DEG = {"LU": 30.0, "EEL": 40.0}
 
 
@@ -110,20 +111,39 @@ def measured_trial(gait: Gait, has_fin: bool) -> MeasuredTrial | None:
     return next(same, None)
 
 
-def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
-    """The paper's trial of the same setting, or None: only Mamba in still water was measured, bare or with the fin.
+def measured_setting(robot: Robot, gait: Gait | None, environment: Water | Ground) -> MeasuredTrial | None:
+    """The paper's trial of a setting, or None: only Mamba in still water was measured, bare or with its fin.
 
     Args:
-        trial: A run; its robot counts as Mamba if its name begins so and it carries nothing else.
+        robot: What swims: Mamba, whatever its name, if its body and fin are those of one of Mamba's presets. Numbers
+            that models and fits give to the same machine are not compared: actuators, power, the fin's coefficients.
+        gait: How, without steering; None has no counterpart.
+        environment: In what.
     """
-    robot = trial.robot
-    carries_more = bool(robot.thrusters or robot.pectoral_fins)
-    is_mamba = robot.name == "mamba" or robot.name.startswith("mamba-")
-    if trial.gait is None or not is_mamba or carries_more:
+    if gait is None or isinstance(environment, Ground) or environment.current != (0.0, 0.0):
         return None
-    if isinstance(trial.environment, Ground) or trial.environment.current != (0.0, 0.0):
-        return None
-    return measured_trial(trial.gait, robot.caudal_fin is not None)
+    machine = _machine(robot)
+    is_mamba = any(machine == _machine(load_robot(name)) for name in _MAMBA)
+    return measured_trial(gait, robot.caudal_fin is not None) if is_mamba else None
+
+
+def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
+    """The paper's trial of the same setting, or None, as `measured_setting` says.
+
+    Args:
+        trial: A run.
+    """
+    return measured_setting(trial.robot, trial.gait, trial.environment)
+
+
+def _machine(robot: Robot) -> Robot:
+    """What a workshop would build: without name, words, and the numbers that models give to it."""
+    fin = robot.caudal_fin
+    if fin is not None:
+        fin = replace(fin, tangential_friction=None, normal_drag=None, added_mass=None, n_strips=1)
+    joints = tuple(replace(joint, actuator=Actuator()) for joint in robot.joints)
+    named = replace(robot, name="machine", description="", joints=joints, caudal_fin=fin)
+    return replace(named, electronics_power=0.0, active_power=None)
 
 
 def _rows(table: str) -> Iterator[dict[str, str]]:
