@@ -1,4 +1,5 @@
 import csv
+import dataclasses
 import json
 from pathlib import Path
 
@@ -43,6 +44,18 @@ def test_a_comparison_can_be_read_by_a_program(run, stored):
     assert speed["unit"] == "m/s"
     assert speed["values"] == values
     assert speed["differences_percent"] == pytest.approx([0.0, 100.0 * (values[1] / values[0] - 1.0)])
+
+
+def test_a_difference_from_next_to_nothing_is_shown_in_the_figures_unit(run, stored):
+    still = load_trial("bare.nc")
+    dataclasses.replace(still, center_of_mass=1e-9 * still.center_of_mass).save("still.nc")
+    text = run("trial compare still.nc bare.nc").out
+    (row,) = [row for row in text.splitlines() if row.startswith("forward velocity")]
+    assert row.endswith(f"+{load_trial('bare.nc').forward_velocity:.4f} m/s")
+    assert "nan" not in text
+    found = json.loads(run("trial compare still.nc bare.nc --json").out)["figures"]["forward_velocity"]
+    assert found["differences_percent"] == [None, None]
+    assert found["differences"][1] == pytest.approx(load_trial("bare.nc").forward_velocity)
 
 
 def test_mechanical_and_electrical_power_are_not_compared(run, stored):

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 
 from laticauda.trial import compare
@@ -22,7 +24,20 @@ def test_a_figure_that_no_trial_has_is_left_out(make_trial):
 def test_angles_have_no_difference_in_percent(make_trial):
     rows = by_name(compare([make_trial(direction=0.1), make_trial(direction=0.2)]))
     assert rows["course"].values == pytest.approx((0.1, 0.2))
+    assert rows["course"].differences == pytest.approx((0.0, 0.1))
     assert rows["course"].differences_percent == (None, None)
+
+
+def test_the_difference_of_directions_goes_the_short_way_round(make_trial):
+    rows = by_name(compare([make_trial(direction=3.1), make_trial(direction=-3.1)]))
+    assert rows["course"].differences[1] == pytest.approx(2.0 * math.pi - 6.2)
+
+
+@pytest.mark.parametrize("speed", [1e-9, 1e-3])
+def test_beside_next_to_nothing_a_difference_has_no_percent(make_trial, speed):
+    rows = by_name(compare([make_trial(speed=speed), make_trial()]))
+    assert rows["forward_velocity"].differences_percent == (None if speed < 1e-6 else 0.0, None)
+    assert rows["forward_velocity"].differences == pytest.approx((0.0, 0.15 - speed))
 
 
 def test_mechanical_and_electrical_power_are_never_set_against_each_other(make_trial):

@@ -55,9 +55,14 @@ def as_text(trial: Trial, origin: str = "") -> str:
 
 
 def comparison_as_json(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
-    """One JSON object: the trials' names, and per figure its unit, values and differences in percent."""
+    """One JSON object: the trials' names, and per figure its unit, values and differences, also in percent."""
     found = {
-        row.figure.name: {"unit": row.figure.unit, "values": row.values, "differences_percent": row.differences_percent}
+        row.figure.name: {
+            "unit": row.figure.unit,
+            "values": row.values,
+            "differences": row.differences,
+            "differences_percent": row.differences_percent,
+        }
         for row in rows
     }
     return json.dumps({"trials": list(names), "figures": found}, indent=2, allow_nan=False)
@@ -70,10 +75,19 @@ def comparison_as_text(names: Sequence[str], rows: Sequence[ComparedFigure]) -> 
     for row in rows:
         cells = [read_in(value, row.figure.unit) for value in row.values]
         line = [row.figure.title, cells[0][0], cells[0][1]]
-        for (shown, _), difference in zip(cells[1:], row.differences_percent[1:], strict=True):
-            line += [shown, percent(difference)]
+        for i, (shown, _) in enumerate(cells[1:], start=1):
+            line += [shown, _difference(row, i)]
         lines.append(line)
     return aligned(lines, right=(1, *range(3, len(lines[0]))))
+
+
+def _difference(row: ComparedFigure, i: int) -> str:
+    """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
+    share, difference = row.differences_percent[i], row.differences[i]
+    if share is not None or difference is None:
+        return percent(share)
+    shown, unit = read_in(difference, row.figure.unit)
+    return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
 
 
 def following_table(trial: Trial) -> str:

@@ -6,12 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from laticauda.angles import wrap_to_pi
 from laticauda.trial.summary import FIGURES, Figure, figures
 
 if TYPE_CHECKING:
     from laticauda.trial.trial import Trial
 
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
+
+ROUNDING = 1e-6
+"""A figure below this, in its SI unit, is nothing but rounding: no other is a share of it."""
+LARGEST_PERCENT = 1000.0
+"""A difference of more is no longer read as a share: the first is next to nothing beside the other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,9 +28,11 @@ class ComparedFigure:
     """Which one."""
     values: tuple[float | None, ...]
     """One value per trial, in the figure's unit; None where it has no meaning."""
+    differences: tuple[float | None, ...]
+    """Each value minus the first trial's, in the figure's unit, an angle's in [-pi, pi); None where either is None."""
     differences_percent: tuple[float | None, ...]
-    """Each value against the first trial's, in percent of the first; None where either is None, the first is 0, or
-    the figure is an angle."""
+    """The same in percent of the first; None where that says nothing: either is None, the first is next to nothing
+    (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
 
 
 def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
@@ -50,13 +58,21 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
         values = tuple(column[figure.name] for column in columns)
         if (mixed and figure.name in _OF_MEAN_POWER) or all(value is None for value in values):
             continue
-        reference = None if figure.unit == "rad" else values[0]
-        differences = tuple(_percent(value, reference) for value in values)
-        rows.append(ComparedFigure(figure=figure, values=values, differences_percent=differences))
+        rows.append(_compared(figure, values))
     return rows
 
 
-def _percent(value: float | None, reference: float | None) -> float | None:
-    if value is None or reference is None or reference == 0.0:
+def _compared(figure: Figure, values: tuple[float | None, ...]) -> ComparedFigure:
+    first, is_angle = values[0], figure.unit == "rad"
+    differences = tuple(None if value is None or first is None else value - first for value in values)
+    shares = tuple(None if is_angle else _percent(difference, first) for difference in differences)
+    if is_angle:
+        differences = tuple(None if one is None else wrap_to_pi(one) for one in differences)
+    return ComparedFigure(figure=figure, values=values, differences=differences, differences_percent=shares)
+
+
+def _percent(difference: float | None, reference: float | None) -> float | None:
+    if difference is None or reference is None or abs(reference) < ROUNDING:
         return None
-    return 100.0 * (value - reference) / abs(reference)
+    share = 100.0 * difference / abs(reference)
+    return share if abs(share) <= LARGEST_PERCENT else None
