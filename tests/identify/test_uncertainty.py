@@ -3,8 +3,11 @@ import pytest
 from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown, fit, posterior, profile
+from laticauda.identify.uncertainty import log_density
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
+SIGMA = 0.5  # of a meter [W]
+OFFSET = speeds(3, noise=SIGMA, sigma=SIGMA, duration=1.0, figure="mean_power", tangential_friction=0.45)
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +22,14 @@ def test_where_the_model_is_about_linear_the_profile_is_the_interval(found):
     assert np.log((ends.low, ends.high)) == pytest.approx(np.log((low, high)), abs=0.05 * np.log(high / low))
 
 
+def test_where_the_noise_is_estimated_the_profile_has_the_quantile_of_student_too():
+    """Three numbers, one unknown: 4.3 standard deviations, where the normal distribution would have 2.0."""
+    found = fit(OFFSET, parameters=["measured.power_offset"], n_starts=1, noise="estimated", threads=1)
+    ends, estimate = profile(found, "measured.power_offset"), found["measured.power_offset"]
+    assert (ends.low, ends.high) == pytest.approx(estimate.interval, rel=1e-3)
+    assert ends.high - ends.low == pytest.approx(2 * 4.302653 * estimate.sigma, rel=2e-3)
+
+
 def test_a_profile_does_not_close_where_nothing_is_seen():
     names = [Unknown(name=FRICTION, lower=0.1, upper=1.0), Unknown(name=DRAG, lower=0.8, upper=4.0)]
     blind = fit(speeds(3, duration=3.0, sigma=0.02), parameters=names, n_starts=1, threads=1)
@@ -26,6 +37,15 @@ def test_a_profile_does_not_close_where_nothing_is_seen():
     assert not profile(blind, DRAG).is_closed
     with pytest.raises(ValueError, match="`name` must be one of"):
         profile(blind, "water.density")
+
+
+def test_the_posterior_of_a_linear_model_with_normal_noise_is_the_normal_one():
+    """What a meter adds is added to every figure alike: its posterior is known in closed form."""
+    found = fit(OFFSET, parameters=["measured.power_offset"], n_starts=1, threads=1)
+    mean, sd = found["measured.power_offset"].value, SIGMA / np.sqrt(3)
+    assert found["measured.power_offset"].sigma == pytest.approx(sd, rel=1e-9)
+    density = [log_density(found, np.array([mean + z * sd])) for z in (0.0, -1.0, 0.5, 2.0)]
+    assert np.subtract(density[0], density[1:]) == pytest.approx([0.5, 0.125, 2.0], rel=1e-9)
 
 
 def test_the_posterior_has_the_interval_too(found):

@@ -66,6 +66,19 @@ def test_an_angled_pectoral_fin_steers_to_its_own_side_and_its_mirror_image_to_t
     assert left > none > right
 
 
+def test_drag_on_a_plate_beside_the_body_turns_the_robot_to_the_side_of_the_plate():
+    """Along the chord there is only drag, which pulls back at the arm y: the moment is -y f_t."""
+    robot, still = load_robot("mamba"), replace(GAIT, amplitude=0.0)
+
+    def turned(y):
+        fin = PectoralFin(link=5, y=y, area=0.02, lift_slope=0.0, stall_angle=0.3, parasitic_drag=1.0)
+        plated = replace(robot, pectoral_fins=(fin,))
+        return lc.swim(plated, still, duration=1.0, start=lc.Start(velocity=0.3)).heading[-1]
+
+    assert turned(0.1) > 1e-4
+    assert turned(-0.1) == pytest.approx(-turned(0.1), rel=1e-6)
+
+
 def test_friction_that_grows_with_the_sideways_speed_slows_the_robot_down():
     robot = load_robot("mamba")
     with_sway = replace(WATER, sway_friction=1.0)

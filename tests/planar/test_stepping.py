@@ -111,6 +111,13 @@ def test_without_drag_the_work_of_the_joints_is_the_kinetic_energy(form, fin):
     assert trial.work[-1, 1] == pytest.approx(energy, rel=1e-5)
 
 
+def test_positive_work_is_what_the_joints_put_in_and_not_what_they_take_out():
+    work = lc.swim(load_robot("mamba"), GAIT, duration=3.0).work
+    absolute, net, positive = work[-1]
+    assert 0.0 < net < 0.999 * absolute  # the joints take some out
+    assert positive == pytest.approx(0.5 * (absolute + net), rel=1e-12)
+
+
 @pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
 def test_a_run_cut_in_the_middle_and_resumed_is_the_same_run(joints):
     robot = load_robot("mamba-fin")

@@ -109,6 +109,17 @@ def _cost(found: Fit, x: np.ndarray) -> float:
     return door.sum_of(off, found.loss) + door.sum_of(prior_rows(put, values), found.loss)
 
 
+def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:
+    """Logarithm of the posterior's density, but for a constant; -inf where a measurement cannot be simulated.
+
+    Args:
+        found: The fit.
+        x: Coordinates of the unknowns.
+    """
+    cost = _cost(found, x)
+    return -0.5 * cost if math.isfinite(cost) else -math.inf
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
     """A sample of what the unknowns may be, given data, priors and ranges."""
@@ -161,12 +172,8 @@ def posterior(
     upper = np.array([u.x(u.upper) if math.isfinite(u.upper) else u.upper for u in put.unknowns])
 
     def log_probability(points: np.ndarray) -> np.ndarray:
-        result = np.full(len(points), -math.inf)
-        for row, x in enumerate(points):
-            if np.all((x > lower) & (x < upper)):
-                cost = _cost(found, x)
-                result[row] = -0.5 * cost if math.isfinite(cost) else -math.inf
-        return result
+        inside = np.all((points > lower) & (points < upper), axis=1)
+        return np.array([log_density(found, x) if fits else -math.inf for x, fits in zip(points, inside, strict=True)])
 
     rng = np.random.default_rng(seed)
     sizes = np.array([unknown.size for unknown in put.unknowns])
