@@ -14,6 +14,32 @@ class LaticaudaError(Exception):
     """Base of everything that laticauda raises, apart from the `ValueError` for a bad argument."""
 
 
+class BadArgument(ValueError):
+    """An argument breaks a rule: a sentence for people, and its parts for those who know the argument by another name.
+
+    Args:
+        name: Of the argument.
+        rule: The rule with its unit, and the value got, without a full stop.
+    """
+
+    def __init__(self, name: str, rule: str) -> None:
+        super().__init__(name, rule)
+
+    @property
+    def name(self) -> str:
+        """Of the argument, with an index in brackets where it is one of several."""
+        return self.args[0]
+
+    @property
+    def rule(self) -> str:
+        """The rule with its unit, and the value got, without a full stop."""
+        return self.args[1]
+
+    def __str__(self) -> str:
+        """The sentence that the user reads."""
+        return f"`{self.name}` {self.rule}{'' if self.rule.endswith('?') else '.'}"
+
+
 class SimulationFailed(LaticaudaError, RuntimeError):
     """A run blew up: it says when, and what to try."""
 
@@ -86,13 +112,13 @@ def finite(name: str, value: object, unit: str = "") -> float:
     """
     in_unit = f" in {unit}" if unit else ""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"`{name}` must be a number{in_unit}, got {shown(value)}.")
+        raise BadArgument(name, f"must be a number{in_unit}, got {shown(value)}")
     try:
         number = float(value)
     except OverflowError:  # a Python integer beyond the largest float
         number = math.inf
     if not math.isfinite(number):
-        raise ValueError(f"`{name}` must be a finite number{in_unit}, got {number}.")
+        raise BadArgument(name, f"must be a finite number{in_unit}, got {number}")
     return number
 
 
@@ -100,7 +126,7 @@ def positive(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number > 0; arguments and errors as for `finite`."""
     number = finite(name, value, unit)
     if number <= 0.0:
-        raise ValueError(f"`{name}` must be > 0{_spaced(unit)}, got {value}.")
+        raise BadArgument(name, f"must be > 0{_spaced(unit)}, got {value}")
     return number
 
 
@@ -108,7 +134,7 @@ def not_negative(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number >= 0; arguments and errors as for `finite`."""
     number = finite(name, value, unit)
     if number < 0.0:
-        raise ValueError(f"`{name}` must be >= 0{_spaced(unit)}, got {value}.")
+        raise BadArgument(name, f"must be >= 0{_spaced(unit)}, got {value}")
     return number
 
 
@@ -116,7 +142,7 @@ def within(name: str, value: object, low: float, high: float, unit: str = "") ->
     """Return `value` as a float if `low <= value <= high`; other arguments and errors as for `finite`."""
     number = finite(name, value, unit)
     if not low <= number <= high:
-        raise ValueError(f"`{name}` must be between {low:g} and {high:g}{_spaced(unit)}, got {value}.")
+        raise BadArgument(name, f"must be between {low:g} and {high:g}{_spaced(unit)}, got {value}")
     return number
 
 
@@ -132,7 +158,7 @@ def whole(name: str, value: object, least: int) -> int:
         ValueError: If `value` is no integer (2.0 is none either), or too small.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise ValueError(f"`{name}` must be a whole number >= {least}, got {shown(value)}.")
+        raise BadArgument(name, f"must be a whole number >= {least}, got {shown(value)}")
     return int(value)
 
 
@@ -154,7 +180,7 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     else:
         hint = ""
     listed = ", ".join(f"`{choice}`" for choice in choices)
-    raise ValueError(f"`{name}` must be one of {listed}, got {shown(value)}{hint or '.'}")
+    raise BadArgument(name, f"must be one of {listed}, got {shown(value)}{hint}")
 
 
 def instance(name: str, value: object, *kinds: type) -> None:
@@ -170,7 +196,7 @@ def instance(name: str, value: object, *kinds: type) -> None:
     """
     if not isinstance(value, kinds):
         wanted = " or ".join(kind.__name__ for kind in kinds)
-        raise ValueError(f"`{name}` must be of class {wanted}, got {type(value).__name__}.")
+        raise BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
 
 
 def nearest(word: str, choices: Sequence[str]) -> str:

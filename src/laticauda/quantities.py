@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
 from typing import Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin, overload
 
-from laticauda.errors import finite, instance, one_of, shown, whole
+from laticauda.errors import BadArgument, finite, instance, one_of, shown, whole
 
 T = TypeVar("T")
 Kind = TypeVar("Kind", bound=type[Any])
@@ -57,9 +57,9 @@ class Quantity:
         number = finite(name, value, self.unit)
         unit = f" {self.unit}" if self.unit else ""
         if number <= self.gt:
-            raise ValueError(f"`{name}` must be > {self.gt:g}{unit}, got {shown(value)}.")
+            raise BadArgument(name, f"must be > {self.gt:g}{unit}, got {shown(value)}")
         if not self.ge <= number <= self.le:
-            raise ValueError(f"`{name}` must be {self.range}{unit}, got {shown(value)}.")
+            raise BadArgument(name, f"must be {self.range}{unit}, got {shown(value)}")
         return number
 
     @property
@@ -233,7 +233,7 @@ def _instance_of(kinds: tuple[type, ...]) -> Check:
 
 def _flag(name: str, given: object) -> bool:
     if not isinstance(given, bool):
-        raise ValueError(f"`{name}` must be true or false, got {shown(given)}.")
+        raise BadArgument(name, f"must be true or false, got {shown(given)}")
     return given
 
 
@@ -250,7 +250,7 @@ def _numbers(declared: Quantity, count: int | None, name: str, given: Any) -> tu
     several = isinstance(given, Iterable) and not isinstance(given, str)
     values: tuple[Any, ...] = tuple(given) if several else ()
     if not several or (count is not None and len(values) != count):
-        raise ValueError(f"`{name}` must be {amount}numbers{in_unit}, got {shown(given)}.")
+        raise BadArgument(name, f"must be {amount}numbers{in_unit}, got {shown(given)}")
     return tuple(declared.checked(f"{name}[{i}]", one) for i, one in enumerate(values))
 
 
