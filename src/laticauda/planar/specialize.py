@@ -20,29 +20,13 @@ from typing import Any, cast
 from numba.core.errors import NumbaError
 
 from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for, fingerprint
+from laticauda.compiling.sources import is_kept, sources_digest
 from laticauda.fluid import laws
 
 FluidLaw = Callable[..., tuple[float, float, float]]
 
 
-_PACKAGE = Path(__file__).parent.parent
-_SOURCES = (
-    "planar/rows.py",
-    "compiling/duals.py",
-    "planar/functions.py",
-    "planar/loads.py",
-    "planar/recursion.py",
-    "planar/drives.py",
-    "planar/stepping.py",
-    "planar/specialize.py",
-    "scalars.py",
-    "compiling/__init__.py",
-    "compiling/lane_types.py",
-    "compiling/lanes.py",
-    "fluid/laws.py",
-    "actuation/laws.py",
-    "gaits/reference.py",
-)
+TEMPLATES = ("loads", "recursion", "drives", "stepping")  # each may use those before it
 _one_at_a_time = threading.Lock()
 _loading: dict[str, dict[str, Any]] = {}
 
@@ -86,17 +70,17 @@ def check_law(fluid_law: FluidLaw) -> None:
 
 def is_compiled(width: int = 1, fluid_law: FluidLaw = laws.polynomial_drag) -> bool:
     """Whether the machine code for this combination is at hand or on disk; if not, the first run takes seconds."""
-    march = specialize(width, fluid_law).run
-    return bool(march.signatures) or any(Path(march.stats.cache_path).glob(f"*{march.py_func.__qualname__}-*.nbi"))
+    return is_kept(specialize(width, fluid_law).run)
 
 
 @functools.cache
 def _specialize(width: int, fluid_law: FluidLaw, law_digest: str, target: Target) -> ModuleType:
     other = "" if target is PROCESSOR else id(target)
-    key = hashlib.sha256(f"{width} {law_digest} {_sources_digest()} {other}".encode()).hexdigest()[:16]
+    sources = sources_digest(__name__, *(f"laticauda.planar.{template}" for template in TEMPLATES))
+    key = hashlib.sha256(f"{width} {law_digest} {sources} {other}".encode()).hexdigest()[:16]
     names: dict[str, Any] = {"WIDTH": width, "fluid_law": fluid_law}
     with compiling_for(target):
-        for template in ("loads", "recursion", "drives", "stepping"):
+        for template in TEMPLATES:
             names[template] = _load(template, key, names)
             for name, value in target.instead.items():
                 if hasattr(names[template], name):
@@ -107,14 +91,6 @@ def _specialize(width: int, fluid_law: FluidLaw, law_digest: str, target: Target
 def bindings(module_name: str) -> dict[str, Any]:
     """What the template that is being loaded under this name is specialized for."""
     return _loading[module_name]
-
-
-@functools.cache
-def _sources_digest() -> str:
-    digest = hashlib.sha256()
-    for source in _SOURCES:
-        digest.update((_PACKAGE / source).read_bytes())
-    return digest.hexdigest()
 
 
 def _load(template: str, key: str, names: dict[str, Any]) -> ModuleType:

@@ -8,8 +8,6 @@ All vectors of one tree are taken about the tree's center of mass, in world dire
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
 
-import hashlib
-from pathlib import Path
 from typing import Any, no_type_check
 
 import llvmlite.binding
@@ -20,26 +18,11 @@ from numba.extending import intrinsic
 
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.sources import named_after, sources_digest
 from laticauda.spatial.element_loads import element_load
 from laticauda.spatial.native import allocate, call_1, call_2, number_at, word_at
 from laticauda.spatial.table import *
 from laticauda.spatial.vectors import field, integers, numbers
-
-_SOURCES = (
-    "spatial/loads.py",
-    "spatial/element_loads.py",
-    "spatial/table.py",
-    "spatial/vectors.py",
-    "spatial/native.py",
-    "spatial/hydrostatics.py",
-    "spatial/ground.py",
-    "spatial/ground_loads.py",
-    "fluid/laws.py",
-    "compiling/__init__.py",
-    "compiling/duals.py",
-    "compiling/lanes.py",
-    "scalars.py",
-)
 
 # --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
 # The mark is a number below 2^52 that stands in the model as a denormal, so that copies of the model have it too; its
@@ -194,16 +177,7 @@ def _passive(model, data):
         apply(model, data, R[place + 1])
 
 
-def _digest() -> str:
-    folder = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for source in _SOURCES:
-        digest.update((folder / source).read_bytes())
-    return digest.hexdigest()[:16]
-
-
 def callback() -> Any:
     """The passive callback for all models with water: a compiled function of the addresses of model and data."""
-    # Numba files compiled code under the function's qualified name and looks at this file only.
-    _passive.__qualname__ = f"_passive_{_digest()}"
-    return cfunc(types.void(types.int64, types.int64), cache=True, **OPTIONS)(_passive)
+    function = named_after(sources_digest(__name__), _passive)
+    return cfunc(types.void(types.int64, types.int64), cache=True, **OPTIONS)(function)

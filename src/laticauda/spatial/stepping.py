@@ -15,8 +15,6 @@ What stands where in the arrays is in `rows`; what moves the joints in `drives`;
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 
-import hashlib
-from pathlib import Path
 from typing import Any, no_type_check
 
 import numpy as np
@@ -24,6 +22,7 @@ from numba import njit
 
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.sources import is_kept, named_after, sources_digest
 from laticauda.spatial.drives import actuator, advance_reference, count_work, set_reference
 from laticauda.spatial.native import forward_skip, integrate_positions
 from laticauda.spatial.rows import *
@@ -236,26 +235,7 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     return written
 
 
-def _digest() -> str:
-    package = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for source in (
-        "spatial/stepping.py",
-        "spatial/rows.py",
-        "spatial/drives.py",
-        "spatial/sampling.py",
-        "spatial/vectors.py",
-        "spatial/native.py",
-        "gaits/reference.py",
-        "actuation/laws.py",
-    ):
-        digest.update((package / source).read_bytes())
-    return digest.hexdigest()[:16]
-
-
-# Numba files compiled code under the function's qualified name and looks at this file only.
-_run.__qualname__ = f"_run_{_digest()}"
-run: Any = njit(cache=True, **OPTIONS)(_run)
+run: Any = njit(cache=True, **OPTIONS)(named_after(sources_digest(__name__), _run))
 """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 
 Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
@@ -265,4 +245,4 @@ goes on from the powers at the start of the call.
 
 def is_compiled() -> bool:
     """Whether the machine code is at hand or on disk; if not, the first run takes some ten seconds."""
-    return bool(run.signatures) or any(Path(run.stats.cache_path).glob(f"*{_run.__qualname__}-*.nbi"))
+    return is_kept(run)

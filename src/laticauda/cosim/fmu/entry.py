@@ -30,6 +30,7 @@ from numba.np.arrayobj import populate_array
 from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
+from laticauda.compiling.sources import sources_digest
 from laticauda.planar.rows import VX, VY
 from laticauda.planar.specialize import FluidLaw, specialize
 
@@ -124,7 +125,7 @@ def is_compiled(fluid_law: FluidLaw) -> bool:
 def _kept(fluid_law: FluidLaw) -> Path:
     """Where the object file of a law is kept: beside what Numba keeps, under a name that says what it was made from."""
     run = specialize(1, fluid_law).run  # not compiled by being looked at; its module's name tells sources and law
-    digest = hashlib.sha256(Path(__file__).read_bytes())
+    digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
     return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"

@@ -1,0 +1,78 @@
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from laticauda.compiling.sources import PACKAGE, closure, digest_of
+from laticauda.planar import specialize
+
+PLANAR = tuple(f"laticauda.planar.{name}" for name in (*specialize.TEMPLATES, "specialize"))
+MADE_OF = [PLANAR, ("laticauda.spatial.stepping",), ("laticauda.spatial.loads",), ("laticauda.cosim.fmu.entry",)]
+SWIM = """
+import laticauda as lc
+gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0, model={model!r}).work[-1, 0])
+"""
+
+
+@pytest.fixture
+def copy(tmp_path):
+    return shutil.copytree(PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("__pycache__"))
+
+
+@pytest.mark.parametrize("modules", MADE_OF, ids=lambda modules: modules[-1])
+def test_an_edit_of_any_file_that_a_kernel_is_made_of_changes_its_digest(copy, modules):
+    before = digest_of(*modules, package=copy)
+    assert before == digest_of(*modules)
+    for path in closure(*modules, package=copy):
+        text = path.read_text()
+        path.write_text(text + "# an edit\n")
+        assert digest_of(*modules, package=copy) != before, path
+        path.write_text(text)
+    assert digest_of(*modules, package=copy) == before
+
+
+@pytest.mark.parametrize("modules", MADE_OF, ids=lambda modules: modules[-1])
+def test_kernels_are_made_of_the_laws_and_of_the_compiler_s_own_sources_too(modules):
+    found = {str(path.relative_to(PACKAGE)) for path in closure(*modules)}
+    assert found >= {"scalars.py", "fluid/laws.py", "compiling/__init__.py", "compiling/lanes.py"}
+
+
+def test_an_edit_elsewhere_leaves_machine_code_valid(copy):
+    before = digest_of(*PLANAR, package=copy)
+    (copy / "planar" / "model.py").write_text("# gone\n")
+    assert digest_of(*PLANAR, package=copy) == before
+
+
+def test_what_only_type_checkers_import_does_not_count(tmp_path):
+    package = tmp_path / "house"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text(
+        "from typing import TYPE_CHECKING\nfrom house import b\nif TYPE_CHECKING:\n    from house.c import x\n"
+    )
+    (package / "b.py").write_text("def later():\n    import house.d\n")
+    (package / "c.py").write_text("")
+    (package / "d.py").write_text("")
+    assert [path.name for path in closure("house.a", package=package)] == ["a.py", "b.py", "d.py"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("model", "file", "old", "new"),
+    [
+        ("planar", "fluid/laws.py", "f_n = -c_n", "f_n = -2.0 * c_n"),
+        ("spatial", "scalars.py", "return where(x.real >= 0.0, x, -x)", "return 2.0 * where(x.real >= 0.0, x, -x)"),
+    ],
+)
+def test_an_edited_scalar_function_changes_what_the_kernels_compute(copy, model, file, old, new):
+    def work():
+        run = [sys.executable, "-c", SWIM.format(model=model)]
+        done = subprocess.run(run, env={"PYTHONPATH": str(copy.parent)}, capture_output=True, text=True, check=True)
+        return float(done.stdout)
+
+    before, text = work(), (copy / file).read_text()
+    assert old in text
+    (copy / file).write_text(text.replace(old, new))
+    assert abs(work() / before - 1.0) > 0.01
