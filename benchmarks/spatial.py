@@ -24,9 +24,9 @@ import mujoco.rollout
 import numpy as np
 
 import laticauda as lc
+from laticauda import mujoco_water as water
 from laticauda.interfaces import Command, OpenLoop
 from laticauda.simulate import plant, run
-from laticauda.spatial import water
 
 N, DURATION, STEP, FINE = 20, 10.0, 2e-3, 1e-4
 OWN = 'density="1000" viscosity="9e-4"'

@@ -10,7 +10,7 @@ from laticauda.errors import MissingExtra, MissingProgram
 @cache
 def reason_why_not() -> str | None:
     try:
-        from laticauda.spatial.render import check_video
+        from laticauda.pictures.render import check_video
 
         check_video()
     except (MissingExtra, MissingProgram) as error:

@@ -1,4 +1,4 @@
-"""The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.spatial.water`.
+"""The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.mujoco_water.water`.
 
 Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the compiled code is
 used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity terms from their textbook definitions.
@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from laticauda.spatial.elements import Element
+from laticauda.mujoco_water.elements import Element
 
 
 def snake(n_bodies: int = 5, *, option: str = "", joint: str = "", root: str = "<freejoint/>") -> str:

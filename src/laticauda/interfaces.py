@@ -16,6 +16,8 @@ State = TypeVar("State")
 Seen = TypeVar("Seen", contravariant=True)  # a state that is looked at only
 Log = dict[str, np.ndarray]
 """Samples by the names of `Trial`'s fields, time first; ``force_`` and ``signal_`` before those that have parts."""
+ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
+"""Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them."""
 
 
 @dataclass(frozen=True, kw_only=True)

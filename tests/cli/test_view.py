@@ -8,7 +8,7 @@ import pytest
 from rendering import skip_without_rendering
 
 from laticauda import load_trial
-from laticauda.spatial import film, window
+from laticauda.pictures import film, window
 
 pytest.importorskip("mujoco")
 pytest.importorskip("PIL")
@@ -24,7 +24,7 @@ def stored(run):
 def small(monkeypatch):
     """Pictures that cost little."""
     skip_without_rendering()
-    from laticauda.spatial import render
+    from laticauda.pictures import render
 
     size = {"width": 128, "height": 72}
     monkeypatch.setattr(render, "still", partial(render.still, **size))

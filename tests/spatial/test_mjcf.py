@@ -14,7 +14,7 @@ from laticauda import kinematics
 from laticauda.actuation import servo
 from laticauda.errors import MissingExtra
 from laticauda.robot import Joint, Module, PectoralFin, Section, Thruster
-from laticauda.spatial import door, mjcf
+from laticauda.spatial import mjcf
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -340,11 +340,9 @@ def test_bad_arguments_are_refused_by_name():
 
 
 def test_without_mujoco_the_extra_is_named(monkeypatch):
-    door.engine.cache_clear()
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install "laticauda\[spatial\]"`'):
         mjcf.spec(lc.load_robot("mamba"), WATER)
-    door.engine.cache_clear()
 
 
 def test_the_module_can_be_imported_without_loading_mujoco():

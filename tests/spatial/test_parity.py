@@ -77,8 +77,8 @@ def test_friction_of_its_own_kind_tracking_and_electrical_power_agree(joints: st
 
 
 def test_what_moves_up_and_down_has_the_friction_of_what_moves_sideways():
-    from laticauda.spatial import water
-    from laticauda.spatial.elements import Element
+    from laticauda import mujoco_water as water
+    from laticauda.mujoco_water.elements import Element
 
     mujoco = pytest.importorskip("mujoco")
     forces: list[float] = []

@@ -8,9 +8,9 @@ import pytest
 
 import laticauda as lc
 from laticauda.interfaces import Command, OpenLoop, Start
+from laticauda.mujoco_water.ground import SINK
+from laticauda.pictures.lines import path_dashes
 from laticauda.simulate import plant, plant_of, resume, run
-from laticauda.spatial.ground import SINK
-from laticauda.spatial.lines import path_dashes
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")

@@ -48,13 +48,13 @@ class View:
         trial = load_trial(self.file)
         speed = 1.0 if self.speed is None else self.speed
         if self.still is not None:
-            from laticauda.spatial.render import still
+            from laticauda.pictures.render import still
 
             still(trial, self.still, time=self.time)
         if self.video is not None:
             write_film(trial, self.video, speed=speed)
         if self.video is None and self.still is None:
-            from laticauda.spatial.window import show
+            from laticauda.pictures.window import show
 
             show(trial, speed=speed)
         done = {"file": self.file, "video": self.video, "still": self.still}
@@ -70,7 +70,7 @@ def check_film(path: str | None) -> None:
     """
     check_output("video", path, FILM)
     if path is not None:
-        from laticauda.spatial.render import check_video
+        from laticauda.pictures.render import check_video
 
         check_video()
 
@@ -78,6 +78,6 @@ def check_film(path: str | None) -> None:
 def write_film(trial: "Trial", path: str, **options: Any) -> None:
     """Write the film of a trial, and show how far it is; arguments as for `spatial.render.video`."""
     from laticauda.cli.progress import progress
-    from laticauda.spatial.render import video
+    from laticauda.pictures.render import video
 
     video(trial, path, progress=progress(trial.duration, done="filmed"), **options)

@@ -117,10 +117,10 @@ def needs_compiling(environment: Environment, *, fluid_law: FluidLaw | None = No
         MissingExtra: If the model needs a package that is not installed.
     """
     if model == "spatial":
-        from laticauda.spatial.door import engine
+        from laticauda.extras import load_mujoco
         from laticauda.spatial.stepping import is_compiled as is_spatial_compiled
 
-        engine()
+        load_mujoco()
         return not is_spatial_compiled()
     from laticauda.planar.model import law_of
     from laticauda.planar.specialize import is_compiled

@@ -1,4 +1,4 @@
-"""The robot in space, with MuJoCo: models to simulate and export, the water's loads, and pictures.
+"""The robot in space, with MuJoCo: models to simulate and to export.
 
-It needs the extra `spatial`; the engine is loaded by `door` when it is first needed, and not before.
+It needs the extra `spatial`; MuJoCo is loaded when it is first needed, and not before.
 """

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.extras import load_mujoco
 from laticauda.robot import CaudalFin, Module, Robot
-from laticauda.spatial.door import engine
 from laticauda.spatial.fin import fin_bodies
 from laticauda.spatial.meshes import Mesh, joined, loft
 
@@ -114,7 +114,7 @@ def _add_module(library: _Library, body: Any, module: Module, *, is_head: bool, 
         _seen(body, library.made("band", module, bands), "band")
     if not is_tail:
         a, b = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
-        body.add_geom(type=engine().mjtGeom.mjGEOM_ELLIPSOID, size=(b, b, a), material="bellows", **UNTOUCHED)
+        body.add_geom(type=load_mujoco().mjtGeom.mjGEOM_ELLIPSOID, size=(b, b, a), material="bellows", **UNTOUCHED)
 
 
 def hull(module: Module) -> Mesh:
@@ -198,15 +198,15 @@ def _add_fin(model: Any, fin: CaudalFin, *, visuals: bool) -> None:
 def _box(fin: CaudalFin, origin: float, begin: float, end: float, up: float, half_height: float) -> dict[str, Any]:
     """A part of the plate, from `begin` to `end` behind the root, in a frame that is `origin` behind it."""
     return {
-        "type": engine().mjtGeom.mjGEOM_BOX,
+        "type": load_mujoco().mjtGeom.mjGEOM_BOX,
         "size": (0.5 * (end - begin), 0.5 * fin.thickness, half_height),
         "pos": (origin - 0.5 * (begin + end), 0.0, up),
     }
 
 
 def _hull(body: Any, name: str, mesh: str) -> None:
-    body.add_geom(name=name, type=engine().mjtGeom.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
+    body.add_geom(name=name, type=load_mujoco().mjtGeom.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
 
 
 def _seen(body: Any, mesh: str, material: str) -> None:
-    body.add_geom(type=engine().mjtGeom.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
+    body.add_geom(type=load_mujoco().mjtGeom.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from laticauda.errors import instance, one_of
+from laticauda.extras import load_mujoco
 from laticauda.robot import CaudalFin, Environment, Ground, Joint, Module, Piece, Robot, Water, check_fits
 from laticauda.spatial import appearance, scene
-from laticauda.spatial.door import engine
 from laticauda.spatial.fin import fin_bodies
 
 ROOTS = ("free", "planar")
@@ -141,7 +141,7 @@ def moments(vertical: float, across: float, above: float) -> tuple[float, float,
 
 def _empty(robot: Robot) -> Any:
     """A model with nothing in it, in SI units and radians, without MuJoCo's own water."""
-    model = engine().MjSpec()
+    model = load_mujoco().MjSpec()
     model.modelname = robot.name
     model.compiler.degree = False
     model.option.timestep = TIMESTEP
@@ -177,7 +177,7 @@ def _add_root(body: Any, root: str) -> None:
     if root == "free":
         body.add_freejoint(name="root")
         return
-    kind = engine().mjtJoint
+    kind = load_mujoco().mjtJoint
     body.add_joint(name="root_x", type=kind.mjJNT_SLIDE, axis=(1.0, 0.0, 0.0))
     body.add_joint(name="root_y", type=kind.mjJNT_SLIDE, axis=(0.0, 1.0, 0.0))
     body.add_joint(name="root_yaw", type=kind.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
@@ -190,7 +190,7 @@ def _add_joint(body: Any, index: int, joint: Joint) -> None:
 def _add_driven(body: Any, name: str, joint: Joint, axis: tuple[float, float, float]) -> None:
     body.add_joint(
         name=name,
-        type=engine().mjtJoint.mjJNT_HINGE,
+        type=load_mujoco().mjtJoint.mjJNT_HINGE,
         axis=axis,
         range=(-joint.limit, joint.limit),
         limited=True,
@@ -215,7 +215,7 @@ def _add_fin(tail: Any, fin: CaudalFin) -> None:
         if piece.hinge is not None:
             body.add_joint(
                 name=f"fin_hinge_{k}",
-                type=engine().mjtJoint.mjJNT_HINGE,
+                type=load_mujoco().mjtJoint.mjJNT_HINGE,
                 axis=FIN_AXIS,
                 stiffness=_linear(piece.hinge.stiffness),
                 damping=_linear(piece.hinge.damping),
@@ -230,7 +230,7 @@ def _set_inertia(body: Any, mass: float, center: float, inertia: tuple[float, fl
 
 
 def _add_sensors(model: Any, robot: Robot) -> None:
-    sensor, thing = engine().mjtSensor, engine().mjtObj
+    sensor, thing = load_mujoco().mjtSensor, load_mujoco().mjtObj
     found = [(f"joint_angle_{i}", f"joint_rate_{i}", f"joint_{i}") for i in range(robot.n_joints)]
     if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
         found.append(("fin_angle", "fin_rate", "fin_joint"))
@@ -252,7 +252,7 @@ def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
     """
     motor = joint.actuator
     actuator = model.add_actuator(name=name, target=target)
-    actuator.trntype = engine().mjtTrn.mjTRN_JOINT
+    actuator.trntype = load_mujoco().mjtTrn.mjTRN_JOINT
     actuator.set_to_position(kp=motor.servo_gain * motor.stall_torque)
     actuator.forcelimited = True
     actuator.forcerange = (-motor.stall_torque, motor.stall_torque)

@@ -1,4 +1,4 @@
-"""The robot in space as a `Plant`: MuJoCo with the water of `spatial.water`."""
+"""The robot in space as a `Plant`: MuJoCo with the water of `laticauda.mujoco_water`."""
 
 import math
 import warnings
@@ -10,15 +10,16 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from laticauda import mujoco_water as water
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
+from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
-from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
+from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
+from laticauda.mujoco_water import ground
+from laticauda.mujoco_water.functions import FluidLaw
 from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.robot.files import to_toml
-from laticauda.spatial import ground, mjcf, rows, water
-from laticauda.spatial.door import engine
-from laticauda.spatial.functions import FluidLaw
-from laticauda.spatial.poses import ORIENTATION
+from laticauda.spatial import mjcf, rows
 from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
 
 LEAST_DT = 1e-6  # s
@@ -143,7 +144,7 @@ class SpatialPlant:
 
     def data(self, state: SpatialState) -> Any:
         """A `mujoco.MjData` at `state`, to look at or to render; its own, not the plant's."""
-        mujoco = engine()
+        mujoco = load_mujoco()
         data = mujoco.MjData(self.model)
         data.time = state.values[rows.TIME]
         data.qpos[:], data.qvel[:] = self._positions(state), self._velocities(state)

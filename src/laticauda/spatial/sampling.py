@@ -8,8 +8,8 @@ from typing import no_type_check
 import numpy as np
 
 from laticauda.compiling import kernel
+from laticauda.mujoco_water.vectors import field
 from laticauda.spatial.rows import *
-from laticauda.spatial.vectors import field
 
 
 @kernel

@@ -4,8 +4,8 @@ import math
 from typing import Any, Literal
 
 from laticauda.errors import one_of
+from laticauda.extras import load_mujoco
 from laticauda.robot import Environment, Ground
-from laticauda.spatial.door import engine
 
 # The tank at Trondheim in which the paper's robot swam [m].
 TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
@@ -45,13 +45,13 @@ def add(
     if ground == "ramp":
         _add_ramp(model, dressed=dressed)
     elif ground == "flat" or isinstance(environment, Ground):
-        kind = engine().mjtGeom.mjGEOM_PLANE
+        kind = load_mujoco().mjtGeom.mjGEOM_PLANE
         _dress(model.worldbody.add_geom(name="ground", type=kind, size=(0.0, 0.0, 1.0), **TOUCHED), "sand", dressed)
 
 
 def _add_tank(model: Any, *, dressed: bool) -> None:
     """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
-    kind = engine().mjtGeom
+    kind = load_mujoco().mjtGeom
     x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
     floor = model.worldbody.add_geom(name="floor", type=kind.mjGEOM_PLANE, size=(x, y, 1.0), **TOUCHED)
     floor.pos = (0.0, 0.0, -TANK_DEPTH)
@@ -70,7 +70,7 @@ def _add_tank(model: Any, *, dressed: bool) -> None:
 
 def _add_ramp(model: Any, *, dressed: bool) -> None:
     """A shore that ends at x = SHORE_END, a slope behind it, and the floor that it leads to."""
-    kind = engine().mjtGeom
+    kind = load_mujoco().mjtGeom
     drop = SHORE_HEIGHT + TANK_DEPTH
     length = drop / math.sin(SLOPE)
     cos, sin = math.cos(SLOPE), math.sin(SLOPE)
@@ -102,7 +102,7 @@ def _add_ramp(model: Any, *, dressed: bool) -> None:
 
 def _add_surface(model: Any, x: float, y: float) -> None:
     """The surface of the water, to be seen only."""
-    plane = engine().mjtGeom.mjGEOM_PLANE
+    plane = load_mujoco().mjtGeom.mjGEOM_PLANE
     model.worldbody.add_geom(name="water", type=plane, size=(x, y, 1.0), material="water", **UNTOUCHED)
 
 
@@ -112,7 +112,7 @@ def _dress(geom: Any, material: str, dressed: bool) -> None:
 
 
 def _add_materials(model: Any) -> None:
-    kind = engine()
+    kind = load_mujoco()
     for name, color in MATERIALS.items():
         model.add_material(name=name, rgba=color, specular=0.2)
     tiles = model.add_texture(name="tiles", type=kind.mjtTexture.mjTEXTURE_2D, width=128, height=128)
@@ -124,7 +124,7 @@ def _add_materials(model: Any) -> None:
 
 def _add_light(model: Any) -> None:
     """Light from above, and the color of what is far away."""
-    kind = engine()
+    kind = load_mujoco()
     sun = model.worldbody.add_light(name="sun", type=kind.mjtLightType.mjLIGHT_DIRECTIONAL, dir=(0.2, 0.3, -1.0))
     sun.pos, sun.castshadow = (0.0, 0.0, 4.0), False
     sky = model.add_texture(name="sky", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=128, height=128)

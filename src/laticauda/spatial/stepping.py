@@ -23,11 +23,11 @@ from numba import njit
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.sources import is_kept, named_after, sources_digest
+from laticauda.mujoco_water.native import forward_skip, integrate_positions
+from laticauda.mujoco_water.vectors import field
 from laticauda.spatial.drives import actuator, advance_reference, count_work, set_reference
-from laticauda.spatial.native import forward_skip, integrate_positions
 from laticauda.spatial.rows import *
 from laticauda.spatial.sampling import follow_links, write_sample
-from laticauda.spatial.vectors import field
 
 GAMMA = 1.0 - 0.5**0.5
 HOLD = 1e8  # kg m^2

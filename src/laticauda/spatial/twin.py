@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from laticauda import mujoco_water as water
+from laticauda.extras import load_mujoco
 from laticauda.fluid import laws
+from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Ground, Joint, Robot, has_power_model
-from laticauda.spatial import mjcf, native, rows, scene, stepping, table, water, water_registry
-from laticauda.spatial.door import engine
+from laticauda.spatial import mjcf, rows, scene, stepping
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
 if TYPE_CHECKING:
@@ -23,7 +25,7 @@ class Twin:
     """A plant's model in MuJoCo and what the kernels need of it. A resource: one march at a time."""
 
     def __init__(self, plant: "SpatialPlant") -> None:
-        mujoco = engine()
+        mujoco = load_mujoco()
         self._lock = Lock()
         robot, environment = plant.robot, plant.environment
         spec = mjcf.spec(
@@ -127,9 +129,9 @@ class Twin:
     ) -> int:
         """Advance `values` in place; see `stepping.run`."""
         with self._lock:
-            engine().mj_resetData(self.model, self._data)
+            load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
-            water_registry.install()  # somebody else may have taken the callback since
+            registry.install()  # somebody else may have taken the callback since
             robot = (self._mass, self._order, self._hold)
             return int(stepping.run(self._setup, values, *asked, *robot, steps, dt, every, log))
 

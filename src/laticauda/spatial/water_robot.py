@@ -12,16 +12,17 @@ A fin strip of length d and height h is a thin plate: no normal load across its 
 drag spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, and the added inertia rho pi C_A (h/2)^4 / 8 d.
 """
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from laticauda.fluid import Coefficients, link_coefficients
+from laticauda.mujoco_water.elements import Element
+from laticauda.mujoco_water.ground import SINK, Contact
 from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
-from laticauda.spatial.elements import Element
 from laticauda.spatial.fin import fin_bodies
-from laticauda.spatial.ground import contact
 
 
 def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
@@ -62,6 +63,24 @@ def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, we
             )
         found.append(e)
     return tuple(found)
+
+
+def contact(mass: float, ground: Ground) -> Contact:
+    """How a piece of a robot touches the ground.
+
+    Args:
+        mass: Of the piece [kg].
+        ground: Its friction; viscous coefficients hold for a piece that lies flat with its own weight.
+    """
+    weight = mass * ground.gravity
+    dry = ground.friction == "coulomb"
+    return Contact(
+        stiffness=0.5 * weight / SINK,
+        damping=2.0 / math.sqrt(ground.gravity * SINK),
+        along=ground.tangential if dry else ground.tangential / weight,
+        across=ground.normal if dry else ground.normal / weight,
+        regularization_speed=ground.regularization_speed if dry else 0.0,
+    )
 
 
 def _module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import not_negative, positive
-from laticauda.spatial.door import engine
-from laticauda.spatial.elements import Element, Shape, Three
+from laticauda.extras import load_mujoco
+from laticauda.mujoco_water.elements import Element, Shape, Three
 
 _ROUND = math.pi / 4.0  # share of a circle in the square around it
 _HALF_TURN = 0.5**0.5
@@ -80,7 +80,7 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
     Raises:
         ValueError: If there is no such geom, it has no volume, or it is of another type.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     positive("density", density, "kg/m^3")
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
     if not 0 <= number < model.ngeom:
@@ -115,7 +115,7 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
 
 def _fitted(model: Any, number: int) -> tuple[Shape, Three, float, tuple[float, float, float, float]]:
     """Shape of a geom, half its size, its share of the box around it, and how its axes are turned into ours."""
-    mujoco = engine()
+    mujoco = load_mujoco()
     kind = mujoco.mjtGeom(model.geom_type[number]).name.removeprefix("mjGEOM_").lower()
     name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, number) or f"geom {number}"
     x, y, z = _three(model.geom_size[number])
@@ -150,6 +150,6 @@ def _three(values: Iterable[Any]) -> Three:
 def _product(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float, float]:
     """Product of two quaternions."""
     result = np.zeros(4)
-    engine().mju_mulQuat(result, np.asarray(a, dtype=float), np.asarray(b, dtype=float))
+    load_mujoco().mju_mulQuat(result, np.asarray(a, dtype=float), np.asarray(b, dtype=float))
     w, x, y, z = (float(q) for q in result)
     return w, x, y, z

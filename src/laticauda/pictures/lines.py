@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.spatial.camera import middle, reach
-from laticauda.spatial.door import engine
+from laticauda.extras import load_mujoco
+from laticauda.pictures.camera import middle, reach
 from laticauda.trial import Trial
 from laticauda.trial.following import nearest_points
 
@@ -96,7 +96,7 @@ def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, colo
     """A piece of a line into a scene that is about to be drawn."""
     if scene.ngeom >= scene.maxgeom:
         return
-    mujoco = engine()
+    mujoco = load_mujoco()
     geom = scene.geoms[scene.ngeom]
     zero = np.zeros(3)
     kind = mujoco.mjtGeom.mjGEOM_CYLINDER  # round ends would overlap, which shows as they are transparent

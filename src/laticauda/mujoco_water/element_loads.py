@@ -18,11 +18,11 @@ from typing import no_type_check
 
 from laticauda.compiling import compiled, kernel
 from laticauda.fluid import laws
-from laticauda.spatial import hydrostatics
-from laticauda.spatial.ground_loads import ground_load
-from laticauda.spatial.native import call_1, number_at
-from laticauda.spatial.table import *
-from laticauda.spatial.vectors import (
+from laticauda.mujoco_water import hydrostatics
+from laticauda.mujoco_water.ground_loads import ground_load
+from laticauda.mujoco_water.native import call_1, number_at
+from laticauda.mujoco_water.table import *
+from laticauda.mujoco_water.vectors import (
     cross,
     field,
     integers,

@@ -20,7 +20,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from laticauda.spatial.door import engine
+from laticauda.extras import load_mujoco
 
 ARRAYS = (
     "qpos",
@@ -65,7 +65,7 @@ _RARE = 0.7310585786300049  # a number that stands nowhere else
 @cache
 def library() -> ctypes.CDLL:
     """The shared library that the module `mujoco` runs on."""
-    folder = Path(engine().__file__).parent
+    folder = Path(load_mujoco().__file__).parent
     found = sorted(p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern))
     if not found:
         raise OSError(f"no shared library of MuJoCo in {folder}")
@@ -81,7 +81,7 @@ def address(function: str) -> int:
 @cache
 def offsets() -> dict[str, int]:
     """Offset of every field in `ARRAYS` from the start of `mjData`, and that of its `time` [bytes]."""
-    mujoco = engine()
+    mujoco = load_mujoco()
     model = mujoco.MjModel.from_xml_string(_PROBE)
     data = mujoco.MjData(model)
     data.time = _RARE
@@ -94,7 +94,7 @@ def offsets() -> dict[str, int]:
 @cache
 def model_offsets() -> dict[str, int]:
     """Offsets in `mjModel` [bytes]: of gravity, time step, override of margins, and of the armature's address."""
-    model = engine().MjModel.from_xml_string(_PROBE)
+    model = load_mujoco().MjModel.from_xml_string(_PROBE)
     model.opt.timestep, model.opt.o_margin = _RARE, 2.0 * _RARE
     words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
     return {

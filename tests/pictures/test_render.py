@@ -12,12 +12,12 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.spatial import film, lines, offscreen, pool, render
-from laticauda.spatial.camera import VIEW_DEG, calm, view
-from laticauda.spatial.caustics import PERIOD, light
-from laticauda.spatial.overlay import write_words
-from laticauda.spatial.poses import pose
-from laticauda.spatial.puppet import Puppet, floor_height, swimming_height
+from laticauda.pictures import film, lines, offscreen, pool, render
+from laticauda.pictures.camera import VIEW_DEG, calm, view
+from laticauda.pictures.caustics import PERIOD, light
+from laticauda.pictures.overlay import write_words
+from laticauda.pictures.poses import pose
+from laticauda.pictures.puppet import Puppet, floor_height, swimming_height
 
 pytest.importorskip("mujoco")
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.spatial import loads, native
-from laticauda.spatial.door import engine
+from laticauda.extras import load_mujoco
+from laticauda.mujoco_water import loads, native
 
 _lock = Lock()
 _previous: list[Any] = []
@@ -38,7 +38,7 @@ def _current_callback() -> int:
 
 def install() -> None:
     """Put the callback in place, in front of one that is there already if that one is compiled too."""
-    mujoco = engine()
+    mujoco = load_mujoco()
     with _lock:
         before = _current_callback()
         if before == _callback_address():

@@ -7,8 +7,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from laticauda.errors import finite, not_negative, one_of, positive
-from laticauda.spatial import hydrostatics
-from laticauda.spatial.ground import Contact
+from laticauda.mujoco_water import hydrostatics
+from laticauda.mujoco_water.ground import Contact
 
 SHAPES = ("ellipsoid", "cylinder", "box")
 Three: TypeAlias = tuple[float, float, float]

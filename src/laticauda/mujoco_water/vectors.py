@@ -9,7 +9,7 @@ import numpy as np
 from numba import carray  # pyright: ignore[reportPrivateImportUsage]
 
 from laticauda.compiling import kernel
-from laticauda.spatial.native import pointer, word_at
+from laticauda.mujoco_water.native import pointer, word_at
 
 
 @kernel

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.extras import load_mujoco
+from laticauda.pictures.caustics import PERIOD, light
 from laticauda.robot import Environment, Ground
-from laticauda.spatial.caustics import PERIOD, light
-from laticauda.spatial.door import engine
 
 TILE, LINES = 1.5, 3  # side of the floor's repeating tile [m], and grid lines in it
 SIZE = 240  # pixels of the tile
@@ -116,7 +116,7 @@ def surface_picture(time: float) -> np.ndarray:
 
 def _add_light(model: Any, look: Look, length: float) -> None:
     """Sun, fog and background."""
-    kind = engine()
+    kind = load_mujoco()
     model.stat.extent = 1.0  # so that the lengths below are in meters
     visual = model.visual
     visual.map.fogstart, visual.map.fogend = (max(1.0, CLEAR * length) * distance for distance in look.fog)
@@ -143,7 +143,7 @@ def _add_floor(model: Any, look: Look, height: float) -> None:
 
 def _add_picture(model: Any, name: str, pixels: np.ndarray, tile: float) -> None:
     """A material that repeats a picture every `tile` meters."""
-    kind = engine()
+    kind = load_mujoco()
     height, width, channels = pixels.shape
     texture = model.add_texture(name=name, type=kind.mjtTexture.mjTEXTURE_2D)
     texture.width, texture.height, texture.nchannel, texture.data = width, height, channels, pixels.tobytes()
@@ -154,7 +154,7 @@ def _add_picture(model: Any, name: str, pixels: np.ndarray, tile: float) -> None
 def _add_plane(model: Any, material: str, height: float) -> Any:
     return model.worldbody.add_geom(
         name=material,
-        type=engine().mjtGeom.mjGEOM_PLANE,
+        type=load_mujoco().mjtGeom.mjGEOM_PLANE,
         size=(0.0, 0.0, 1.0),
         pos=(0.0, 0.0, height),
         material=material,

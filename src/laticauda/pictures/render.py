@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import positive, whole, within
-from laticauda.spatial import lines, pool
-from laticauda.spatial.camera import View, ripple_period, view
-from laticauda.spatial.door import engine
-from laticauda.spatial.film import ffmpeg, write_video
-from laticauda.spatial.offscreen import Offscreen, Picture, check_offscreen
-from laticauda.spatial.overlay import write_words
-from laticauda.spatial.puppet import Puppet
+from laticauda.extras import load_mujoco
+from laticauda.pictures import lines, pool
+from laticauda.pictures.camera import View, ripple_period, view
+from laticauda.pictures.film import ffmpeg, write_video
+from laticauda.pictures.offscreen import Offscreen, Picture, check_offscreen
+from laticauda.pictures.overlay import write_words
+from laticauda.pictures.puppet import Puppet
 from laticauda.trial import Trial
 
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
@@ -103,7 +103,7 @@ class _Studio:
         self._puppet = Puppet(trial, width, height)
         self._trial = trial
         self._look = pool.look_of(trial.environment)
-        self._camera = engine().MjvCamera()
+        self._camera = load_mujoco().MjvCamera()
         self._ripples = self._moving_textures()
         self._path = lines.path_dashes(trial, self._puppet.height)
         self._screen = Offscreen(self._puppet.model)
@@ -141,7 +141,7 @@ class _Studio:
 
     def _decorate(self, scene: Any, time: float, seen: View) -> None:
         """Fog, shadows where the robot is, its trail, and the path that it followed."""
-        flags = engine().mjtRndFlag
+        flags = load_mujoco().mjtRndFlag
         scene.flags[flags.mjRND_FOG], scene.flags[flags.mjRND_HAZE] = True, False
         for light in scene.lights[: scene.nlight]:
             if not light.headlight:

@@ -7,9 +7,9 @@
 from typing import no_type_check
 
 from laticauda.compiling import compiled, kernel
-from laticauda.spatial import ground
-from laticauda.spatial.table import *
-from laticauda.spatial.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
+from laticauda.mujoco_water import ground
+from laticauda.mujoco_water.table import *
+from laticauda.mujoco_water.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
 
 terrain = compiled(ground.terrain)
 touch = compiled(ground.touch)

@@ -19,10 +19,10 @@ from numba.extending import intrinsic
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.sources import named_after, sources_digest
-from laticauda.spatial.element_loads import element_load
-from laticauda.spatial.native import allocate, call_1, call_2, number_at, word_at
-from laticauda.spatial.table import *
-from laticauda.spatial.vectors import field, integers, numbers
+from laticauda.mujoco_water.element_loads import element_load
+from laticauda.mujoco_water.native import allocate, call_1, call_2, number_at, word_at
+from laticauda.mujoco_water.table import *
+from laticauda.mujoco_water.vectors import field, integers, numbers
 
 # --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
 # The mark is a number below 2^52 that stands in the model as a denormal, so that copies of the model have it too; its

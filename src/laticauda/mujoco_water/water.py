@@ -1,9 +1,4 @@
-"""Water for any MuJoCo model: `attach` it, and the model's own steps feel it.
-
-    model = water.compiled(spec)                  # or mujoco.MjModel.from_xml_path(...)
-    element = water.geom_element(model, "hull", coefficients)
-    handle = water.attach(model, [element], density=1000.0, surface=0.0)
-    mujoco.mj_step(model, data)                   # with drag, exact added mass, buoyancy
+"""Water that is attached to a MuJoCo model.
 
 The loads are one compiled passive callback. Callbacks belong to the whole process, so there is one for all models: it
 looks the model up and leaves those without water alone. It runs in threads (`mujoco.rollout`, `mujoco.batch`), for its
@@ -19,27 +14,14 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import finite, one_of, positive
+from laticauda.extras import load_mujoco
 from laticauda.fluid import laws
-from laticauda.spatial import native, water_registry
-from laticauda.spatial import table as rows
-from laticauda.spatial.door import engine
-from laticauda.spatial.elements import Element
-from laticauda.spatial.functions import Current, FluidLaw, compiled_current, compiled_law
-from laticauda.spatial.ground import Contact, Terrain
-from laticauda.spatial.water_checks import body_of, check_model, stable_step, warn_of
-from laticauda.spatial.water_geoms import GeomCoefficients, geom_element
-
-__all__ = [
-    "Contact",
-    "Element",
-    "GeomCoefficients",
-    "Terrain",
-    "Water",
-    "attach",
-    "compiled",
-    "geom_element",
-    "stable_step",
-]
+from laticauda.mujoco_water import native, registry
+from laticauda.mujoco_water import table as rows
+from laticauda.mujoco_water.checks import body_of, check_model, warn_of
+from laticauda.mujoco_water.elements import Element
+from laticauda.mujoco_water.functions import Current, FluidLaw, compiled_current, compiled_law
+from laticauda.mujoco_water.ground import Terrain
 
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one look at the forces at a time: where they go to stands in the table
@@ -64,12 +46,12 @@ class Water:
 
     def detach(self) -> None:
         """Take the water away, from the model and from all copies of it."""
-        water_registry.forget(self.mark)
+        registry.forget(self.mark)
 
     @property
     def active(self) -> bool:
         """Whether the callback is in place: another package may have put its own there."""
-        return water_registry.is_installed()
+        return registry.is_installed()
 
     def set_current(self, velocity: Sequence[float]) -> None:
         """Let the water move with `velocity` from now on.
@@ -95,7 +77,7 @@ class Water:
         with _lock:
             self.table[rows.OUT] = out.ctypes.data
             try:
-                engine().mj_forward(model, data)
+                load_mujoco().mj_forward(model, data)
             finally:
                 self.table[rows.OUT] = 0
         names = ("drag", "added_mass", "buoyancy", "effector")
@@ -105,7 +87,7 @@ class Water:
 
     def _carried(self, model: Any, data: Any) -> np.ndarray:
         """Added mass times what the accelerations of the joints do to the middle of every element [N]."""
-        mujoco = engine()
+        mujoco = load_mujoco()
         force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
         for i, element in enumerate(self.elements):
             body = body_of(model, element.body)
@@ -159,7 +141,7 @@ def attach(
         ValueError: If the model or an argument cannot be worked with; the message says why.
         MissingExtra: If MuJoCo is not installed.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     if not isinstance(model, mujoco.MjModel):
         raise ValueError(f"`model` must be a mujoco.MjModel, got {type(model).__name__}.")
     elements = tuple(elements)
@@ -189,8 +171,8 @@ def attach(
             raise ValueError(f"`current` must be a function or 3 numbers, got {current!r}.")
         water[[rows.V_X, rows.V_Y, rows.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     positive("usual_speed", usual_speed, "m/s")
-    water_registry.install()
-    mark = water_registry.enter(model, table, (arrays, keep))
+    registry.install()
+    mark = registry.enter(model, table, (arrays, keep))
     handle = Water(
         model=weakref.ref(model), elements=elements, table=table, numbers=arrays, fluid_law=fluid_law, mark=mark
     )
@@ -223,8 +205,8 @@ def compiled(spec: Any) -> Any:
     full = spec.compile()
     for name in ("body_ipos", "body_iquat", "body_inertia", "body_mass"):
         getattr(full, name)[:] = getattr(model, name)
-    data = engine().MjData(full)
-    engine().mj_setConst(full, data)
+    data = load_mujoco().MjData(full)
+    load_mujoco().mj_setConst(full, data)
     return full
 
 

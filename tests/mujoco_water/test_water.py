@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import water_oracle as oracle
 
-from laticauda.spatial import water
-from laticauda.spatial.water import Element, GeomCoefficients
-from laticauda.spatial.water_geoms import lamb
+from laticauda import mujoco_water as water
+from laticauda.mujoco_water import Element, GeomCoefficients
+from laticauda.mujoco_water.geoms import lamb
 
 STILL = "ignore:body .* floats freely"
 

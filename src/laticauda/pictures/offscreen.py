@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.spatial.door import engine
+from laticauda.extras import load_mujoco
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
 MOST_SHAPES = 4000
@@ -29,7 +29,7 @@ class Offscreen:
     """
 
     def __init__(self, model: Any) -> None:
-        mujoco = engine()
+        mujoco = load_mujoco()
         self.model = model
         self.width, self.height = int(model.vis.global_.offwidth), int(model.vis.global_.offheight)
         self.scene = mujoco.MjvScene(model, MOST_SHAPES)
@@ -48,7 +48,7 @@ class Offscreen:
             camera: A `MjvCamera`.
             decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
         """
-        mujoco = engine()
+        mujoco = load_mujoco()
         category = mujoco.mjtCatBit.mjCAT_ALL.value
         mujoco.mjv_updateScene(self.model, data, self._options, None, camera, category, self.scene)
         decorate(self.scene)
@@ -61,7 +61,7 @@ class Offscreen:
     def upload(self, texture: int) -> None:
         """Take over what was written to `model.tex_data` for this texture."""
         self._window.make_current()
-        engine().mjr_uploadTexture(self.model, self._context, texture)
+        load_mujoco().mjr_uploadTexture(self.model, self._context, texture)
 
     def close(self) -> None:
         """Give back the graphics memory."""
@@ -77,7 +77,7 @@ class Offscreen:
 
 def check_offscreen() -> None:
     """Refuse what cannot be rendered here; errors as for `Offscreen`."""
-    engine()
+    load_mujoco()
     _window(16, 16).free()
 
 

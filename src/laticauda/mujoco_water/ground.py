@@ -1,12 +1,12 @@
-"""The ground under a piece of a robot: a normal force by how deep it is in, and anisotropic friction that goes with it.
+"""The ground under an element: a normal force by how deep it is in, and anisotropic friction that goes with it.
 
 MuJoCo's friction has its axes in the contact's frame, which turns with the body only for a capsule on a plane, so not
-on a ramp. Here friction is along and across the piece wherever it lies, by the planar model's laws with the normal
-force N in place of the weight. A piece touches with the lowest point of its elliptic section at either end:
+on a ramp. Here friction is along and across the element wherever it lies, by `fluid.laws` with the normal force N in
+place of a weight. An element touches with the lowest point of its elliptic section at either end:
 
     N = k d max(0, 1 + beta d')        f = -mu N v / sqrt(v^2 + eps^2), or -mu N v for viscous ground
 
-d is how deep the point is in. k lets a module that lies flat sink in by SINK, beta damps its bounce critically.
+d is how deep the point is in. One that lies flat with its own weight should sink in by SINK; beta damps its bounce.
 Plain scalar functions, which the kernels compile.
 """
 
@@ -14,7 +14,6 @@ import math
 from dataclasses import dataclass
 
 from laticauda.fluid.laws import coulomb_friction, polynomial_drag
-from laticauda.robot import Ground
 
 SINK = 1e-3  # [m]
 ROLL = 3.5  # how much faster friction stops the lowest point of a section than its middle: it may roll as well [-]
@@ -48,24 +47,6 @@ class Terrain:
     """Tangent of the slope; 0: flat everywhere [-]."""
     floor: float = 0.0
     """Height of the floor at the slope's foot [m]."""
-
-
-def contact(mass: float, ground: Ground) -> Contact:
-    """How a piece of a robot touches the ground.
-
-    Args:
-        mass: Of the piece [kg].
-        ground: Its friction; viscous coefficients hold for a piece that lies flat with its own weight.
-    """
-    weight = mass * ground.gravity
-    dry = ground.friction == "coulomb"
-    return Contact(
-        stiffness=0.5 * weight / SINK,
-        damping=2.0 / math.sqrt(ground.gravity * SINK),
-        along=ground.tangential if dry else ground.tangential / weight,
-        across=ground.normal if dry else ground.normal / weight,
-        regularization_speed=ground.regularization_speed if dry else 0.0,
-    )
 
 
 def stable_step(contacts: list[Contact], gravity: float) -> float:

@@ -7,13 +7,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.extras import load_mujoco
+from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import link_angles
 from laticauda.robot import Robot
-from laticauda.spatial.door import engine
 from laticauda.trial import Trial
-
-# Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them.
-ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +59,7 @@ def pose(trial: Trial, time: float, height: float) -> Pose:
 
 def put(model: Any, data: Any, robot: Robot, pose: Pose) -> None:
     """Move the bodies of `mjcf.spec(robot, ..., root="free")` there; velocities stay what they were."""
-    mujoco = engine()
+    mujoco = load_mujoco()
     data.qpos[:3], data.qpos[3:7] = 0.0, pose.orientation
     data.qpos[7 : 7 + robot.n_joints] = pose.joint_angle
     data.qpos[7 + robot.n_joints : 7 + robot.n_joints + pose.fin_angle.size] = pose.fin_angle

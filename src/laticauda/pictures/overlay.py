@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from laticauda.spatial.offscreen import Picture
+from laticauda.pictures.offscreen import Picture
 
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029  # in heights of the picture
 WHITE, PALE = (255, 255, 255), (200, 228, 230)

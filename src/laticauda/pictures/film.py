@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from laticauda.errors import LaticaudaError, MissingProgram
-from laticauda.spatial.offscreen import Picture
+from laticauda.pictures.offscreen import Picture
 
 QUALITY = 20  # of H.264's scale, on which less is better and 18 looks like the original
 

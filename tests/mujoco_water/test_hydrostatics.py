@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.spatial.hydrostatics import BOX, CYLINDER, ELLIPSOID, wetted
+from laticauda.mujoco_water.hydrostatics import BOX, CYLINDER, ELLIPSOID, wetted
 
 SHAPES = {"ellipsoid": ELLIPSOID, "cylinder": CYLINDER, "box": BOX}
 HALF = (0.3, 0.1, 0.07)

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.spatial.door import engine
-from laticauda.spatial.elements import Element
-from laticauda.spatial.functions import FluidLaw
+from laticauda.extras import load_mujoco
+from laticauda.mujoco_water.elements import Element
+from laticauda.mujoco_water.functions import FluidLaw
 
 INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 
@@ -20,7 +20,7 @@ def body_of(model: Any, name: str) -> int:
     Raises:
         ValueError: If there is none, or it is the world.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
     if body < 0:
         raise ValueError(f"`body` of an element must be a body of the model, got {name!r}.")
@@ -41,7 +41,7 @@ def stable_step(model: Any, elements: Iterable[Element], fluid_law: FluidLaw, sp
     Returns:
         2 over the largest eigenvalue of (M + A)^-1 D, D the slope of the drag [s]; infinite without drag.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     inertia = np.zeros((model.nv, model.nv))
@@ -93,7 +93,7 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
     Raises:
         ValueError: With the reason.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     option = model.opt
     names = {getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}"): name for name in INTEGRATORS}
     integrator = names.get(option.integrator)
@@ -128,7 +128,7 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
             raise ValueError(
                 f"`model` must store the whole inertia matrix of body `{model.body(body).name}`, but keeps its "
-                "diagonal only; compile its MjSpec with `laticauda.spatial.water.compiled`."
+                "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`."
             )
 
 
@@ -158,7 +158,7 @@ def warn_of(
         fluid_law: Drag on one element in one plane.
         speed: At which the step is checked against the drag [m/s]; None: not at all.
     """
-    mujoco = engine()
+    mujoco = load_mujoco()
     free = {int(model.jnt_bodyid[j]) for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE}
     roots = {int(model.body_rootid[b]) for b in bodies}
     for root in sorted(roots - free):
@@ -183,7 +183,7 @@ def warn_of(
 
 
 def _warn_upright(model: Any, root: int, elements: Sequence[Element], bodies: np.ndarray) -> None:
-    mujoco = engine()
+    mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)

@@ -3,11 +3,12 @@
 from typing import Any
 
 from laticauda.errors import instance
+from laticauda.extras import load_mujoco
+from laticauda.pictures import pool
+from laticauda.pictures.camera import VIEW_DEG, reach
+from laticauda.pictures.poses import pose, put
 from laticauda.robot import Ground
-from laticauda.spatial import mjcf, pool, scene
-from laticauda.spatial.camera import VIEW_DEG, reach
-from laticauda.spatial.door import engine
-from laticauda.spatial.poses import pose, put
+from laticauda.spatial import mjcf, scene
 from laticauda.trial import Trial
 
 MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
@@ -39,7 +40,7 @@ class Puppet:
         picture = spec.visual.global_
         picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG
         self.model: Any = spec.compile()
-        self.data: Any = engine().MjData(self.model)
+        self.data: Any = load_mujoco().MjData(self.model)
 
     def take(self, time: float) -> None:
         """Take the posture of a time within the trial's [s]."""

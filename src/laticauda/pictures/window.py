@@ -8,9 +8,9 @@ from importlib import import_module
 from typing import Any
 
 from laticauda.errors import LaticaudaError, positive
-from laticauda.spatial.camera import view
-from laticauda.spatial.door import engine
-from laticauda.spatial.puppet import Puppet
+from laticauda.extras import load_mujoco
+from laticauda.pictures.camera import view
+from laticauda.pictures.puppet import Puppet
 from laticauda.trial import Trial
 
 PICTURES_PER_SECOND = 60.0
@@ -36,7 +36,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         MissingExtra: If MuJoCo is not installed.
     """
     speed = positive("speed", speed)
-    engine()
+    load_mujoco()
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
     viewer = _viewer()
@@ -71,6 +71,6 @@ def _viewer() -> Any:
 def _aim(camera: Any, puppet: Puppet) -> None:
     """Let a window's camera follow the robot from where a film begins; the mouse moves it from there."""
     seen = view(puppet.trial, float(puppet.trial.time[0]), puppet.height, ASPECT)
-    camera.type = engine().mjtCamera.mjCAMERA_TRACKING
+    camera.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING
     camera.trackbodyid = puppet.model.body("module_0").id
     camera.distance, camera.azimuth, camera.elevation = seen.distance, seen.azimuth, seen.elevation
