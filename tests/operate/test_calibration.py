@@ -64,6 +64,16 @@ def test_the_clock_offset_is_never_less_than_the_truth_and_off_by_the_smallest_l
     assert state.offset == pytest.approx(offset + min(latencies), abs=1e-9)
 
 
+def test_the_smallest_latency_of_the_window_before_still_counts_in_the_next():
+    clock, state = ClockOffset(window=1.0), None
+    for k in range(10):
+        state = clock.step(state, 0.1 * k + 7.0, 0.1 * k)
+    for arrival in (8.05, 8.5, 8.9):  # the next window, in which every frame is late
+        state = clock.step(state, arrival, arrival - 7.0 - 0.03)
+        assert state.offset == pytest.approx(7.0)
+    assert clock.step(state, 9.06, 9.06 - 7.0 - 0.03).offset == pytest.approx(7.03)
+
+
 def offsets(stamps, seconds):
     """The offset at every frame, for a clock of the cameras `stamps(t)` that is read at 100 Hz."""
     clock, state, found = ClockOffset(window=1.0), None, []

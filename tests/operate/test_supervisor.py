@@ -140,6 +140,18 @@ def test_a_leak_while_the_robot_straightens_stops_it_at_once():
     assert [entry.event for entry in entries] == ["leak"]
 
 
+@pytest.mark.parametrize("first", ["ended", "operator_key"])
+def test_a_fault_that_comes_while_the_robot_already_stops_is_not_forgotten(first):
+    at, _ = step(brought_to("running"), 0.0, first)
+    assert (at.action, at.is_fault) == ("straighten", False)
+    at, _ = step(at, 0.5, "lost_mocap")  # for a moment, and no graver than what is done already
+    assert (at.state, at.action, at.is_fault) == ("stopping", "straighten", True)
+    at, _ = step(at, 1.0, straight=True)
+    at, _ = step(at, 1.1, limp=True)
+    assert at.state == "fault"
+    assert at.cause == ("lost_mocap" if first == "ended" else first)
+
+
 def test_modules_that_do_not_go_limp_get_an_emergency_stop():
     at, now = replace(brought_to("stopping"), action="limp"), 0.0
     while at.action == "limp":
@@ -180,23 +192,47 @@ def test_an_event_that_is_not_in_the_table_is_refused():
         Supervisor(straighten_time=0.0)
 
 
+WELL = Heartbeat(node=1, state=NodeState.ACTIVE)
+
+
+def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Seen:
+    """Two modules that are asked to be straight, all numbers of which are zero unless `measured` says otherwise."""
+    beats = beats or (WELL, replace(WELL, node=2))
+    numbers = {name: np.array([0.0, measured.get(name, 0.0)]) for name in ("angle", "rate", "current", "torque")}
+    times = np.full(2, now)
+    modules = replace(no_modules(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
+    references = np.zeros(2)
+    return Seen(now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("event", "name", "limit", "lasts", "says"),
+    [
+        ("joint_error", "angle", "max_joint_error", "joint_error_time", ("module 2: -57 deg", "module 2: +57 deg")),
+        ("over_current", "current", "max_current", "current_time", ("module 2: 5.0 A", "module 2: -5.0 A")),
+    ],
+)
+def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, name, limit, lasts, says, sign):
+    limits = Limits()
+    watch, patience, value = Watch(limits=limits), getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
+    assert abs(value) > getattr(limits, limit)
+    state, found = watch.step(watch.init(2), seen_at(10.0, **{name: sign * value}))
+    assert found == {}
+    held, found = watch.step(state, seen_at(10.0 + patience, **{name: sign * value}))
+    assert found == {}
+    _, found = watch.step(held, seen_at(10.1 + patience, **{name: sign * value}))
+    assert found == {event: says[0] if sign > 0 else says[1]}
+    # One moment within the limit, and the time begins anew.
+    back, _ = watch.step(held, seen_at(10.05 + patience))
+    _, found = watch.step(back, seen_at(10.1 + patience, **{name: sign * value}))
+    assert found == {}
+
+
 def test_what_a_module_says_of_itself_is_told_before_what_it_does():
     watch = Watch(limits=Limits())
-    modules = no_modules(2)
-    beats = (
-        Heartbeat(node=1, state=NodeState.ACTIVE),
-        Heartbeat(node=2, state=NodeState.FAULT, stuck=True),
-    )
-    now = np.full(2, 10.0)
-    seen = Seen(
-        now=10.0,
-        lateness=0.0,
-        modules=replace(modules, heartbeat=beats, heartbeat_time=now, angle_time=now),
-        references=np.zeros(2),
-        mocap_age=0.0,
-        meter_age=None,
-        room=1.0,
-    )
+    beats = (WELL, Heartbeat(node=2, state=NodeState.FAULT, stuck=True))
+    seen = seen_at(10.0, *beats)
     state, found = watch.step(replace(watch.init(2), asked=0.0), seen)
     assert found == {"module_fault": "module 2: stuck"}
     limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
