@@ -48,6 +48,7 @@ def main() -> None:
             following=Following(),
             duration=duration,
             countdown=0.0,
+            supply_voltage=35.0,
             connection=Connection(
                 can_channel="239.74.163.2",
                 can_port=43119,

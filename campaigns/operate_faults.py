@@ -127,6 +127,7 @@ def operation(chance: random.Random, rate: float, duration: float) -> Operation:
         rate=rate,
         countdown=0.5,
         connection=Connection(meter_port="stepped"),
+        supply_voltage=35.0,
         tank=Volume(volume_x=(-1.0, 11.0)),
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5, patience=10.0),
     )

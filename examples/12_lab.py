@@ -23,6 +23,7 @@ operation = Operation(
     duration=15.0,
     rate=50.0,
     connection=Connection(meter_port="stepped"),
+    supply_voltage=35.0,
     tank=Volume(volume_x=(-1.0, 11.0)),
     calibration=Calibration(joint_zeros=True),
 )

@@ -13,6 +13,7 @@ TRIAL = """
 kind = "trial"
 name = "cli"
 duration = 1.0
+supply_voltage = 35.0
 rate = 20
 countdown = 0.1
 [gait]

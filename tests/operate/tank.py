@@ -66,6 +66,7 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
         gait=trial.gait,
         controller=controller,
         estimator=estimator,
+        supply_voltage=35.0,
         operation="kind = 'operation'\n",
     )
     state, thought, at = estimator.init(), controller.init(), 0

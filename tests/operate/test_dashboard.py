@@ -18,6 +18,7 @@ WHAT = Operation(
     estimator="kinematics",
     countdown=0.1,
     connection=Connection(meter_port="there"),
+    supply_voltage=35.0,
     calibration=Calibration(idle_time=0.2, still_time=0.3),
 )
 

@@ -76,6 +76,8 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         ("tank.volume_x = [3, 1]", r"key `tank.volume_x`: must be a smaller and a greater number in m"),
         ("connection.can_interface = 'usb'", r"key `connection.can_interface`: must be one of `udp_multicast`"),
         ("connection.mocap_port = 70000", r"key `connection.mocap_port`: must be a port from 1 to 65535, got 70000"),
+        ("connection.meter_port = '/dev/ttyUSB0'", r"key `supply_voltage`: must be given in V beside a power meter"),
+        ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         ("calibration.still_speed = 'fast'", r"key `calibration.still_speed`: must be a number in m/s, got 'fast'"),
         ("start.heading = 0.1", r"key `start.position`: is missing; every placement needs it"),
         ("name = 'a b'", r"key `name`: must be letters, digits, `-` and `_`, as in a file's name, got 'a b'"),

@@ -31,6 +31,7 @@ def operation(**changes) -> Operation:
         estimator="kinematics",
         countdown=0.1,
         connection=Connection(meter_port="there"),
+        supply_voltage=35.0,
         calibration=QUICK,
         limits=Limits(straighten_time=1.0),
     )

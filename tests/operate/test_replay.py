@@ -65,6 +65,16 @@ def test_the_idle_current_is_the_robots_own_where_none_was_measured(recorded):
     assert trial.electrical_power == pytest.approx(35.0 * DRAWN - log.header.robot.idle_power)
 
 
+def test_the_power_is_that_of_the_recordings_own_supply(recorded):
+    _, log, _ = recorded
+    at_24 = replace(log, header=replace(log.header, supply_voltage=24.0))
+    assert trial_of(at_24).electrical_power == pytest.approx(24.0 * (DRAWN - IDLE))
+    assert trial_of(at_24).settings["supply_voltage"] == 24.0
+    unsaid = replace(log, header=replace(log.header, supply_voltage=None))
+    with pytest.raises(TrialFileError, match="it holds power readings, and no `supply_voltage`"):
+        trial_of(unsaid)
+
+
 def test_the_same_estimator_gives_the_same_estimates_to_the_last_bit(recorded):
     _, log, _ = recorded
     again = rerun_estimator(log)

@@ -29,6 +29,7 @@ def result(name: str, trial: Trial | None, reason: str = "The run reached its en
         trial=trial,
         start=(0.0, 1.0, 0.1),
         idle_current=1.18,
+        supply_voltage=35.0,
         notes=(),
         recording=None,
         timing=None,

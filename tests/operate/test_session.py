@@ -46,6 +46,7 @@ def operation(**changes) -> Operation:
         countdown=0.1,
         tank=Volume(volume_x=(-1.0, 11.0)),
         connection=Connection(meter_port="stepped"),
+        supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
         limits=PATIENT,
     )
@@ -132,8 +133,9 @@ def test_a_killed_operator_leaves_a_robot_that_stops_by_itself(tmp_path: Path):
     lab = subprocess.Popen([*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     file = tmp_path / "trial.toml"
     file.write_text(
-        'kind = "trial"\nname = "killed"\nduration = 60\nrate = 20\ncountdown = 0\n[gait]\namplitude_deg = 20\n'
-        "frequency_deg_s = 90\nphase_shift_deg = 40\n[calibration]\nidle_time = 0.2\nstill_time = 0.2\n"
+        'kind = "trial"\nname = "killed"\nduration = 60\nsupply_voltage = 35\nrate = 20\ncountdown = 0\n'
+        "[gait]\namplitude_deg = 20\nfrequency_deg_s = 90\nphase_shift_deg = 40\n"
+        "[calibration]\nidle_time = 0.2\nstill_time = 0.2\n"
         "joint_zeros = true\n[limits]\nmax_lateness = 3\njoint_timeout = 3\nheartbeat_timeout = 3\nmocap_timeout = 5\n"
         "[tank]\nvolume_x = [-1, 11]\n"
     )

@@ -11,7 +11,7 @@ import tyro
 from laticauda.cli.flags import Number, Switch, Text, Whole, default
 
 if TYPE_CHECKING:
-    from laticauda.operate.settings import Connection, Operation
+    from laticauda.operate.settings import Operation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +42,8 @@ class Operate:
     """Of every setting of a series."""
     meter: Annotated[Text, default("the file's")] = None
     """Serial port of the power meter."""
+    supply_voltage: Annotated[Number, default("the file's")] = None
+    """V: of the supply behind the power meter."""
     can: Annotated[Text, default("the file's")] = None
     """CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0."""
     mocap: Annotated[Text, default("the file's")] = None
@@ -55,7 +57,7 @@ class Operate:
         folder = Path("runs" if self.output is None else self.output)
         if isinstance(wanted, SeriesFile):
             return self._series(wanted, folder)
-        operation = replace(wanted, connection=self._connection(wanted.connection))
+        operation = self._chosen(wanted)
         result = self._operate(operation, None if self.check else folder)
         summary = result.summary()
         self._print(summary)
@@ -87,7 +89,7 @@ class Operate:
         series = replace(
             series,
             repeats=series.repeats if self.repeats is None else self.repeats,
-            operations=tuple(replace(o, connection=self._connection(o.connection)) for o in series.operations),
+            operations=tuple(self._chosen(operation) for operation in series.operations),
         )
         done = run_series(series, folder / series.name, self._operate, place=self._place)
         if self.json:
@@ -116,12 +118,15 @@ class Operate:
             return Lines(sys.stderr)
         return Dashboard(operation)
 
-    def _connection(self, usual: "Connection") -> "Connection":
-        """The file's connections, with what the options say otherwise."""
+    def _chosen(self, operation: "Operation") -> "Operation":
+        """The file's operation, with what the options say otherwise."""
         from laticauda.operate.addresses import addressed
 
+        usual = operation.connection
         usual = usual if self.meter is None else replace(usual, meter_port=self.meter)
-        return addressed(usual, can=self.can, mocap=self.mocap)
+        connection = addressed(usual, can=self.can, mocap=self.mocap)
+        voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
+        return replace(operation, connection=connection, supply_voltage=voltage)
 
     def _print(self, summary: dict[str, Any]) -> None:
         from laticauda.operate.session import table

@@ -110,7 +110,7 @@ def _header(texts: Mapping[str, str]) -> Header:
         gait=from_json(texts["gait"]),
         controller=from_json(texts["controller"]),
         estimator=from_json(texts["estimator"], robot=robot),
-        supply_voltage=float(texts["supply_voltage"]),
+        supply_voltage=float(texts["supply_voltage"]) if texts["supply_voltage"] else None,
         settings=json.loads(texts["settings"]),
         operation=texts["operation"],
     )

@@ -48,8 +48,8 @@ class Header:
     """What decides the commands, for a replay: one of those of `laticauda.control`, or None."""
     estimator: object | None = None
     """What says where the robot is, for a replay, or None."""
-    supply_voltage: float = 35.0
-    """V of (4) [V]."""
+    supply_voltage: float | None = None
+    """V of (4); None without a power meter [V]."""
     settings: Mapping[str, str | float] = dataclasses.field(default_factory=dict[str, str | float])
     """Whatever else belongs to the record of the trial."""
     operation: str = ""
@@ -59,7 +59,8 @@ class Header:
         """Check every field once."""
         instance("robot", self.robot, Robot)
         instance("gait", self.gait, Gait, type(None))
-        object.__setattr__(self, "supply_voltage", positive("supply_voltage", self.supply_voltage, "V"))
+        if self.supply_voltage is not None:
+            object.__setattr__(self, "supply_voltage", positive("supply_voltage", self.supply_voltage, "V"))
 
     def texts(self) -> dict[str, str]:
         """The header as texts by name."""
@@ -71,7 +72,7 @@ class Header:
             "gait": to_json(self.gait),
             "controller": to_json(self.controller),
             "estimator": to_json(self.estimator),
-            "supply_voltage": repr(self.supply_voltage),
+            "supply_voltage": "" if self.supply_voltage is None else repr(self.supply_voltage),
             "settings": json.dumps(dict(self.settings)),
             "operation": self.operation,
         }

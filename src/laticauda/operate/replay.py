@@ -143,15 +143,21 @@ def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Map
 
     W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average where it keeps one (it is that
     average times the time of its record, so nothing between two readings is missed), else from its readings. Its slope
-    over a run is (4): P = V I_avg - V I_0.
+    over a run is (4): P = V I_avg - V I_0. V is the one of the recording.
 
     Args:
         log: The recording.
         time: When [s].
+
+    Raises:
+        TrialFileError: If it holds readings and does not say the supply's voltage.
     """
     readings: list[PowerReading] = log.of(PowerReading)
     if len(readings) < 2:
         return None, {}
+    volts = log.header.supply_voltage
+    if volts is None:
+        raise TrialFileError(f"Cannot replay {log.path}: it holds power readings, and no `supply_voltage`.")
     when = np.array([reading.time for reading in readings])
     current = np.array([reading.current for reading in readings])
     steps = np.diff(when) * 0.5 * (current[1:] + current[:-1])
@@ -160,19 +166,18 @@ def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Map
         if charge is not None:
             steps[i] = charge
     charge = np.concatenate(([0.0], np.cumsum(steps)))
-    volts = log.header.supply_voltage
-    idle = idle_current(log)
+    idle = idle_current(log, volts)
     drawn = np.interp(time, when, charge)
     work = volts * (drawn - drawn[0] - idle * (time - time[0]))
     return work, {"supply_voltage": volts, "idle_current": idle}
 
 
-def idle_current(log: OperationLog) -> float:
-    """I_0: as it was noted before the run, or what the robot draws at rest by its file [A]."""
+def idle_current(log: OperationLog, supply_voltage: float) -> float:
+    """I_0: as it was noted before the run, or what the robot draws at rest by its file, at a `supply_voltage` [A]."""
     noted = log.notes.get("idle", {}).get("current")
     if noted is not None:
         return not_negative("idle current", float(noted), "A")
-    return log.header.robot.idle_power / log.header.supply_voltage
+    return log.header.robot.idle_power / supply_voltage
 
 
 def rerun_estimator(

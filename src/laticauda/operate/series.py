@@ -169,7 +169,7 @@ def _stored(operation: Operation, folder: Path) -> Result | None:
     trial = load_trial(path)
     if not trial.succeeded:
         return None
-    idle = trial.settings.get("idle_current")
+    idle, voltage = (trial.settings.get(name) for name in ("idle_current", "supply_voltage"))
     return Result(
         name=operation.name,
         accepted=True,
@@ -177,6 +177,7 @@ def _stored(operation: Operation, folder: Path) -> Result | None:
         trial=trial,
         start=None,
         idle_current=float(idle) if isinstance(idle, float | int) else None,
+        supply_voltage=float(voltage) if isinstance(voltage, float | int) else None,
         notes=(),
         recording=None,
         timing=None,

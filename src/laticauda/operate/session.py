@@ -22,7 +22,6 @@ from laticauda.operate.supervisor import BY_EVENT
 from laticauda.operate.timing import Timing
 from laticauda.trial import Trial, following
 
-SUPPLY_VOLTAGE = 35.0  # the paper's V of (4) [V]
 LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
 
 
@@ -42,6 +41,8 @@ class Result:
     """Center of mass [m, m] and heading [rad] before it."""
     idle_current: float | None
     """I_0 [A]; None where it was not measured."""
+    supply_voltage: float | None
+    """V of (4) [V]; None without a power meter."""
     notes: tuple[str, ...]
     """What went wrong and did not stop it."""
     recording: Path | None
@@ -63,7 +64,7 @@ class Result:
             found |= {"duration": trial.duration, "forward_velocity": trial.forward_velocity}
             has_power = trial.electrical_work is not None and not self.notes
             found["electrical_power"] = trial.electrical_power if has_power else None
-            idle = 0.0 if self.idle_current is None else SUPPLY_VOLTAGE * self.idle_current
+            idle = 0.0 if self.idle_current is None else (self.supply_voltage or 0.0) * self.idle_current
             found["total_power"] = trial.electrical_power + idle if has_power else None
             error = trial.signals.get("cross_track_error")
             if error is not None:
@@ -91,7 +92,7 @@ def header_of(operator: Operator, text: str = "") -> Header:
         gait=how.gait,
         controller=None if how.following is None else how.controller(),
         estimator=operator.estimator,
-        supply_voltage=SUPPLY_VOLTAGE,
+        supply_voltage=how.supply_voltage,
         settings={
             "model": "robot",
             "joints": "modules",
@@ -164,7 +165,7 @@ def operate_stepped(
     """Operate something that is stepped once, such as `laticauda.lab.Tank`: no wires, no clock, as fast as it goes.
 
     Args:
-        operation: What to do; its connections do not matter, the power meter is read.
+        operation: What to do; its connections do not matter, the power meter is read if it has a supply voltage.
         folder: As in `operate`; a recording of that name is replaced.
         tank: What is operated.
         keys: What the operator presses.
@@ -176,7 +177,8 @@ def operate_stepped(
     Raises:
         StorageFailed: If the recording cannot be written at the start.
     """
-    operation = replace(operation, connection=replace(operation.connection, meter_port="stepped"))
+    meter = "" if operation.supply_voltage is None else "stepped"
+    operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
     operator = Operator(operation=operation, twin=twin)
     header = header_of(operator, text)
     folder.mkdir(parents=True, exist_ok=True)
@@ -214,6 +216,7 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         trial=trial,
         start=state.prepared.start,
         idle_current=state.idle_current,
+        supply_voltage=operator.operation.supply_voltage,
         notes=state.notes,
         recording=recording,
         timing=timing,

@@ -274,6 +274,8 @@ class Operation:
     """Of the smooth start [s]."""
     offset_bandwidth: float = 2.0
     """Of the reference generator [rad/s]."""
+    supply_voltage: float | None = None
+    """V of (4), by which the power meter's current becomes power; it must be given beside a meter [V]."""
     estimator: str = "filter"
     """What says where the robot is: filter, or kinematics as in the paper, which bridges no drop-out [-]."""
     connection: Connection = field(default_factory=Connection)
@@ -298,6 +300,12 @@ class Operation:
         put(self, "countdown", not_negative("countdown", self.countdown, "s"))
         put(self, "ramp", not_negative("ramp", self.ramp, "s"))
         put(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
+        if self.supply_voltage is not None:
+            put(self, "supply_voltage", positive("supply_voltage", self.supply_voltage, "V"))
+        elif self.connection.meter_port:
+            raise ValueError(
+                "`supply_voltage` must be given in V beside a power meter, whose current it turns into power, got None."
+            )
 
     def body(self) -> Robot:
         """The robot.
