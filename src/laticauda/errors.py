@@ -199,6 +199,28 @@ def instance(name: str, value: object, *kinds: type) -> None:
         raise BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
 
 
+def flag(name: str, value: object) -> bool:
+    """Return `value` if it is true or false, and nothing that merely looks like it; arguments as for `finite`."""
+    if not isinstance(value, bool):
+        raise BadArgument(name, f"must be true or false, got {shown(value)}")
+    return value
+
+
+def text(name: str, value: object) -> str:
+    """Return `value` if it is a text; arguments as for `finite`."""
+    if not isinstance(value, str):
+        raise BadArgument(name, f"must be a text, got {shown(value)}")
+    return value
+
+
+def label(name: str, value: object) -> str:
+    """Return `value` if it can serve as a name: a text that is not blank and stays on one line."""
+    word = text(name, value)
+    if not word.strip() or not word.isprintable():
+        raise BadArgument(name, f"must be a text on one line that is not blank, got {word!r}")
+    return word
+
+
 def nearest(word: str, choices: Sequence[str]) -> str:
     """The end of a message about a mistyped `word`: "; did you mean `x`?", or "" if no one of `choices` comes near."""
     import difflib

@@ -11,7 +11,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any, ClassVar, Self
 
-from laticauda.errors import nearest
+from laticauda.errors import BadArgument, nearest
 
 ENTRY_POINTS = "laticauda."
 """What the entry-point groups begin with; the group of drag laws is ``laticauda.drag_laws``."""
@@ -59,7 +59,7 @@ class Extensible:
         if name not in cls._known:
             listed = ", ".join(f"`{one}`" for one in cls.names())
             hint = nearest(name, cls.names())
-            raise ValueError(f"`kind` must be one of {listed}, got {name!r}{hint or '.'}")
+            raise BadArgument("kind", f"must be one of {listed}, got {name!r}{hint}")
         return cls._known[name]
 
     @classmethod

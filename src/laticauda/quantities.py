@@ -17,14 +17,15 @@ import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
-from typing import Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin, overload
+from typing import Any, Literal, TypeVar, Union, cast, dataclass_transform, get_args, get_origin, overload
 
-from laticauda.errors import BadArgument, finite, instance, one_of, shown, whole
+from laticauda.errors import BadArgument, finite, flag, instance, one_of, shown, text, whole
 
 T = TypeVar("T")
 Kind = TypeVar("Kind", bound=type[Any])
 Check = Callable[[str, Any], Any]
 
+_COUNTS = {2: "two", 3: "three"}
 DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 """What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
 
@@ -114,39 +115,47 @@ def quantity(
 
 
 @overload
-def option(text: str, *, default: T, compare: bool = ...) -> T: ...
+def option(text: str, *, default: T, check: Check | None = ..., compare: bool = ...) -> T: ...
 @overload
-def option(text: str, *, default_factory: Callable[[], T], compare: bool = ...) -> T: ...
+def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ..., compare: bool = ...) -> T: ...
 @overload
-def option(text: str, *, compare: bool = ...) -> Any: ...
-def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING, compare: bool = True) -> Any:
+def option(text: str, *, check: Check | None = ..., compare: bool = ...) -> Any: ...
+def option(
+    text: str,
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    check: Check | None = None,
+    compare: bool = True,
+) -> Any:
     """A field that is no number: a text, a truth value, a choice or another value.
 
     Args:
         text: What it is, a phrase without a full stop.
         default: Left out: it must be given.
         default_factory: Makes the default.
+        check: Instead of the check that its type tells: `check(name, value)` returns the cleaned value.
         compare: Whether two values differ if this differs.
     """
     made: Any = {"default_factory": default_factory} if default_factory is not MISSING else {"default": default}
-    return dataclasses.field(**made, compare=compare, metadata={"text": text})
+    return dataclasses.field(**made, compare=compare, metadata={"text": text, "check": check})
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))
 def value(kind: Kind) -> Kind:
     """Decorator: a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__``.
 
-    Numbers become floats within their range, whole numbers ints; texts of a `Literal` are among its choices, truth
-    values are true or false, and a field of a class holds an object of it. What its type is not told by is left to
-    the class itself.
+    Numbers become floats within their range, whole numbers ints; texts of a `Literal` are among its choices, where a
+    hyphen is as good as an underscore, truth values are true or false, a field of a class holds an object of it, and
+    lists become tuples. A default is always fine, as infinity may be. What types do not tell is left to the class.
 
     Args:
         kind: The class; its docstring gets a list of the fields.
     """
-    own = kind.__dict__.get("__post_init__")
+    own: Callable[[Any], None] | None = getattr(kind, "__post_init__", None)
 
     def check(self: Any) -> None:
-        for name, low, high, rule in _checks(type(self)):
+        for name, low, high, rule in _checks(self.__class__):
             given = getattr(self, name)
             if type(given) is float and low <= given <= high:
                 continue
@@ -194,7 +203,9 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
         low, high = math.inf, -math.inf  # nothing is within
         if declared is not None and float in (hints[field.name], *get_args(hints[field.name])):
             low, high = max(declared.least, -most), min(declared.le, most)
-        found.append((field.name, low, high, _check_of(hints[field.name], declared)))
+            high = math.inf if field.default == math.inf else high
+        own = field.metadata.get("check")
+        found.append((field.name, low, high, own or _check_of(hints[field.name], declared)))
     return tuple(found)
 
 
@@ -202,25 +213,27 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
     """What is asked of a field of this type; None: nothing."""
     inner = [one for one in get_args(hint) if one is not type(None)]
     if get_origin(hint) in (types.UnionType, Union):
-        checks = [_check_of(one, declared) for one in inner]
-        if len(inner) == 1 and len(get_args(hint)) == 2:  # something or None
-            check = checks[0]
-            return None if check is None else lambda name, given: None if given is None else check(name, given)
-        kinds = get_args(hint)
-        return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
-    if get_origin(hint) is tuple and declared is not None:
-        return functools.partial(_numbers, declared, None if inner[-1] is Ellipsis else len(inner))
+        return _check_of_union(hint, inner, declared)
+    if get_origin(hint) is tuple:
+        count = None if inner[-1] is Ellipsis else len(inner)
+        return functools.partial(_several, _check_of(inner[0], declared), _things(inner[0], count, declared), count)
     if get_origin(hint) is Literal:
-        return lambda name, given: one_of(name, given, get_args(hint))
+        return functools.partial(_choice, get_args(hint))
     if declared is not None:
-        if hint is int:
-            return functools.partial(_whole, declared)
-        return declared.checked
-    if hint is bool:
-        return _flag
-    if isinstance(hint, type) and hint is not str and not getattr(hint, "_is_protocol", False):
+        return functools.partial(_whole, declared) if hint is int else declared.checked
+    if hint in (bool, str):
+        return flag if hint is bool else text
+    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
         return _instance_of((hint,))
     return None
+
+
+def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> Check | None:
+    if len(inner) == 1 and len(get_args(hint)) == 2:  # something or None
+        check = _check_of(inner[0], declared)
+        return None if check is None else lambda name, given: None if given is None else check(name, given)
+    kinds = get_args(hint)
+    return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
 
 
 def _instance_of(kinds: tuple[type, ...]) -> Check:
@@ -231,10 +244,9 @@ def _instance_of(kinds: tuple[type, ...]) -> Check:
     return check
 
 
-def _flag(name: str, given: object) -> bool:
-    if not isinstance(given, bool):
-        raise BadArgument(name, f"must be true or false, got {shown(given)}")
-    return given
+def _choice(choices: tuple[str, ...], name: str, given: Any) -> str:
+    plain = given.replace("-", "_") if isinstance(given, str) else given
+    return plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
 
 
 def _whole(declared: Quantity, name: str, given: Any) -> int:
@@ -244,14 +256,22 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
     return number
 
 
-def _numbers(declared: Quantity, count: int | None, name: str, given: Any) -> tuple[float, ...]:
-    in_unit = f" in {declared.unit}" if declared.unit else ""
-    amount = "" if count is None else f"{count} "
-    several = isinstance(given, Iterable) and not isinstance(given, str)
-    values: tuple[Any, ...] = tuple(given) if several else ()
-    if not several or (count is not None and len(values) != count):
-        raise BadArgument(name, f"must be {amount}numbers{in_unit}, got {shown(given)}")
-    return tuple(declared.checked(f"{name}[{i}]", one) for i, one in enumerate(values))
+def _several(item: Check | None, things: str, count: int | None, name: str, given: Any) -> tuple[Any, ...]:
+    """`given` as a tuple of checked items."""
+    if isinstance(given, str | Mapping) or not isinstance(given, Iterable):
+        raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
+    values: tuple[Any, ...] = tuple(cast("Iterable[Any]", given))
+    if count is not None and len(values) != count:
+        raise BadArgument(name, f"must be {things}, got {len(values)} of them")
+    return values if item is None else tuple(item(f"{name}[{i}]", one) for i, one in enumerate(values))
+
+
+def _things(kind: Any, count: int | None, declared: Quantity | None) -> str:
+    """What a tuple holds, in words."""
+    if declared is not None and get_origin(kind) is None:
+        amount = "" if count is None else f"{_COUNTS.get(count, count)} "
+        return f"{amount}numbers{f' in {declared.unit}' if declared.unit else ''}"
+    return "a list of texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
 
 
 def _with_fields(kind: type) -> str:

@@ -1,0 +1,287 @@
+"""Between values and the plain tables of TOML and JSON, by the types of their fields alone; it knows no class.
+
+`decode` is strict: what it does not know or cannot use, it refuses with the key and the rule. `encode` is its inverse.
+A table has the fields of a class as keys, and says them shorter in these ways:
+
+- a number in rad or rad/s may be given in degrees, under its name with ``_deg`` or ``_deg_s``;
+- where several classes will do (a union, or those of an `Extensible` base), the key ``kind`` tells which; a text in the
+  place of the table is that kind with its defaults;
+- entries of a list of a class that is `counted` may have a ``count``; keys that the class lists under that name may be
+  lists, which the ``count`` objects go through again and again.
+
+A class may name the keys of older files in `former`, and where each of them stands now.
+"""
+
+import math
+import types
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import MISSING, fields, is_dataclass, replace
+from functools import cache
+from itertools import groupby
+from typing import Any, TypeAlias, TypeVar, Union, cast, get_args, get_origin, overload
+
+from laticauda.errors import BadArgument, finite, nearest, one_of, shown
+from laticauda.extensions import Extensible, name_of
+from laticauda.quantities import DEGREES, hints_of, quantities_of
+
+Table: TypeAlias = dict[str, Any]
+T = TypeVar("T")
+
+MOST_COUNTED = 1000  # a slip of the finger must not fill the memory
+
+
+class BadKey(Exception):
+    """A key of a file that breaks a rule; the reader of the file says which file."""
+
+    def __init__(self, key: str, rule: str) -> None:
+        super().__init__(key, rule)
+        self.key, self.rule = key, rule
+
+
+@contextmanager
+def keys_of(file: object, error: type[Exception]) -> Generator[None]:
+    """Within it, a `BadKey` becomes an error that names the file, too.
+
+    Args:
+        file: What messages call it.
+        error: The class of the error.
+    """
+    try:
+        yield
+    except BadKey as bad:
+        key = f"key `{bad.key}`: " if bad.key else ""
+        raise error(f"{file}: {key}{bad.rule}") from None
+
+
+@overload
+def decode(hint: type[T], value: object, at: str = "", default: object = ...) -> T: ...
+@overload
+def decode(hint: Any, value: object, at: str = "", default: object = ...) -> Any: ...
+def decode(hint: Any, value: object, at: str = "", default: object = None) -> Any:
+    """What a value of a file is as a field of this type; what is no table is left for its class to check.
+
+    Args:
+        hint: The type: a dataclass, or what a field of one is annotated with.
+        value: As TOML or JSON gives it.
+        at: Where it stands in the file, "" for the top.
+        default: Of the field; a table that does not say its `kind` is of this one's.
+
+    Raises:
+        BadKey: If a key is unknown, missing, of the wrong type or out of range.
+    """
+    find = _kinds(hint)
+    if find is not None:
+        return _member(find, value, at, default)
+    if is_dataclass(hint):
+        return _object(cast("type[Any]", hint), table_of(value, at), at)
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (types.UnionType, Union):
+        holds = [one for one in inner if is_dataclass(one) or _kinds(one) is not None]
+        return decode(holds[0], value, at) if holds and value is not None else value
+    if origin is tuple and (is_dataclass(inner[0]) or _kinds(inner[0]) is not None):
+        if not isinstance(value, list | tuple):
+            raise BadKey(at, f"must be a list of tables, got {shown(value)}")
+        entries = cast("Sequence[object]", value)
+        return tuple(one for i, entry in enumerate(entries) for one in _entry(inner[0], entry, f"{at}[{i}]"))
+    return value
+
+
+def table_of(value: object, at: str) -> Table:
+    """`value` if it is a table.
+
+    Raises:
+        BadKey: If it is not.
+    """
+    if not isinstance(value, Mapping):
+        raise BadKey(at, f"must be a table, got {shown(value)}")
+    return dict(cast("Mapping[str, Any]", value))
+
+
+def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = "") -> None:
+    """Refuse a key that is not among the `allowed`, with the nearest of them.
+
+    Raises:
+        BadKey: If there is one.
+    """
+    for key in table:
+        if key not in allowed:
+            hint = nearest(key, allowed) or f"; the keys here are {', '.join(allowed)}"
+            raise BadKey(join(at, key), f"is not known{hint}")
+
+
+@contextmanager
+def arguments_of(
+    at: str, spelled: Mapping[str, str] | None = None, table: Mapping[str, Any] | None = None
+) -> Generator[None]:
+    """Within it, a complaint about an argument becomes one about a key of the file.
+
+    Args:
+        at: Where the keys stand.
+        spelled: By argument, the key that gives it in degrees.
+        table: What those keys are.
+    """
+    try:
+        yield
+    except ValueError as error:
+        if not isinstance(error, BadArgument):
+            raise BadKey(at, str(error)) from error
+        name, rule = error.name, error.rule
+        if spelled and table and name in spelled:
+            name, rule = spelled[name], f"{rule} ({table[spelled[name]]} deg)"
+        raise BadKey(join(at, name), rule) from error
+
+
+def join(at: str, key: str) -> str:
+    """The way to a key of the table at `at`."""
+    return f"{at}.{key}" if at else key
+
+
+def _object(kind: type[Any], table: Table, at: str) -> Any:
+    table = _with_new_names(kind, table)
+    hints, degrees = hints_of(kind), _degrees(kind)
+    check_keys(table, [*hints, *degrees], at)
+    for key, name in degrees.items():
+        if key in table and name in table:
+            raise BadKey(join(at, key), f"must not be given beside `{name}`, which says the same in rad")
+    given = {degrees.get(key, key): key for key in table}  # by field, what the file calls it
+    for field in fields(kind):
+        if field.name not in given and field.default is MISSING and field.default_factory is MISSING:
+            raise BadKey(join(at, field.name), f"is missing; every {kind.__name__} needs it")
+    values: Table = {}
+    for name, key in given.items():
+        if key == name:
+            default = kind.__dataclass_fields__[name].default
+            values[name] = decode(hints[name], table[name], join(at, name), default)
+        else:
+            with arguments_of(at):
+                values[name] = math.radians(finite(key, table[key], "deg"))
+    with arguments_of(at, {name: key for name, key in given.items() if name != key}, table):
+        return kind(**values)
+
+
+def _with_new_names(kind: type, table: Table) -> Table:
+    """A table of an older file with the keys of today."""
+    former: Mapping[str, str] = getattr(kind, "former", {})
+    for old in former.keys() & table.keys():
+        inner = table = dict(table)
+        *way, last = former[old].split(".")
+        for step in way:
+            inner[step] = dict(inner.get(step, {}))
+            inner = inner[step]
+        inner.setdefault(last, table.pop(old))
+    return table
+
+
+def _kinds(hint: Any) -> Callable[[Any], type] | None:
+    """What finds the class that a table's `kind` says, in its own words; None: the type leaves no choice."""
+    if isinstance(hint, type) and Extensible in hint.__bases__:
+        base: type[Extensible] = hint
+        return lambda word: base.named(word if isinstance(word, str) else shown(word))
+    if get_origin(hint) in (types.UnionType, Union):
+        several = {name_of(one): one for one in get_args(hint) if is_dataclass(one) and isinstance(one, type)}
+        return (lambda word: several[one_of("kind", word, tuple(several))]) if len(several) > 1 else None
+    return None
+
+
+def _member(find: Callable[[Any], type], value: object, at: str, default: object = None) -> Any:
+    if value is None or is_dataclass(value):
+        return value
+    table = {"kind": value} if isinstance(value, str) else table_of(value, at)
+    otherwise = name_of(type(default)) if is_dataclass(default) else None
+    with arguments_of(at):
+        found = find(table.pop("kind", otherwise))
+    return _object(found, table, at)
+
+
+def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
+    """The objects that one entry of a list stands for."""
+    cycled = _cycled(hint)
+    if cycled is None:
+        return [decode(hint, entry, at)]
+    table = table_of(entry, at)
+    key, turns = next(((key, table[key]) for key in cycled if isinstance(table.get(key), list)), ("count", [None]))
+    count = table.pop("count", len(turns))
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COUNTED:
+        raise BadKey(join(at, "count"), f"must be a whole number from 1 to {MOST_COUNTED}, got {shown(count)}")
+    if not 1 <= len(turns) <= count:
+        rule = f"must be a text or a list of 1 to `count` = {count} texts, got {len(turns)}"
+        raise BadKey(join(at, key), rule)
+    distinct = [decode(hint, table if key == "count" else table | {key: turn}, at) for turn in turns]
+    return [distinct[i % len(distinct)] for i in range(count)]
+
+
+def _cycled(kind: Any) -> tuple[str, ...] | None:
+    """The keys that may be lists in an entry with a `count`; None: entries of this class have none."""
+    return getattr(kind, "counted", None)
+
+
+@cache
+def _degrees(kind: type) -> dict[str, str]:
+    """The keys that give an angle in degrees, and the fields that they stand for."""
+    return {name + DEGREES[one.unit]: name for name, one in quantities_of(kind).items() if one.unit in DEGREES}
+
+
+def encode(value: Any, hint: Any = None) -> Any:
+    """What `decode` turns back into an equal value.
+
+    Fields that are zero, empty or absent by default are left out where they are so; all others are written, so that a
+    file keeps its meaning when a default changes.
+
+    Args:
+        value: A dataclass, or what a field of one holds.
+        hint: Its type, where the value alone does not tell what `decode` will be given; None: its own class.
+    """
+    if is_dataclass(value):
+        thing: Any = value
+        return {**({} if _kinds(hint) is None else {"kind": name_of(thing.__class__)}), **_table(thing)}
+    if isinstance(value, Mapping):
+        return {key: encode(one) for key, one in cast("Mapping[str, Any]", value).items()}
+    if isinstance(value, tuple | list):
+        things = cast("Sequence[Any]", value)
+        cycled = _cycled(things[0]) if things else None
+        if cycled is not None:
+            return _counted(things, cycled)
+        inner = next((one for one in get_args(hint) if one is not Ellipsis), None) if hint is not None else None
+        return [encode(thing, inner) for thing in things]
+    return value
+
+
+def _table(thing: Any) -> Table:
+    kind: type[Any] = thing.__class__
+    hints, degrees = hints_of(kind), {name: key for key, name in _degrees(kind).items()}
+    table: Table = {}
+    for field in fields(kind):
+        value = getattr(thing, field.name)
+        if value is None or (value == field.default and not value):
+            continue
+        name, written = field.name, encode(value, hints[field.name])
+        if written == {} and field.default_factory is not MISSING:
+            continue
+        if name in degrees and math.radians(round(math.degrees(value), 9)) == value:
+            name, written = degrees[name], round(math.degrees(value), 9)  # the very same number
+        table[name] = written
+    return table
+
+
+def _counted(things: Sequence[Any], cycled: tuple[str, ...]) -> list[Table]:
+    """One entry per run of things that are alike but for what their class lists as going through in turn."""
+    entries: list[Table] = []
+    for _, group in groupby(
+        things, key=lambda thing: replace(thing, **{key: getattr(things[0], key) for key in cycled})
+    ):
+        run = list(group)
+        for start in range(0, len(run), MOST_COUNTED):
+            part = run[start : start + MOST_COUNTED]
+            entry = _table(part[0])
+            for key in cycled:
+                entry[key] = _shortest_cycle([getattr(thing, key) for thing in part])
+            entries.append({"count": len(part), **entry} if len(part) > 1 else entry)
+    return entries
+
+
+def _shortest_cycle(texts: Sequence[str]) -> str | list[str]:
+    for length in range(1, len(texts)):
+        if all(text == texts[i % length] for i, text in enumerate(texts)):
+            return texts[0] if length == 1 else list(texts[:length])
+    return texts[0] if len(texts) == 1 else list(texts)

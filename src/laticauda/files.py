@@ -1,0 +1,111 @@
+"""Reading and writing of files: texts of bounded size, TOML, and files that are replaced as a whole."""
+
+import os
+import shutil
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from laticauda.errors import LaticaudaError, StorageFailed
+
+MOST_BYTES = 1 << 26
+"""A text that a person or a program wrote for us is not longer than this."""
+
+
+def read_text(
+    path: str | Path,
+    error: type[LaticaudaError] = StorageFailed,
+    *,
+    missing: type[LaticaudaError] | None = None,
+    most_bytes: int = MOST_BYTES,
+) -> str:
+    """The text of a file; a byte-order mark at its beginning is left out.
+
+    Args:
+        path: Of the file.
+        error: What is raised if it cannot be read; the message says which file and why.
+        missing: The same for a file that is not there; None: `error`.
+        most_bytes: A longer file is refused, before it fills the memory.
+
+    Raises:
+        LaticaudaError: As `error` says.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(most_bytes + 1)
+    except FileNotFoundError:
+        raise (missing or error)(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise error(f"{path}: is a folder, not a file") from None
+    except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
+        raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
+    if len(content) > most_bytes:
+        raise error(f"{path}: is longer than {most_bytes >> 20} MiB, which no file of this kind is")
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as failure:
+        raise error(f"{path}: is not a text in UTF-8 ({failure.reason} at byte {failure.start})") from None
+
+
+def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFailed) -> dict[str, Any]:
+    """The table that a TOML text holds.
+
+    Args:
+        text: What to parse.
+        shown: What messages call it.
+        error: What is raised if it is no TOML.
+
+    Raises:
+        LaticaudaError: As `error` says.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise error(f"{shown}: is not valid TOML: nested too deeply") from None
+    except ValueError as failure:  # also a number of more digits than Python reads
+        raise error(f"{shown}: is not valid TOML: {failure}") from None
+
+
+def read_toml(
+    path: str | Path, error: type[LaticaudaError] = StorageFailed, *, missing: type[LaticaudaError] | None = None
+) -> dict[str, Any]:
+    """The table in a TOML file; arguments and errors as for `read_text`."""
+    return parse_toml(read_text(path, error, missing=missing), path, error)
+
+
+def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:
+    """Put a file in its place as a whole, so that whoever reads it meets the old one or the new one.
+
+    It is written beside the place, under another name with the same ending, and then moved there. What is no plain
+    file, as a pipe or a device, is written to.
+
+    Args:
+        path: Of the file; its folder has to be there.
+        content: Bytes, a text (written in UTF-8), or a function that writes to the path that it is given.
+
+    Raises:
+        StorageFailed: If it cannot be written; what was there before is still there.
+    """
+    target = Path(os.path.realpath(path))  # a link goes on pointing to the file
+    is_plain = target.is_file() or not target.exists()
+    new = target.with_name(f".{os.getpid()}-{os.urandom(4).hex()}{target.suffix}") if is_plain else target
+    try:
+        if callable(content):
+            content(new)
+        else:
+            new.write_bytes(content.encode() if isinstance(content, str) else content)
+        if is_plain:
+            with new.open("rb") as file:
+                os.fsync(file.fileno())
+            if target.exists():
+                shutil.copymode(target, new)
+            new.replace(target)
+    except OSError as failure:
+        reason = failure.strerror or failure
+        raise StorageFailed(
+            f"{path}: cannot be written: {reason}; make room there, or name another place."
+        ) from failure
+    finally:
+        if is_plain:
+            new.unlink(missing_ok=True)

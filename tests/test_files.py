@@ -1,0 +1,99 @@
+"""Reading is bounded and says what is wrong; writing replaces a file as a whole or leaves it as it was."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from laticauda.errors import RobotFileError, StorageFailed
+from laticauda.files import parse_toml, read_text, read_toml, write
+
+
+def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):
+    (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbfx = 1\r\ny = 2\r\n")
+    assert read_text(tmp_path / "a.toml") == "x = 1\ny = 2\n"
+    assert read_toml(tmp_path / "a.toml") == {"x": 1, "y": 2}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"x = \xff", r"a\.toml: is not a text in UTF-8 \(invalid start byte at byte 4\)$"),
+        (b"x = ", r"a\.toml: is not valid TOML: Invalid value"),
+        (b"x = " + b"[" * 100_000, r"a\.toml: is not valid TOML: nested too deeply$"),
+        (b"x = 1" + b"0" * 5000, r"a\.toml: is not valid TOML: Exceeds the limit"),
+    ],
+)
+def test_what_is_no_toml_is_refused_with_its_name_and_the_reason(tmp_path: Path, content: bytes, message: str):
+    (tmp_path / "a.toml").write_bytes(content)
+    with pytest.raises(RobotFileError, match=message):
+        read_toml(tmp_path / "a.toml", RobotFileError)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path):
+    with pytest.raises(RobotFileError, match="is a folder, not a file"):
+        read_text(tmp_path, RobotFileError)
+    with pytest.raises(StorageFailed, match="no such file"):
+        read_text(tmp_path / "none", RobotFileError, missing=StorageFailed)
+    with pytest.raises(RobotFileError, match="cannot be read: embedded null byte"):
+        read_text("a\0b", RobotFileError)
+    with pytest.raises(RobotFileError, match="cannot be read: File name too long"):
+        read_text("a" * 500, RobotFileError)
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device")
+def test_what_never_ends_is_not_read_to_its_end():
+    with pytest.raises(RobotFileError, match="is longer than 64 MiB, which no file of this kind is"):
+        read_text("/dev/zero", RobotFileError)
+
+
+def test_a_text_that_is_no_toml_is_refused_by_its_name():
+    with pytest.raises(RobotFileError, match=r"^<text>: is not valid TOML"):
+        parse_toml("=", "<text>", RobotFileError)
+
+
+@pytest.mark.parametrize("content", ["größer", "größer".encode(), lambda path: path.write_text("größer", "utf-8")])
+def test_bytes_texts_and_functions_write_a_file_and_leave_nothing_beside_it(tmp_path: Path, content):
+    write(tmp_path / "a.txt", "old")
+    write(tmp_path / "a.txt", content)
+    assert (tmp_path / "a.txt").read_text("utf-8") == "größer"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_a_function_is_given_a_name_with_the_same_ending(tmp_path: Path):
+    seen: list[str] = []
+    write(tmp_path / "a.png", lambda path: (seen.append(path.suffix), path.write_text("x")))
+    assert seen == [".png"]
+
+
+def _fails_halfway(path: Path) -> None:
+    path.write_text("half")
+    raise OSError(28, "No space left on device")
+
+
+def test_when_it_fails_the_old_file_stays_and_the_message_says_what_to_do(tmp_path: Path):
+    write(tmp_path / "a.txt", "old")
+    with pytest.raises(StorageFailed, match=r"a\.txt: cannot be written: No space left on device; make room there, or"):
+        write(tmp_path / "a.txt", _fails_halfway)
+    assert (tmp_path / "a.txt").read_text() == "old"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_what_cannot_be_written_is_refused(tmp_path: Path):
+    with pytest.raises(StorageFailed, match="none/a: cannot be written: No such file or directory"):
+        write(tmp_path / "none" / "a", "x")
+    with pytest.raises(StorageFailed, match="cannot be written: Is a directory"):
+        write(tmp_path, "x")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links and modes of POSIX")
+def test_a_link_goes_on_pointing_to_its_file_whose_mode_stays_and_a_device_stays_a_device(tmp_path: Path):
+    write(tmp_path / "a.txt", "old")
+    (tmp_path / "a.txt").chmod(0o640)
+    (tmp_path / "link").symlink_to("a.txt")
+    write(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "a.txt").read_text() == "new"
+    assert (tmp_path / "a.txt").stat().st_mode & 0o777 == 0o640
+    write("/dev/null", "x")
+    assert Path("/dev/null").is_char_device()

@@ -1,0 +1,144 @@
+"""Declared numbers: what is let through, what is refused and in which words, and what help tells about them."""
+
+import math
+from dataclasses import FrozenInstanceError, replace
+from typing import Literal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from laticauda.errors import label
+from laticauda.quantities import Quantity, hints_of, option, quantities_of, quantity, texts_of, value
+
+
+@value
+class Hinge:
+    """A hinge."""
+
+    stiffness: float = quantity("N m/rad", "Of the spring", ge=0.0, default=1.0)
+
+
+@value
+class Leg:
+    """A leg."""
+
+    name: str = option("What it is called", default="leg", check=label)
+    length: float = quantity("m", "From hip to foot", gt=0.0)
+    turn: float = quantity("rad", "Of the foot", ge=-1.0, le=1.0, default=0.0)
+    load: float | None = quantity("N", "On it, None for its weight", ge=0.0, default=None)
+    lasting: float = quantity("s", "How long it lasts", gt=0.0, default=math.inf)
+    n_toes: int = quantity("", "Number of toes", ge=1, le=6, default=5)
+    place: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0))
+    corners: tuple[tuple[float, float], ...] = quantity("m", "Of its outline", default=())
+    kind: Literal["fore_leg", "hind_leg"] = option("Which", default="fore_leg")
+    is_wet: bool = option("Whether it is wet", default=False)
+    hip: Hinge = option("At the top", default_factory=Hinge)
+    knees: tuple[Hinge, ...] = option("Below it", default=())
+
+    def __post_init__(self) -> None:
+        if self.n_toes > 5 and self.is_wet:
+            raise ValueError("`n_toes` must be 5 at most on a wet leg.")
+
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(finite, finite, finite)
+def test_a_number_in_its_range_stays_what_it_is_and_any_other_is_refused(low: float, high: float, number: float):
+    declared = Quantity(unit="m", text="x", ge=low, le=high)
+    if low <= number <= high:
+        assert declared.checked("x", number) == number
+    else:
+        with pytest.raises(ValueError, match=r"^`x` must be (between .* and .*|>= .*|<= .*) m, got "):
+            declared.checked("x", number)
+
+
+@given(finite, finite)
+def test_above_is_above(low: float, number: float):
+    declared = Quantity(unit="", text="x", gt=low)
+    if number > low:
+        assert declared.checked("x", number) == number >= declared.least
+    else:
+        with pytest.raises(ValueError, match=r"^`x` must be > .*, got "):
+            declared.checked("x", number)
+
+
+@pytest.mark.parametrize("number", [2, 2.0, np.float64(2), np.int64(2)])
+def test_numbers_of_all_kinds_become_floats_and_counts_ints(number):
+    leg = Leg(length=number, load=number, place=[number, number])
+    assert [type(one) for one in (leg.length, leg.load, *leg.place)] == 4 * [float]
+    assert type(Leg(length=1, n_toes=np.int64(3)).n_toes) is int
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"length": 0.0}, "`length` must be > 0 m, got 0.0."),
+        ({"length": math.nan}, "`length` must be a finite number in m, got nan."),
+        ({"length": None}, "`length` must be a number in m, got None."),
+        ({"turn": 1.5}, "`turn` must be between -1 and 1 rad, got 1.5."),
+        ({"load": -1}, "`load` must be >= 0 N, got -1."),
+        ({"lasting": -math.inf}, "`lasting` must be a finite number in s, got -inf."),
+        ({"n_toes": 2.0}, "`n_toes` must be a whole number >= 1, got 2.0."),
+        ({"n_toes": 7}, "`n_toes` must be between 1 and 6, got 7."),
+        ({"n_toes": 6, "is_wet": True}, "`n_toes` must be 5 at most on a wet leg."),
+        ({"place": (1.0,)}, "`place` must be two numbers in m, got 1 of them."),
+        ({"place": "ab"}, "`place` must be two numbers in m, got 'ab'."),
+        ({"place": (1.0, "b")}, "`place[1]` must be a number in m, got 'b'."),
+        ({"corners": [(0, 0), (1, "b")]}, "`corners[1][1]` must be a number in m, got 'b'."),
+        ({"corners": [(0, 0), 1]}, "`corners[1]` must be two numbers in m, got 1."),
+        ({"kind": "midleg"}, "`kind` must be one of `fore_leg`, `hind_leg`, got 'midleg'; did you mean `hind_leg`?"),
+        ({"is_wet": 1}, "`is_wet` must be true or false, got 1."),
+        ({"name": 3}, "`name` must be a text, got 3."),
+        ({"name": " "}, "`name` must be a text on one line that is not blank, got ' '."),
+        ({"hip": 3.0}, "`hip` must be of class Hinge, got float."),
+        ({"knees": Hinge()}, "`knees` must be a tuple of Hinge, got Hinge()."),
+        ({"knees": [Hinge(), 1]}, "`knees[1]` must be of class Hinge, got int."),
+    ],
+)
+def test_what_is_refused_is_refused_with_name_rule_unit_and_value(changes, message):
+    with pytest.raises(ValueError) as caught:
+        Leg(**{"length": 1.0} | changes)
+    assert str(caught.value).replace("Hinge(stiffness=1.0)", "Hinge()") == message
+
+
+def test_a_hyphen_is_as_good_as_an_underscore():
+    assert Leg(length=1.0, kind="hind-leg").kind == "hind_leg"  # pyright: ignore[reportArgumentType]
+
+
+def test_a_copy_is_checked_anew_and_a_value_does_not_change():
+    leg = Leg(length=1.0)
+    assert replace(leg, length=2.0) == Leg(length=2.0) != leg
+    with pytest.raises(ValueError, match="`length` must be > 0 m"):
+        replace(leg, length=-2.0)
+    with pytest.raises(FrozenInstanceError):
+        leg.length = 2.0  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_a_class_below_another_checks_the_fields_of_both_and_keeps_its_rules():
+    @value
+    class Arm(Leg):
+        """An arm."""
+
+        reach: float = quantity("m", "How far", gt=0.0)
+
+    assert Arm(length=1.0, reach=2.0).reach == 2.0
+    for wrong in ({"reach": 0.0}, {"length": 0.0}, {"n_toes": 6, "is_wet": True}):
+        with pytest.raises(ValueError):
+            Arm(**{"length": 1.0, "reach": 1.0} | wrong)
+
+
+def test_declarations_can_be_read():
+    assert quantities_of(Leg)["length"] == Quantity(unit="m", text="From hip to foot", gt=0.0)
+    assert "name" not in quantities_of(Leg)
+    assert texts_of(Leg)["name"] == "What it is called"
+    assert hints_of(Leg)["load"] == float | None
+
+
+def test_help_lists_every_field_with_its_unit_range_and_default():
+    assert Leg.__doc__ is not None
+    assert Leg.__doc__.startswith("A leg.\n\nFields:\n")
+    assert "    turn: Of the foot [rad], between -1 and 1; default 0.0.\n" in Leg.__doc__
+    assert all(f"    {name}: " in Leg.__doc__ for name in hints_of(Leg))
