@@ -65,7 +65,7 @@ def main(args: Sequence[str] | None = None) -> int:
     command: Command | None = None
     try:
         if words == ["--version"]:
-            from laticauda import __version__
+            from laticauda.packaging import __version__
 
             print(f"{PROGRAM} {__version__}")
             return 0

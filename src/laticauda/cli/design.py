@@ -267,7 +267,7 @@ def as_json(found: "Design") -> str:
     Args:
         found: The design.
     """
-    from laticauda import __version__
+    from laticauda.packaging import __version__
 
     def shares(sigma: Any) -> dict[str, float | None]:
         values = [float(value) if math.isfinite(value) else None for value in sigma]

@@ -112,7 +112,7 @@ class LabCommand:
         if lab.lag > 0.0:
             print(f"This computer could not follow: the lab's clock waited for {lab.lag:.1f} s.", file=sys.stderr)
         if self.save is not None:
-            from laticauda import __version__
+            from laticauda.packaging import __version__
 
             tank.world.trial(__version__).save(self.save)
         return 0

@@ -18,7 +18,7 @@ def as_json(done: "Reproduction") -> str:
     Args:
         done: What was run and written.
     """
-    from laticauda import __version__
+    from laticauda.packaging import __version__
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}

@@ -1,20 +1,12 @@
 """The cockpit: a live page where the robot swims. `Live` is its world without a page, `Cockpit` the page's server."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from laticauda.cockpit.live import Live, Numbers
-from laticauda.cockpit.settings import Setting
+from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.cockpit.page import Cockpit
+    from laticauda.cockpit.live import Live as Live, Numbers as Numbers
+    from laticauda.cockpit.page import Cockpit as Cockpit
+    from laticauda.cockpit.settings import Setting as Setting
 
-__all__ = ["Cockpit", "Live", "Numbers", "Setting"]
-
-
-def __getattr__(name: str) -> Any:
-    # The page's parts are imported when they are first used.
-    if name == "Cockpit":
-        from laticauda.cockpit.page import Cockpit
-
-        return Cockpit
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.cockpit.ring import Ring
 from laticauda.cockpit.settings import Setting
 from laticauda.cockpit.world import TICK, World, advance, altered, begin, cross_track_error
 from laticauda.errors import within
 from laticauda.interfaces import Log, Start
+from laticauda.packaging import __version__
 from laticauda.robot import has_power_model
 from laticauda.trial import Trial, metrics
 

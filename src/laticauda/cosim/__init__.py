@@ -4,44 +4,18 @@ A server that Octave, MATLAB and anything with sockets and JSON can talk to, and
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from laticauda.cosim.messages import MESSAGE_BYTES, PROTOCOL_VERSION
+from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.cosim.fmu import LinkingFailed, export_fmu
-    from laticauda.cosim.server import Server, ServerFailed
-    from laticauda.cosim.session import Session
-    from laticauda.cosim.setup import Setup
+    from laticauda.cosim.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
+    from laticauda.cosim.messages import MESSAGE_BYTES as MESSAGE_BYTES, PROTOCOL_VERSION as PROTOCOL_VERSION
+    from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
+    from laticauda.cosim.session import Session as Session
+    from laticauda.cosim.setup import Setup as Setup
 
-__all__ = [
-    "MESSAGE_BYTES",
-    "PROTOCOL_VERSION",
-    "LinkingFailed",
-    "Server",
-    "ServerFailed",
-    "Session",
-    "Setup",
-    "export_fmu",
-    "matlab_folder",
-]
-
-_HOMES = {
-    "LinkingFailed": "fmu",
-    "Server": "server",
-    "ServerFailed": "server",
-    "Session": "session",
-    "Setup": "setup",
-    "export_fmu": "fmu",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        from importlib import import_module
-
-        return getattr(import_module(f"laticauda.cosim.{_HOMES[name]}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__, __all__ = lazy_exports("matlab_folder")
 
 
 def matlab_folder() -> Path:

@@ -6,11 +6,11 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda import __version__
 from laticauda.cosim.messages import PROTOCOL_VERSION, Message, known, read_message, write_message
 from laticauda.cosim.setup import HELD, MADE_FROM, read_setup
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import LaticaudaError, finite, one_of, positive
+from laticauda.packaging import __version__
 from laticauda.robot import Robot, Water
 
 RUN_SERIES = (

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.identify.checking import Checked
 from laticauda.identify.tasks import Task
+from laticauda.packaging import __version__
 from laticauda.reports.chapter import Chapter, Pictures, write_chapter
 from laticauda.reports.identify_figures import figures_of
 from laticauda.reports.identify_tables import tables_of

@@ -10,8 +10,8 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from laticauda import __version__
 from laticauda.errors import one_of, whole
+from laticauda.packaging import __version__
 from laticauda.reports.beyond import beyond_chapter
 from laticauda.reports.chapter import Chapter, write_chapter
 from laticauda.reports.claims import claims_chapter

@@ -1,39 +1,21 @@
 """Make plants by name, and run them: `plant`, `run`, `swim`, and `swim_many` for many at once."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from laticauda.simulate.parameters import Parameter, parameters
-from laticauda.simulate.plants import MODELS, FluidLaw, needs_compiling, plant, plant_of
-from laticauda.simulate.runner import resume, run
-from laticauda.simulate.sensitivities import Sensitivities, sensitivities
-from laticauda.simulate.swimming import default_water, swim
+from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.simulate.many import Swims, swim_many
+    from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
+    from laticauda.simulate.parameters import Parameter as Parameter, parameters as parameters
+    from laticauda.simulate.plants import (
+        MODELS as MODELS,
+        FluidLaw as FluidLaw,
+        needs_compiling as needs_compiling,
+        plant as plant,
+        plant_of as plant_of,
+    )
+    from laticauda.simulate.runner import resume as resume, run as run
+    from laticauda.simulate.sensitivities import Sensitivities as Sensitivities, sensitivities as sensitivities
+    from laticauda.simulate.swimming import default_water as default_water, swim as swim
 
-__all__ = [
-    "MODELS",
-    "FluidLaw",
-    "Parameter",
-    "Sensitivities",
-    "Swims",
-    "default_water",
-    "needs_compiling",
-    "parameters",
-    "plant",
-    "plant_of",
-    "resume",
-    "run",
-    "sensitivities",
-    "swim",
-    "swim_many",
-]
-
-
-def __getattr__(name: str) -> Any:
-    # What loads the compiler is imported when it is first used.
-    if name in ("Swims", "swim_many"):
-        from laticauda.simulate import many
-
-        return getattr(many, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__, __all__ = lazy_exports()

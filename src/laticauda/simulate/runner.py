@@ -6,10 +6,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.errors import SimulationFailed, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, ReportingController, Start
+from laticauda.packaging import __version__
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from laticauda import __version__
+from laticauda.packaging import __version__
 from laticauda.studies.curved import CurvedRun, CurvedSettings, curved_run
 from laticauda.studies.drift import DriftRun, DriftSettings, drift_run
 from laticauda.studies.progress import Progress

@@ -9,9 +9,6 @@ A worker that dies takes its tasks with it, and the scheduler gives them to othe
 sweep with an error; what was stored stays, and the next call goes on from there.
 """
 
-# distributed's annotations are partial: this module is its door.
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-
 from __future__ import annotations
 
 import queue
@@ -20,8 +17,9 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from laticauda import __version__
-from laticauda.errors import ClusterFailed, LaticaudaError, MissingExtra
+from laticauda.errors import ClusterFailed, LaticaudaError
+from laticauda.extras import optional_import
+from laticauda.packaging import __version__
 from laticauda.studies.trials import Setup, swim_points
 
 if TYPE_CHECKING:
@@ -153,8 +151,4 @@ def _swim(version: str, setup: Setup, names: tuple[str, ...], table: Table) -> d
 
 
 def _distributed() -> Any:
-    try:
-        import distributed
-    except ImportError as error:
-        raise MissingExtra("A sweep on a cluster", "dask", "scale") from error
-    return distributed
+    return optional_import("A sweep on a cluster", "dask", "scale", "distributed")

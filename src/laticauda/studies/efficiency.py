@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import __version__
 from laticauda.errors import SimulationFailed
 from laticauda.gaits import Gait
+from laticauda.packaging import __version__
 from laticauda.robot import Robot, Water, load_robot
 from laticauda.simulate import swim
 from laticauda.studies.paper import EfficiencySettings, Group, SweepSettings, efficiency_settings

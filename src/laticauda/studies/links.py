@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from laticauda import __version__
 from laticauda.errors import one_of, positive, whole
 from laticauda.gaits import Gait
+from laticauda.packaging import __version__
 from laticauda.robot import load_robot
 from laticauda.simulate import swim
 from laticauda.studies.paper import Coefficients, paper_coefficients

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import __version__
 from laticauda.errors import instance, one_of
 from laticauda.gaits import Gait, eel_like, lateral_undulation
+from laticauda.packaging import __version__
 from laticauda.robot import Environment, Robot, load_robot, load_water
 from laticauda.simulate import swim
 from laticauda.trial import Trial

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Start
+from laticauda.packaging import __version__
 from laticauda.robot import load_robot
 from laticauda.simulate import plant
 from laticauda.simulate.runner import Until

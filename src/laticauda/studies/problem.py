@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.errors import finite, one_of, positive
 from laticauda.gaits import Gait
+from laticauda.packaging import __version__
 from laticauda.robot import Robot
 from laticauda.studies.best import COSTS
 from laticauda.studies.trials import QUANTITIES, Column, Setup, Table, check_ranges, swim_points, things

@@ -11,7 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import MissingExtra, finite, whole
+from laticauda.errors import finite, whole
+from laticauda.extras import optional_import
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]
@@ -224,10 +225,7 @@ Points: TypeAlias = Grid | Rows | Samples
 
 
 def _halton(n_names: int, seed: int) -> Any:
-    try:
-        from scipy.stats import qmc
-    except ImportError as error:
-        raise MissingExtra("A sweep over samples", "scipy", "scale") from error
+    qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")
     return qmc.Halton(n_names, scramble=True, rng=seed)
 
 

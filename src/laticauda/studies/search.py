@@ -9,15 +9,12 @@ A search is determined by its bounds, its seed and what it is told: so one that 
 the same again, and telling it what it was told before. Nothing of its state is stored.
 """
 
-# pymoo has no annotations: this module is its door.
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import MissingExtra
+from laticauda.extras import optional_import
 
 Table = Float[np.ndarray, "n_points n_names"]
 Losses = Float[np.ndarray, "n_points n_objectives"]
@@ -50,14 +47,11 @@ class Search:
         population: int,
         seed: int,
     ) -> None:
-        try:
-            from pymoo.core.problem import Problem
-            from pymoo.core.termination import NoTermination
-        except ImportError as error:
-            raise MissingExtra("An optimization", "pymoo", "scale") from error
-        self._problem = Problem(n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high)
+        core = _pymoo("core.problem")
+        self._problem = core.Problem(n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high)
         self._algorithm = _algorithm(n_objectives, population)
-        self._algorithm.setup(self._problem, termination=NoTermination(), seed=seed, verbose=False)
+        forever = _pymoo("core.termination").NoTermination()
+        self._algorithm.setup(self._problem, termination=forever, seed=seed, verbose=False)
         self._asked: Any = None
 
     def ask(self) -> Table:
@@ -89,19 +83,16 @@ def versions() -> dict[str, str]:
     Raises:
         MissingExtra: If pymoo is not installed.
     """
-    try:
-        from pymoo.version import __version__
-    except ImportError as error:
-        raise MissingExtra("An optimization", "pymoo", "scale") from error
-    return {"numpy": np.__version__, "pymoo": str(__version__)}
+    return {"numpy": np.__version__, "pymoo": str(_pymoo("version").__version__)}
 
 
 def _algorithm(n_objectives: int, population: int) -> Any:
     if n_objectives > 1:
-        from pymoo.algorithms.moo.nsga2 import NSGA2
+        return _pymoo("algorithms.moo.nsga2").NSGA2(pop_size=population)
+    control = _pymoo("operators.control").NoParameterControl
+    de = _pymoo("algorithms.soo.nonconvex.de").DE
+    return de(pop_size=population, variant="DE/rand/1/bin", F=0.6, CR=0.9, control=control)
 
-        return NSGA2(pop_size=population)
-    from pymoo.algorithms.soo.nonconvex.de import DE
-    from pymoo.operators.control import NoParameterControl
 
-    return DE(pop_size=population, variant="DE/rand/1/bin", F=0.6, CR=0.9, control=NoParameterControl)
+def _pymoo(module: str) -> Any:
+    return optional_import("An optimization", "pymoo", "scale", f"pymoo.{module}")

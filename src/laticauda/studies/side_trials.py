@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import __version__
 from laticauda.gaits import Gait
+from laticauda.packaging import __version__
 from laticauda.robot import load_robot
 from laticauda.simulate import swim
 from laticauda.studies.paper import Coefficients, SweepSettings, efficiency_settings, paper_coefficients

@@ -12,10 +12,10 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import __version__
 from laticauda.control import LineOfSight, StraightLine
 from laticauda.errors import finite, positive
 from laticauda.interfaces import Start
+from laticauda.packaging import __version__
 from laticauda.studies.progress import Progress
 from laticauda.studies.swimmers import Steering, Swimmer, how_made, in_water, long_enough, run_named, swimmers
 from laticauda.trial import Trial

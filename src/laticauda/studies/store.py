@@ -10,9 +10,6 @@ half written, and a full disk does not keep it off. What is killed in between is
 bits. (This holds for killed programs; after a power failure the file system has its own say.)
 """
 
-# zarr's annotations are partial: this module is its door.
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-
 from __future__ import annotations
 
 import errno
@@ -21,12 +18,14 @@ import shutil
 from collections.abc import Generator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from laticauda.errors import MissingExtra, StorageFailed
+from laticauda.errors import StorageFailed
+from laticauda.extras import optional_import
 from laticauda.studies.ownership import NEW, check_place, claim, regions_of
 from laticauda.studies.regions import Regions, extent
 from laticauda.studies.sampling import Grid
@@ -144,8 +143,7 @@ class Store:
 def open_dataset(folder: str | Path) -> xarray.Dataset:
     """The Dataset of a folder; see `laticauda.studies.open_sweep`."""
     _zarr()
-    import xarray
-
+    xarray: Any = import_module("xarray")
     path = Path(folder)
     regions = regions_of(path)
     if not (path / DONE).exists():
@@ -258,8 +256,4 @@ def locked(path: Path) -> Generator[None]:
 
 
 def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError as error:
-        raise MissingExtra("A sweep", "zarr", "scale") from error
-    return zarr
+    return optional_import("A sweep", "zarr", "scale")

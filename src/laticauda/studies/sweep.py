@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda import __version__
 from laticauda.errors import instance, whole
+from laticauda.packaging import __version__
 from laticauda.simulate.parameters import check_whole
 from laticauda.studies.regions import Regions, cut
 from laticauda.studies.sampling import Grid, Points, Rows, Samples

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from html import escape
 from xml.etree import ElementTree
 
-from laticauda import __version__
 from laticauda.cosim.fmu.variables import Variable
+from laticauda.packaging import __version__
 
 # Name, exponents of kg, m, s and rad.
 UNITS = {

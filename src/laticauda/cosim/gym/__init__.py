@@ -9,73 +9,34 @@ or, in one go, ``gymnasium.make("laticauda.cosim.gym:laticauda/PathFollowing-v0"
 
 # pyright: reportUnknownVariableType=false
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from laticauda.errors import MissingExtra
+from laticauda.extras import optional_import
+from laticauda.packaging import lazy_exports
 
-try:
-    from gymnasium.envs.registration import register, registry
-except ImportError as error:
-    raise MissingExtra("Learning", "gymnasium", "learn") from error
+registration = optional_import("Learning", "gymnasium", "learn", "gymnasium.envs.registration")
 
 if TYPE_CHECKING:
-    from laticauda.cosim.gym.baselines import StableBaselines
-    from laticauda.cosim.gym.efficiency import Efficiency
-    from laticauda.cosim.gym.environments import SwimmingEnv, SwimmingVectorEnv
-    from laticauda.cosim.gym.episodes import Episodes
-    from laticauda.cosim.gym.following import PathFollowing
-    from laticauda.cosim.gym.piloting import Pilots
-    from laticauda.cosim.gym.station import StationKeeping
-    from laticauda.cosim.gym.swimming import Range, Sight, Step, Swimming
-
-__all__ = [
-    "IDS",
-    "Efficiency",
-    "Episodes",
-    "PathFollowing",
-    "Pilots",
-    "Range",
-    "Sight",
-    "StableBaselines",
-    "StationKeeping",
-    "Step",
-    "Swimming",
-    "SwimmingEnv",
-    "SwimmingVectorEnv",
-]
+    from laticauda.cosim.gym.baselines import StableBaselines as StableBaselines
+    from laticauda.cosim.gym.efficiency import Efficiency as Efficiency
+    from laticauda.cosim.gym.environments import SwimmingEnv as SwimmingEnv, SwimmingVectorEnv as SwimmingVectorEnv
+    from laticauda.cosim.gym.episodes import Episodes as Episodes
+    from laticauda.cosim.gym.following import PathFollowing as PathFollowing
+    from laticauda.cosim.gym.piloting import Pilots as Pilots
+    from laticauda.cosim.gym.station import StationKeeping as StationKeeping
+    from laticauda.cosim.gym.swimming import Range as Range, Sight as Sight, Step as Step, Swimming as Swimming
 
 IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")
 """What Gymnasium calls them."""
 
-_HOMES = {
-    "Efficiency": "efficiency",
-    "Episodes": "episodes",
-    "PathFollowing": "following",
-    "Pilots": "piloting",
-    "Range": "swimming",
-    "Sight": "swimming",
-    "StableBaselines": "baselines",
-    "StationKeeping": "station",
-    "Step": "swimming",
-    "Swimming": "swimming",
-    "SwimmingEnv": "environments",
-    "SwimmingVectorEnv": "environments",
-}
-
 for _id in IDS:
-    if _id not in registry:
-        register(
+    if _id not in registration.registry:
+        registration.register(
             id=_id,
             entry_point="laticauda.cosim.gym.environments:SwimmingEnv",
             vector_entry_point="laticauda.cosim.gym.environments:SwimmingVectorEnv",
             kwargs={"task": _id.removeprefix("laticauda/").removesuffix("-v0")},
         )
 
-
-def __getattr__(name: str) -> Any:
-    # Kernels are imported when an environment is made.
-    if name in _HOMES:
-        from importlib import import_module
-
-        return getattr(import_module(f"laticauda.cosim.gym.{_HOMES[name]}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+# Kernels are imported when an environment is made.
+__getattr__, __dir__, __all__ = lazy_exports("IDS")

@@ -1,0 +1,56 @@
+"""What a package shows of itself: its version, and names that are imported when they are first used."""
+
+import dis
+import inspect
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    __version__: str  # read when it is first used
+
+_Exports = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
+
+
+def lazy_exports(*own: str) -> _Exports:
+    """`__getattr__`, `__dir__` and `__all__` of the package that calls this: its names are imported when first used.
+
+    The names are those that its `__init__` imports for type checkers alone, so that they are listed once:
+
+        if TYPE_CHECKING:
+            from laticauda.identify.fitting import fit as fit
+
+        __getattr__, __dir__, __all__ = lazy_exports()
+
+    The import statements are read from the compiled `__init__`, which is there in a zip file and a frozen program too.
+
+    Args:
+        *own: Further public names, which the `__init__` has itself.
+    """
+    frame = inspect.currentframe()
+    assert frame is not None and frame.f_back is not None  # as CPython has them
+    caller = frame.f_back
+    homes: dict[str, str] = {}
+    home = ""
+    for instruction in dis.get_instructions(caller.f_code):
+        if instruction.opname == "IMPORT_NAME":
+            home = instruction.argval
+        elif instruction.opname == "IMPORT_FROM":
+            homes[instruction.argval] = home
+    package, there = caller.f_globals["__name__"], set(caller.f_globals)
+    names = sorted((homes.keys() - there).union(own))
+
+    def get(name: str) -> Any:
+        if name not in homes or name in there:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        return getattr(import_module(homes[name]), name)
+
+    return get, lambda: names, names
+
+
+def __getattr__(name: str) -> str:
+    if name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib.metadata import version
+
+    return version("laticauda")

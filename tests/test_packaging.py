@@ -1,0 +1,21 @@
+import importlib.metadata
+
+import pytest
+
+import laticauda as lc
+
+LAZY = ["laticauda", *(f"laticauda.{name}" for name in ("cockpit", "cosim", "identify", "operate", "simulate"))]
+
+
+@pytest.mark.parametrize("package", LAZY)
+def test_a_package_shows_its_public_names_and_nothing_else(package):
+    module = importlib.import_module(package)
+    assert dir(module) == sorted(module.__all__)
+    assert all(hasattr(module, name) for name in module.__all__)
+    assert not hasattr(module, "nothing")
+    with pytest.raises(AttributeError, match=f"module '{package}' has no attribute 'nothing'"):
+        module.nothing  # noqa: B018
+
+
+def test_the_version_is_the_installed_one():
+    assert lc.__version__ == importlib.metadata.version("laticauda")
