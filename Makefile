@@ -13,7 +13,7 @@ DEV := $(VENV)/.dev
 DOCS := $(VENV)/.docs
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup swim lab test check lint types contracts pytest docs bench campaigns clean
+.PHONY: help setup swim lab test quick check lint types contracts pytest docs bench campaigns clean
 .DEFAULT_GOAL := help
 
 help:  ## Say what there is (the default)
@@ -52,6 +52,11 @@ lab: $(PACKAGE)  ## A path-following trial of Table 2 in the virtual tank, opera
 # The types are checked beside the tests, which leave part of the cores idle.
 test: lint contracts  ## Everything that CI runs
 	@$(MAKE) --no-print-directory -j 2 types pytest
+
+quick: lint  ## Style, types and tests of what differs from the last commit, in a minute; BASE=main takes more
+	@files="$$($(BIN)/python tests/changed.py sources $(BASE))"; [ -z "$$files" ] || $(BIN)/pyright $$files
+	@places="$$($(BIN)/python tests/changed.py tests $(BASE))"; [ -z "$$places" ] || \
+	$(BIN)/pytest -q -x -m "not slow" -n $(WORKERS) --dist worksteal tests/test_house.py $$places
 
 check: test  ## The same as test
 
