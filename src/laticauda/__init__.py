@@ -47,6 +47,12 @@ if TYPE_CHECKING:
         load_robot as load_robot,
         load_water as load_water,
     )
+    from laticauda.scenarios import (
+        Planar as Planar,
+        Scenario as Scenario,
+        Spatial as Spatial,
+        scenario as scenario,
+    )
     from laticauda.simulate import (
         Swims as Swims,
         plant as plant,

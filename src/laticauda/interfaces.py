@@ -3,17 +3,26 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, within
+from laticauda.errors import finite
+from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
+from laticauda.quantities import quantity, value
 from laticauda.robot import CaudalFin, Environment, Robot
 
 State = TypeVar("State")
-Seen = TypeVar("Seen", contravariant=True)  # a state that is looked at only
+FAR = 1e5  # beyond it, digits of the motion are lost
+CONTROLLERS: dict[str, str] = {
+    "path-following": "laticauda.control.path_following",
+    "spatial-path-following": "laticauda.control.spatial_following",
+    "model-predictive": "laticauda.control.predictive",
+    "offset-steps": "laticauda.control.excitation",
+}
+"""Where the controllers are that come with the package; they are imported when one is named."""
 Log = dict[str, np.ndarray]
 """Samples by the names of `Trial`'s fields, time first; ``force_`` and ``signal_`` before those that have parts."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
@@ -94,69 +103,49 @@ class Observation:
     """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Start:
     """Where a run begins: straight, and at rest unless it is to coast."""
 
-    center_of_mass: tuple[float, float] = (0.0, 0.0)
-    """[m]."""
-    heading: float = 0.0
-    """[rad]."""
-    velocity: float = 0.0
-    """Forward, along the heading [m/s]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        x, y = self.center_of_mass
-        far = 1e5  # beyond it, digits of the motion are lost
-        at = (within("center_of_mass[0]", x, -far, far, "m"), within("center_of_mass[1]", y, -far, far, "m"))
-        object.__setattr__(self, "center_of_mass", at)
-        object.__setattr__(self, "heading", within("heading", self.heading, -far, far, "rad"))
-        object.__setattr__(self, "velocity", within("velocity", self.velocity, -100.0, 100.0, "m/s"))
+    center_of_mass: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0), ge=-FAR, le=FAR)
+    heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
+    velocity: float = quantity("m/s", "Forward, along the heading", default=0.0, ge=-100.0, le=100.0)
 
 
-class Controller(Protocol[State]):
-    """What decides the next command. Its state is a value, as a plant's is."""
+class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLLERS):
+    """What decides the next command. Its state is a value, as a plant's is.
 
-    @property
-    def gait(self) -> Gait:
-        """The gait that a run starts with."""
-        ...
+    One's own is a class below this one; as a frozen dataclass it is stored with its trials.
+    """
 
-    @property
-    def interval(self) -> float:
-        """Time between two control instants, at which it is asked [s]; infinite: once."""
-        ...
+    gait: Gait
+    """The gait that a run starts with."""
+    interval: float
+    """Time between two control instants, at which it is asked [s]; infinite: once."""
 
     def init(self) -> State:
         """The state before the first control instant."""
-        ...
+        raise NotImplementedError
 
     def step(self, state: State, observation: Observation) -> tuple[State, Command]:
         """The state after `observation` was made in `state`, and the command until the next control instant."""
-        ...
-
-
-@runtime_checkable
-class ReportingController(Protocol[Seen]):
-    """What a controller may offer besides: then a run refuses what does not fit, and its trial keeps the rest."""
+        raise NotImplementedError
 
     @property
     def settings(self) -> Mapping[str, Any]:
         """How the controller was made, for the Trial's record: texts and numbers by name."""
-        ...
+        return {}
 
-    def signals(self, state: Seen) -> Mapping[str, float]:
+    def signals(self, state: State) -> Mapping[str, float]:
         """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units."""
-        ...
+        return {}
 
     def check(self, robot: Robot) -> None:
-        """Raise a ValueError if `robot` cannot do what the controller may ask for."""
-        ...
+        """Raise a ValueError if `robot` cannot do what the controller may command."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class OpenLoop:
+class OpenLoop(Controller[None]):
     """The controller that looks at nothing: one command from start to end."""
 
     command: Command
@@ -165,7 +154,7 @@ class OpenLoop:
     """Asked once."""
 
     @property
-    def gait(self) -> Gait:
+    def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
         """That of the command."""
         return self.command.gait
 

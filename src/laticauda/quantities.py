@@ -223,7 +223,7 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
         return functools.partial(_whole, declared) if hint is int else declared.checked
     if hint in (bool, str):
         return flag if hint is bool else text
-    if isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
+    if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
         return _instance_of((hint,))
     return None
 

@@ -11,7 +11,7 @@ GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130)
 
 
 @dataclass(frozen=True)
-class TurnAfter:
+class TurnAfter(lc.Controller):
     """Counts its control instants, and turns left after some of them."""
 
     gait: lc.Gait

@@ -10,10 +10,31 @@ from `where`.
 
 import numpy as np
 
+from laticauda.extensions import Extensible
+from laticauda.quantities import value
 from laticauda.scalars import where
 
 # Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
 SLIDING_RATE = 0.05
+
+
+class JointLaw(Extensible, group="joint_laws"):
+    """How a joint follows its reference."""
+
+
+@value
+class Prescribed(JointLaw):
+    """Exactly, whatever torque it takes."""
+
+
+@value
+class PD(JointLaw):
+    """By the law of the published simulations, see `pd`."""
+
+
+@value
+class Servo(JointLaw):
+    """As the real robot's hobby servos do, see `servo`."""
 
 
 def pd(

@@ -176,7 +176,7 @@ class DesignExperiment:
         from laticauda.gaits import eel_like, lateral_undulation
         from laticauda.identify.candidates import swims
         from laticauda.robot import load_robot
-        from laticauda.simulate.swimming import default_water, preset_water
+        from laticauda.scenarios import default_water, preset_water
 
         flags, base = self.candidates, self._base()
         which = flags.gait or "lateral-undulation"

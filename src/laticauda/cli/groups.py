@@ -180,7 +180,7 @@ class EnvironmentFlags:
 
     def _water(self, gait: "Gait") -> tuple[Water, str]:
         """The water before single coefficients are replaced, and where it is from."""
-        from laticauda.simulate import default_water
+        from laticauda.scenarios import default_water
 
         if self.parameters is not None:
             if self.water is not None:

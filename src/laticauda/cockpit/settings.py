@@ -10,7 +10,8 @@ from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Plant
 from laticauda.robot import CaudalFin, Robot, Water, load_robot, load_water
-from laticauda.simulate import default_water, plant
+from laticauda.scenarios import default_water
+from laticauda.simulate import plant
 from laticauda.trial import MeasuredTrial, measured_setting
 
 # The paper's path following of Mamba.

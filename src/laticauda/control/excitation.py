@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from laticauda.errors import finite, positive
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Observation
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.robot import Robot
 
 # To both sides, small and large; ends without, so that the turn can be seen to end.
@@ -14,7 +14,7 @@ OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.
 
 
 @dataclass(frozen=True, kw_only=True)
-class OffsetSteps:
+class OffsetSteps(Controller[int]):
     """A controller that looks at nothing and steers by a list; the trial keeps the offset among its signals.
 
     Raises:

@@ -10,7 +10,7 @@ from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.errors import one_of, positive
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Observation
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.robot import Robot
 
 HEADING_ESTIMATES = ("raw", "cycle_mean")
@@ -45,7 +45,7 @@ class PathFollowingState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PathFollowing:
+class PathFollowing(Controller[PathFollowingState]):
     """A controller that makes a robot follow a path with its gait.
 
     At every control instant: where is the center of mass beside the path, which heading leads back to it, which offset

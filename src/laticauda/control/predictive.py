@@ -18,7 +18,7 @@ from laticauda.control.path_following import refuse_offset
 from laticauda.control.planning import Given, Plan, Problem, plan
 from laticauda.errors import finite, instance, positive, whole
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Observation
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.robot import Robot
 
 _LEAST_INTERVAL = 0.2  # a solver needs its time [s]
@@ -48,7 +48,7 @@ class PredictiveState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModelPredictive:
+class ModelPredictive(Controller[PredictiveState]):
     """A controller that plans offset and frequency with the averaged model, and so takes a current into account.
 
     The cost of a second is that of the distance from the path, of the course across it, of the speed along it and of

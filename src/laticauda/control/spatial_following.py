@@ -17,7 +17,7 @@ from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Observation
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.robot import Robot
 
 _SIGNALS = {
@@ -41,7 +41,7 @@ class SpatialPathFollowingState:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpatialPathFollowing:
+class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
     """A controller that makes a robot with pitch joints follow a path in space.
 
     In plan it is `PathFollowing`. In profile it is the same once more, with the offset of the pitch joints.

@@ -25,7 +25,8 @@ from laticauda.robot import (
     robot_names,
     water_names,
 )
-from laticauda.simulate import default_water, plant
+from laticauda.scenarios import default_water
+from laticauda.simulate import plant
 
 # Mamba's first trial of the paper.
 FIRST_GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0))

@@ -17,8 +17,9 @@ from laticauda.identify.problem import Problem, problem
 from laticauda.identify.result import Fit
 from laticauda.identify.searching import Method, search
 from laticauda.identify.unknowns import Unknown
+from laticauda.planar.specialize import FluidLaw
 from laticauda.robot import Robot
-from laticauda.simulate.plants import MODELS, FluidLaw
+from laticauda.scenarios import MODELS
 from laticauda.simulate.runner import Progress
 
 SPREAD = 3.0  # further starts lie within this factor of the first

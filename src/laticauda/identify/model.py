@@ -22,7 +22,7 @@ from laticauda.interfaces import Start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.simulate.derivatives import Number, slopes
-from laticauda.simulate.many import collected, runs_of
+from laticauda.simulate.many import batch_of, collected, runs_of
 from laticauda.simulate.parameters import changed
 from laticauda.simulate.runner import Progress
 from laticauda.simulate.sensitivities import UNITS
@@ -70,13 +70,14 @@ def _by_duration(problem: Problem, members: Sequence[int]) -> dict[float, list[i
 
 def _runs(problem: Problem, settings: Sequence[Setting], starts: Sequence[Start], members: Sequence[int]) -> list[Run]:
     chosen = [settings[i] for i in members]
-    return runs_of(
+    scenarios = batch_of(
         [setting.robot for setting in chosen],
         [setting.gait for setting in chosen],
         [setting.environment for setting in chosen],
         [starts[i] for i in members],
         **problem.options,
     )
+    return runs_of(scenarios)
 
 
 def _simulated(problem: Problem, settings: Sequence[Setting], values: Values) -> tuple[list[Raw], dict[str, str]]:

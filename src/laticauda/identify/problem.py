@@ -13,8 +13,8 @@ from laticauda.identify.measurements import Measurement, group_of
 from laticauda.identify.settling import Setting, applies, let_the_special_win, settled, split_name, with_tied
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, as_unknowns
 from laticauda.robot import Robot
+from laticauda.scenarios import default_water, preset_water
 from laticauda.simulate.parameters import Parameter, changed, parameters
-from laticauda.simulate.swimming import default_water, preset_water
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

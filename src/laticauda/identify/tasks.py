@@ -44,8 +44,8 @@ from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robo
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import parsed, read_text
 from laticauda.robot.tables import BadKey, decode, encode
+from laticauda.scenarios import default_water, preset_water
 from laticauda.simulate.runner import Progress
-from laticauda.simulate.swimming import default_water, preset_water
 
 KIND = "identification"
 KEYS = (

@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from laticauda.gaits import Generator
 from laticauda.gaits.generator import GeneratorState
 from laticauda.gaits.reference import smooth_start
-from laticauda.interfaces import Command, Controller, Observation, ReportingController
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.operate.modules import Numbers as References
 from laticauda.robot import Robot
 
@@ -133,6 +133,4 @@ class Asker:
 
     def signals(self, state: Asking) -> dict[str, float]:
         """What the controller had in mind; empty before the run, or if it says nothing."""
-        if state.thought is None or not isinstance(self.controller, ReportingController):
-            return {}
-        return dict(cast("ReportingController[Any]", self.controller).signals(state.thought))
+        return {} if state.thought is None else dict(self.controller.signals(state.thought))

@@ -3,22 +3,22 @@
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from dataclasses import dataclass, replace
+from typing import TypeVar, Unpack, cast
 
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
 from laticauda.errors import instance, one_of, positive, whole
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Start
+from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
-from laticauda.simulate.plants import FluidLaw, plant
+from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, preset_water, scenario
+from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import MOST_SAMPLES, Progress
-from laticauda.simulate.swimming import default_water, preset_water
 from laticauda.trial import metrics
 from laticauda.trial.cycles import hermite, steady_part
 
@@ -66,44 +66,38 @@ class Swims:
 
 
 def swim_many(
-    robots: Robot | Sequence[Robot],
-    gaits: Gait | Sequence[Gait],
+    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait] | None = None,
     duration: float = 30.0,
     *,
     environments: Environment | Sequence[Environment] | None = None,
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
-    fluid_law: FluidLaw | None = None,
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
     device: str = "cpu",
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> Swims:
-    """Let many robots swim, each from straight and at rest; trial i is what `swim` makes of the i-th of everything.
+    """Run many planar scenarios; or let many robots swim, each from straight and at rest.
 
-    Where one thing is given instead of a sequence, all trials share it. Robots of equal shape are computed eight at a
-    time, so a sweep over gaits, waters or sizes gains most; any mixture is allowed. The figures agree with those of
-    `swim` to rounding, whatever else is in the batch and however many threads compute it.
+    Trial i is what `swim` makes of the i-th of everything; where one thing is given instead of a sequence, all trials
+    share it. Robots of equal shape are computed eight at a time, so a sweep over gaits, waters or sizes gains most; any
+    mixture is allowed. The figures agree with those of `swim` to rounding, whatever else is in the batch and however
+    many threads compute it.
 
     Args:
-        robots: What swims.
+        robots: The scenarios, all of one duration and sample interval; or what swims, with their gaits.
         gaits: What the joints are asked for.
         duration: Of every trial [s].
         environments: Waters or grounds; None takes the paper's coefficients for each gait.
-        joints: See `laticauda.simulate.plant`.
-        dt: See `laticauda.simulate.plant` [s].
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
-        ramp: See `laticauda.simulate.plant` [s].
-        fluid_law: See `laticauda.simulate.plant`; one that branches with `if` works, but takes its lanes one by one.
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
         device: cpu, or cuda for a GPU, one trial per thread of it: it needs the extra `gpu`, and pays for thousands of
             trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
+        changes: Of the model, see `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but
+            takes its lanes one by one.
 
     Returns:
         The figures, as arrays.
@@ -118,51 +112,68 @@ def swim_many(
         >>> lc.swim_many(lc.load_robot("mamba"), gaits).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
     """
-    runs = runs_of(
-        robots,
-        gaits,
-        environments,
-        starts,
-        joints=joints,
-        dt=dt,
-        offset_bandwidth=offset_bandwidth,
-        ramp=ramp,
-        fluid_law=fluid_law,
-    )
+    scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
+    runs = runs_of(scenarios)
     weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
     weights = np.array([weight[id(run.plant)] for run in runs])
-    found = collected(runs, weights, duration, sample_interval, threads, progress, device=device)
+    found = collected(
+        runs, weights, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device
+    )
     named = dict(found.figures)
     end = np.stack((named.pop("x"), named.pop("y")), axis=1)
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
 
 
-def runs_of(
-    robots: Robot | Sequence[Robot],
-    gaits: Gait | Sequence[Gait],
-    environments: Environment | Sequence[Environment] | None,
-    starts: Start | Sequence[Start] | None,
-    **settings: Any,
-) -> list[Run]:
-    """The runs of a batch, with one plant for all that share robot and environment; arguments as for `swim_many`."""
+def batch_of(
+    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait] | None,
+    environments: Environment | Sequence[Environment] | None = None,
+    starts: Start | Sequence[Start] | None = None,
+    duration: float = 30.0,
+    sample_interval: float = 0.05,
+    **changes: Unpack[ModelChanges],
+) -> Sequence[Scenario]:
+    """The scenarios of a batch; arguments as for `swim_many`."""
+    if gaits is None:
+        return cast("Sequence[Scenario]", robots)
     given = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)
-    every_robot = _each("robots", robots, n, Robot)
+    every_robot = _each("robots", cast("Robot | Sequence[Robot]", robots), n, Robot)
     every_gait = _each("gaits", gaits, n, Gait)
     every_start = _each("starts", Start() if starts is None else starts, n, Start)
     if environments is None:
         every_environment: Sequence[Environment] = [preset_water(default_water(gait)) for gait in every_gait]
     else:
         every_environment = _each("environments", environments, n, Water, Ground)
-    plants: dict[tuple[int, int], PlanarPlant] = {}
+    base = scenario(every_robot[0], every_gait[0], duration, sample_interval=sample_interval, **changes)
+    parts = zip(every_robot, every_gait, every_environment, every_start, strict=True)
+    return [replace(base, robot=r, motion=g, environment=e, start=s) for r, g, e, s in parts]
+
+
+def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
+    """The runs of a batch, with one plant for all that share robot, environment and model.
+
+    Args:
+        scenarios: All planar, of one duration and sample interval.
+
+    Raises:
+        ValueError: If they are not.
+    """
+    if not scenarios:
+        raise ValueError("`scenarios` must hold at least one item, got none.")
+    plants: dict[tuple[int, int, int], PlanarPlant] = {}
     runs: list[Run] = []
-    for robot, gait, environment, start in zip(every_robot, every_gait, every_environment, every_start, strict=True):
-        key = id(robot), id(environment)
+    for i, one in enumerate(scenarios):
+        key = id(one.robot), id(one.environment), id(one.model)  # the scenarios keep them alive
         if key not in plants:
-            body = plant(robot, environment, **settings)
-            assert isinstance(body, PlanarPlant)
-            plants[key] = body
-        runs.append(Run(plant=plants[key], command=Command(gait=gait), start=start))
+            instance(f"scenarios[{i}].model", one.model, Planar)
+            plants[key] = cast(PlanarPlant, plant(one))
+        for name in ("duration", "sample_interval"):
+            if getattr(one, name) != getattr(scenarios[0], name):
+                raise ValueError(f"`{name}` must be the same in all scenarios, got {getattr(one, name):g} s too.")
+        instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
+        command = one.motion.command if isinstance(one.motion, OpenLoop) else Command(gait=one.gait)
+        runs.append(Run(plant=plants[key], command=command, start=one.start))
     return runs
 
 

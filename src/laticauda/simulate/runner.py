@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from laticauda.errors import SimulationFailed, positive
+from laticauda.errors import SimulationFailed, instance, positive
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, ReportingController, Start
+from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Start
 from laticauda.packaging import __version__
 from laticauda.trial import Trial
 
@@ -37,8 +37,8 @@ def run(
 
     Args:
         plant: What swims; see `plant`.
-        controller: Decides the command at every control instant; `OpenLoop` holds one. What a `ReportingController`
-            says is kept in the trial.
+        controller: Decides the command at every control instant; `OpenLoop` holds one. Its signals are kept in the
+            trial.
         duration: [s].
         start: Where it begins; None: at the origin, along x.
         sample_interval: Between two samples of the log [s]; adjusted so that it divides the time between two control
@@ -119,22 +119,18 @@ def _go(
             f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
             f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer."
         )
-    reporting = None
-    if isinstance(controller, ReportingController):
-        reporting = cast("ReportingController[Any]", controller)
-    if reporting is not None:
-        reporting.check(plant.robot)
-    thought = controller.init()
+    instance("controller", controller, Controller)
+    controller.check(plant.robot)
+    controller_state = controller.init()
     logs: list[Log] = []
-    told: list[Mapping[str, float]] = []
+    signals: list[Mapping[str, float]] = []
     failure: str | None = None
     for share, count, done in _stretches(duration, sample_interval, controller.interval):
         observation = plant.observe(state)
         if until is not None and logs and until(observation):
             break
-        thought, command = controller.step(thought, observation)
-        if reporting is not None:
-            told.append(reporting.signals(thought))
+        controller_state, command = controller.step(controller_state, observation)
+        signals.append(controller.signals(controller_state))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
         logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
         if failure is not None:
@@ -144,9 +140,8 @@ def _go(
     if throw and failure is not None:
         raise SimulationFailed(failure)
     log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
-    signals = _held(told, [part["time"].size for part in logs])
-    settings = {**({} if reporting is None else reporting.settings), **plant.settings}
-    return _trial(plant, controller.gait, settings, log, signals, failure, state)
+    held = _held(signals, [part["time"].size for part in logs])
+    return _trial(plant, controller.gait, {**controller.settings, **plant.settings}, log, held, failure, state)
 
 
 def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
@@ -164,13 +159,13 @@ def _stretches(duration: float, sample_interval: float, control_interval: float)
             yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
 
 
-def _held(told: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
+def _held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
     """Signals at the samples of the log, each held from its control instant to the next."""
     # A stretch begins at its control instant, but that sample is stored as the last one of the stretch before.
     counts = np.array(n_samples)
     counts[0] -= 1
     counts[-1] += 1
-    return {name: np.repeat([values[name] for values in told], counts) for name in (told[0] if told else ())}
+    return {name: np.repeat([values[name] for values in signals], counts) for name in signals[0]}
 
 
 def _trial(

@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,8 +12,8 @@ from laticauda.errors import one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
+from laticauda.scenarios import ModelChanges, Scenario
 from laticauda.simulate.parameters import Parameter, changed, look_up, parameters, value_of
-from laticauda.simulate.plants import FluidLaw
 from laticauda.simulate.runner import Progress
 
 UNITS = {
@@ -72,21 +72,17 @@ class Sensitivities:
 
 
 def sensitivities(
-    robots: Robot | Sequence[Robot],
-    gaits: Gait | Sequence[Gait],
+    robots: Sequence[Scenario] | Robot | Sequence[Robot],
+    gaits: Gait | Sequence[Gait] | None = None,
     duration: float = 30.0,
     *,
     names: Sequence[str],
     environments: Environment | Sequence[Environment] | None = None,
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
-    fluid_law: FluidLaw | None = None,
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
     threads: int | None = None,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> Sensitivities:
     """Derivatives of the figures of one or many trials to any numbers of robot, gait and environment.
 
@@ -96,21 +92,17 @@ def sensitivities(
     servo), it is differentiated on either side of it; over a trial that does not show.
 
     Args:
-        robots: See `swim_many`.
+        robots: See `swim_many`; time steps do not change with a parameter.
         gaits: See `swim_many`.
         duration: See `swim_many` [s].
         names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
             `robot.module.mass` (of all modules alike); see `laticauda.simulate.parameters`.
         environments: See `swim_many`.
-        joints: See `swim_many`.
-        dt: See `swim_many`; it does not change with a parameter [s].
-        offset_bandwidth: See `swim_many` [rad/s].
-        ramp: See `swim_many` [s].
-        fluid_law: See `swim_many`; one that branches is differentiated on the branch that it takes.
         starts: See `swim_many`.
         sample_interval: See `swim_many` [s].
         threads: See `swim_many`.
         progress: See `swim_many`.
+        changes: See `swim_many`; a fluid law that branches is differentiated on the branch that it takes.
 
     Returns:
         Figures and derivatives, as arrays.
@@ -127,20 +119,14 @@ def sensitivities(
         array([0.0486])
     """
     from laticauda.simulate.derivatives import Number, slopes
-    from laticauda.simulate.many import runs_of
+    from laticauda.simulate.many import batch_of, runs_of
 
-    settings: dict[str, Any] = {
-        "joints": joints,
-        "dt": dt,
-        "offset_bandwidth": offset_bandwidth,
-        "ramp": ramp,
-        "fluid_law": fluid_law,
-    }
     if isinstance(names, str) or not names:
         raise ValueError(f"`names` must hold at least one name of a parameter, got {names!r}.")
-    runs = runs_of(robots, gaits, environments, starts, **settings)
-    every_robot = robots if isinstance(robots, Sequence) else [robots] * len(runs)
-    trials = [(robot, run.command.gait, run.plant.environment) for robot, run in zip(every_robot, runs, strict=True)]
+    scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
+    runs = runs_of(scenarios)
+    trials = [(one.robot, one.gait, one.environment) for one in scenarios]
+    duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     chosen = [_chosen(names, *trial) for trial in trials]
     point = [[value_of(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
     numbers = [

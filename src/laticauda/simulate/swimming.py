@@ -1,64 +1,37 @@
-"""`swim`: from a robot and a gait to a trial, with the defaults of the paper."""
+"""`swim`: from a scenario to its trial."""
 
-import functools
+from pathlib import Path
+from typing import Unpack, cast
 
-from laticauda.errors import instance
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.robot import Environment, Robot, load_water
-from laticauda.simulate.plants import FluidLaw, plant
+from laticauda.robot import Robot
+from laticauda.scenarios import Changes, Motion, Scenario, scenario
+from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, run
 from laticauda.trial import Trial
 
 
-def default_water(gait: Gait) -> str:
-    """Name of the paper's coefficient set for `gait`: it identified one for each kind."""
-    return "paper-eel" if gait.kind == "eel_like" else "paper-lateral"
-
-
-preset_water = functools.cache(load_water)
-
-
 def swim(
-    robot: Robot,
-    gait: Gait,
+    robot: Scenario | Robot | str | Path,
+    gait: Motion | None = None,
     duration: float = 30.0,
     *,
-    environment: Environment | None = None,
-    model: str = "planar",
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
-    fluid_law: FluidLaw | None = None,
-    root: str | None = None,
-    gravity: bool | None = None,
-    start: Start | None = None,
-    sample_interval: float = 0.05,
     link_forces: bool = False,
     throw: bool = False,
     progress: Progress | None = None,
+    **changes: Unpack[Changes],
 ) -> Trial:
-    """Let a robot swim a gait, from straight and at rest.
+    """Run a scenario; or let a robot swim a gait, from straight and at rest.
 
     Args:
-        robot: What swims (`load_robot`).
-        gait: What the joints are asked for (`lateral_undulation`, `eel_like`, `custom_gait`).
-        duration: [s].
-        environment: Water or ground; None takes the paper's coefficients for the gait.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        dt: See `laticauda.simulate.plant` [s].
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
-        ramp: See `laticauda.simulate.plant` [s].
-        fluid_law: See `laticauda.simulate.plant`.
-        root: See `laticauda.simulate.plant`.
-        gravity: See `laticauda.simulate.plant`.
-        start: See `laticauda.simulate.run`.
-        sample_interval: See `laticauda.simulate.run` [s].
+        robot: The scenario; or what swims (`load_robot`), with its gait.
+        gait: What the joints are asked for (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; left
+            out with a scenario.
+        duration: With a robot [s].
         link_forces: See `laticauda.simulate.run`.
         throw: See `laticauda.simulate.run`.
         progress: See `laticauda.simulate.run`.
+        changes: What else differs from the defaults, of a scenario too: `environment`, `model`, `joints`, `dt` and the
+            like, see `laticauda.scenarios.Changes`.
 
     Returns:
         The trial; a run that blows up is one too, and its `status` says when and what to try.
@@ -74,25 +47,16 @@ def swim(
         >>> round(trial.forward_velocity, 3)
         0.148
     """
-    instance("gait", gait, Gait)
-    body = plant(
-        robot,
-        environment or preset_water(default_water(gait)),
-        model=model,
-        joints=joints,
-        dt=dt,
-        offset_bandwidth=offset_bandwidth,
-        ramp=ramp,
-        fluid_law=fluid_law,
-        root=root,
-        gravity=gravity,
-    )
+    if isinstance(robot, Scenario):
+        chosen = robot
+    else:
+        chosen = scenario(robot, cast(Motion, gait), duration, **changes)
     return run(
-        body,
-        OpenLoop(command=Command(gait=gait)),
-        duration,
-        start=start,
-        sample_interval=sample_interval,
+        plant(chosen),
+        chosen.controller,
+        chosen.duration,
+        start=chosen.start,
+        sample_interval=chosen.sample_interval,
         link_forces=link_forces,
         throw=throw,
         progress=progress,

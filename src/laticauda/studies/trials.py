@@ -12,7 +12,8 @@ from jaxtyping import Float, Shaped
 from laticauda.errors import instance, not_negative, one_of, positive
 from laticauda.gaits import Gait
 from laticauda.robot import Environment, Ground, Robot, Water, load_water
-from laticauda.simulate import default_water, plant, swim_many
+from laticauda.scenarios import default_water
+from laticauda.simulate import plant, swim_many
 from laticauda.simulate.parameters import Parameter, changed, check_whole, look_up, parameters, place
 
 Table = Float[np.ndarray, "n_points n_names"]

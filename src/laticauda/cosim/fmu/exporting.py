@@ -14,10 +14,10 @@ from laticauda.errors import instance, one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.planar.model import PlanarPlant, law_of
+from laticauda.planar.specialize import FluidLaw
 from laticauda.robot import Robot, Water
-from laticauda.simulate import default_water, plant
-from laticauda.simulate.plants import FluidLaw
-from laticauda.simulate.swimming import preset_water
+from laticauda.scenarios import default_water, preset_water
+from laticauda.simulate import plant
 
 INPUTS = ("gait", "references")
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot makes the same FMU

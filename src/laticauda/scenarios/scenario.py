@@ -1,0 +1,49 @@
+"""A scenario: everything that decides a run."""
+
+from typing import Any
+
+from laticauda.errors import instance
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Controller, OpenLoop, Start
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Environment, Robot
+from laticauda.scenarios.models import Model, Planar
+
+
+@value
+class Scenario:
+    """Everything that decides a run: the same scenario always gives the same trial (`laticauda.swim`).
+
+    `dataclasses.replace` makes another one; what it does not replace stays the same object.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    robot: Robot = option("What swims")
+    motion: Gait | Controller[Any] = option("What the joints are asked for: a gait, or a controller that steers one")
+    environment: Environment = option("The water it swims in or the ground it crawls on")
+    model: Model = option("By which model", default=Planar())
+    start: Start = option("Where it begins, straight", default=Start())
+    duration: float = quantity("s", "Of the run", default=30.0, gt=0.0)
+    sample_interval: float = quantity(
+        "s",
+        "Between two samples of the log; adjusted so that it divides the time between two control instants, and the "
+        "duration",
+        default=0.05,
+        gt=0.0,
+    )
+
+    def __post_init__(self) -> None:
+        """Check what its type does not tell."""
+        instance("motion", self.motion, Gait, Controller)
+
+    @property
+    def gait(self) -> Gait:
+        """The gait, or the one that the controller starts with."""
+        return self.motion if isinstance(self.motion, Gait) else self.motion.gait
+
+    @property
+    def controller(self) -> Controller[Any]:
+        """The controller; for a gait one that holds it."""
+        return OpenLoop(command=Command(gait=self.motion)) if isinstance(self.motion, Gait) else self.motion

@@ -1,0 +1,69 @@
+"""Scenarios from a robot, a gait and a few words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.actuation.laws import PD, Servo
+
+GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+
+
+def test_words_mean_what_the_values_mean():
+    words = lc.scenario("mamba", GAIT, 5.0, environment="paper-lateral", joints="servo", dt=0.01)
+    values = lc.Scenario(
+        robot=lc.load_robot("mamba"),
+        motion=GAIT,
+        environment=lc.load_water("paper-lateral"),
+        model=lc.Planar(joints=Servo(), dt=0.01),
+        duration=5.0,
+    )
+    assert words == values
+
+
+def test_the_water_is_the_paper_s_for_the_gait():
+    assert lc.scenario("mamba", GAIT).environment == lc.load_water("paper-eel")
+    still = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    assert lc.scenario("mamba", still).environment == lc.load_water("paper-lateral")
+    assert lc.scenario("mamba", GAIT, environment="viscous").environment == lc.load_ground("viscous")
+
+
+def test_a_scenario_swims_as_its_robot_and_gait_do():
+    chosen = lc.scenario("mamba", GAIT, 4.0, joints="pd")
+    assert chosen.model == lc.Planar(joints=PD())
+    one, two = lc.swim(chosen), lc.swim(chosen.robot, GAIT, 4.0, joints="pd")
+    np.testing.assert_array_equal(one.center_of_mass, two.center_of_mass)
+    many = lc.swim_many([chosen, replace(chosen, start=lc.Start(heading=1.0))])
+    np.testing.assert_allclose(many.forward_velocity, one.forward_velocity, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"root": "free"}, "`root` must be left out unless `model` is `spatial`, got 'free'."),
+        ({"model": "flat"}, "`model` must be one of `planar`, `spatial`, got 'flat'"),
+        ({"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, got 'servos'"),
+        ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
+        ({"duration": -1.0}, "`duration` must be > 0 s, got -1.0."),
+        ({"motion": 3}, "`gait` must be of class Gait or Controller, got int."),
+    ],
+)
+def test_what_does_not_go_is_refused(changes, message):
+    with pytest.raises(ValueError) as refused:
+        lc.scenario(**{"robot": "mamba", "motion": GAIT, **changes})
+    assert str(refused.value).startswith(message)
+
+
+def test_what_nobody_knows_is_refused_as_python_does():
+    with pytest.raises(TypeError, match="joint_law"):
+        lc.scenario("mamba", GAIT, joint_law="pd")
+
+
+def test_a_batch_is_planar_and_of_one_length():
+    short = lc.scenario("mamba", GAIT, 4.0)
+    with pytest.raises(ValueError, match="`duration` must be the same"):
+        lc.swim_many([short, replace(short, duration=5.0)])
+    with pytest.raises(ValueError, match=r"`scenarios\[1\].model` must be of class Planar"):
+        lc.swim_many([short, replace(short, model=lc.Spatial())])
