@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         Plant as Plant,
         Start as Start,
     )
+    from laticauda.logs import load_trial as load_trial
     from laticauda.packaging import __version__ as __version__
     from laticauda.robot import (
         Ground as Ground,
@@ -61,6 +62,6 @@ if TYPE_CHECKING:
         swim as swim,
         swim_many as swim_many,
     )
-    from laticauda.trial import Trial as Trial, compare as compare, joined as joined, load_trial as load_trial
+    from laticauda.trial import Trial as Trial, compare as compare, joined as joined
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -7,7 +7,7 @@ import pytest
 from operate.tank import DRAWN, IDLE, record
 
 from laticauda.cli import main
-from laticauda.trial import load_trial
+from laticauda.logs import load_trial
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from laticauda.cockpit.live import MOST_TICKS
 from laticauda.cockpit.settings import with_fin
 from laticauda.cockpit.world import TICK
 from laticauda.control import StraightLine
-from laticauda.trial import load_trial
+from laticauda.logs import load_trial
 from laticauda.trial.measured import efficiency_trials
 
 GAIT = lc.lateral_undulation(

@@ -11,6 +11,7 @@ from operate.tank import IDLE, ROOT, follower, record
 
 import laticauda as lc
 from laticauda.errors import StorageFailed, TrialFileError
+from laticauda.logs import open_recording, read_messages
 from laticauda.operate import (
     Estimate,
     Event,
@@ -23,7 +24,6 @@ from laticauda.operate import (
     read_operation,
 )
 from laticauda.operate.timing import Tick
-from laticauda.trial import open_recording, read_messages
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_an_older_file_is_never_replaced(file):
 
 def test_what_is_no_operation_is_refused_in_one_sentence(tmp_path):
     other = tmp_path / "other.mcap"
-    with lc.trial.Recorder(other) as recorder:
+    with lc.logs.Recorder(other) as recorder:
         recorder.scalar("/a", 0.0, 1.0)
     with pytest.raises(TrialFileError, match="it is no recording of an operation, or its beginning is missing"):
         read_operation(other)

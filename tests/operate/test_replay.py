@@ -7,6 +7,7 @@ import pytest
 from operate.tank import DRAWN, IDLE, follower, record
 
 from laticauda.errors import TrialFileError
+from laticauda.logs import load_trial
 from laticauda.operate import (
     Event,
     KinematicEstimator,
@@ -17,7 +18,6 @@ from laticauda.operate import (
     trial_of,
 )
 from laticauda.operate.packing import packed_estimate
-from laticauda.trial import load_trial
 
 
 @pytest.fixture(scope="module")

@@ -117,8 +117,9 @@ class Swim:
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""
+        from laticauda.logs import load_trial
         from laticauda.simulate import plant_of, resume
-        from laticauda.trial import joined, load_trial
+        from laticauda.trial import joined
 
         for name in given(self):
             if name not in WITH_RESUME:

@@ -34,7 +34,7 @@ class Show:
     def __call__(self) -> int:
         """Print, and return the exit status."""
         from laticauda.cli.report import as_json, as_text
-        from laticauda.trial import load_trial
+        from laticauda.logs import load_trial
 
         trial = load_trial(self.file, self.columns)
         if self.json:
@@ -88,9 +88,10 @@ class Convert:
 
     def __call__(self) -> int:
         """Write, and return the exit status."""
-        from laticauda.trial import FORMATS, load_trial
+        from laticauda.logs import load_trial
+        from laticauda.trial import Format
 
-        check_output("output", self.output, [form.ending for form in FORMATS])
+        check_output("output", self.output, Format.endings())
         trial = load_trial(self.file, self.columns)
         trial.save(self.output)
         done = {"output": self.output, "n_samples": int(trial.time.size)}
@@ -101,7 +102,7 @@ class Convert:
 def _either(file: str, columns: str | None) -> "Trial":
     """The trial in a file of ours, or in a log that the column map is for."""
     from laticauda.errors import TrialFileError
-    from laticauda.trial import load_trial
+    from laticauda.logs import load_trial
 
     if columns is None:
         return load_trial(file)

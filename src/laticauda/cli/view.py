@@ -43,7 +43,7 @@ class View:
         check_output("still", self.still, STILL)
         if self.time is not None and self.still is None:
             raise ValueError("`time` must be given with `still`: it is the moment of the picture.")
-        from laticauda.trial import load_trial
+        from laticauda.logs import load_trial
 
         trial = load_trial(self.file)
         speed = 1.0 if self.speed is None else self.speed

@@ -7,11 +7,12 @@ from pathlib import Path
 
 from laticauda.cockpit.sweeps import NO_SWEEP, StoredSweep, is_sweep, read_sweep, unpacked
 from laticauda.errors import TrialFileError
+from laticauda.logs import load_trial, open_recording
 from laticauda.operate import read_operation, trial_of
 from laticauda.operate.recording import HEADER
-from laticauda.trial import FORMATS, Trial, load_trial, open_recording
+from laticauda.trial import Format, Trial
 
-READ: tuple[str, ...] = tuple(form.ending for form in FORMATS if form.read is not None)
+READ: tuple[str, ...] = tuple(ending for ending in Format.endings() if ending != ".csv")
 
 
 def opened(path: Path) -> Trial | StoredSweep:

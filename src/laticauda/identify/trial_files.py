@@ -10,9 +10,10 @@ import numpy as np
 from laticauda.errors import nearest, one_of, positive
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.unknowns import Unknown
+from laticauda.logs import load_trial
 from laticauda.robot.tables import BadKey
 from laticauda.simulate.sensitivities import UNITS
-from laticauda.trial import Trial, load_trial
+from laticauda.trial import Trial
 
 INTERVAL = 0.5
 """Between the samples of a series that count: the noise of closer ones is hardly new [s]."""

@@ -8,6 +8,7 @@ from typing import Any
 
 from laticauda.errors import TrialFileError
 from laticauda.interfaces import Command
+from laticauda.logs import Logged, open_recording
 from laticauda.operate.estimate import Estimate
 from laticauda.operate.packing import ESTIMATE, TOPICS, Recorded, unpacked, unpacked_estimate
 from laticauda.operate.recording import COMMAND, FORMAT, HEADER, TICK, Header
@@ -15,7 +16,6 @@ from laticauda.operate.samples import Event
 from laticauda.operate.timing import Tick, Timing, timing_of
 from laticauda.operate.values import from_json
 from laticauda.robot import Robot, from_toml
-from laticauda.trial import Logged, open_recording
 
 
 @dataclass(frozen=True, kw_only=True)

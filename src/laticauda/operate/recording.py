@@ -18,13 +18,13 @@ import numpy as np
 from laticauda.errors import instance, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
+from laticauda.logs import Recorder
 from laticauda.operate.estimate import Estimate
 from laticauda.operate.packing import ESTIMATE, LABELS, TOPICS, Recorded, packed, packed_estimate
 from laticauda.operate.samples import Event, JointSample, PoseSample, PowerReading
 from laticauda.operate.timing import Tick
 from laticauda.operate.values import to_json
 from laticauda.robot import Environment, Robot, to_toml
-from laticauda.trial import Recorder
 
 HEADER = "operation"
 FORMAT = "1"

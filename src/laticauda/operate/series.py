@@ -161,7 +161,7 @@ def table2() -> SeriesFile:
 
 def _stored(operation: Operation, folder: Path) -> Result | None:
     """An accepted run of an earlier call; None if there is none."""
-    from laticauda.trial import load_trial
+    from laticauda.logs import load_trial
 
     path = folder / f"{operation.name}.nc"
     if not path.exists():

@@ -1,12 +1,11 @@
-"""The `Trial`, the time-stamped log of one run: its figures, its files, comparisons, and what the paper measured."""
+"""The `Trial`, the time-stamped log of one run: its figures, its Dataset, comparisons, and what the paper measured."""
 
-from laticauda.trial.column_files import load_column_map
-from laticauda.trial.column_maps import ColumnMap
 from laticauda.trial.compare import ComparedFigure, compare
+from laticauda.trial.contents import FORCE_COMPONENTS
 from laticauda.trial.cycles import CycleMean
-from laticauda.trial.files import FORMATS, load_trial
+from laticauda.trial.figures import FIGURES, Figure
+from laticauda.trial.formats import Format
 from laticauda.trial.joining import joined
-from laticauda.trial.mcap import Recorder
 from laticauda.trial.measured import (
     GAIT_WORDS,
     MeasuredPathFollowing,
@@ -18,35 +17,25 @@ from laticauda.trial.measured import (
     measured_trial,
     path_following_trials,
 )
-from laticauda.trial.recording import Logged, Recording, open_recording, read_messages
-from laticauda.trial.summary import FIGURES, Figure
-from laticauda.trial.trial import FORCE_COMPONENTS, Trial
+from laticauda.trial.trial import Trial
 
 __all__ = [
     "FIGURES",
     "FORCE_COMPONENTS",
-    "FORMATS",
     "GAIT_WORDS",
-    "ColumnMap",
     "ComparedFigure",
     "CycleMean",
     "Figure",
-    "Logged",
+    "Format",
     "MeasuredPathFollowing",
     "MeasuredTrial",
-    "Recorder",
-    "Recording",
     "Trial",
     "compare",
     "efficiency_trials",
     "group_name",
     "joined",
-    "load_column_map",
-    "load_trial",
     "measured_counterpart",
     "measured_setting",
     "measured_trial",
-    "open_recording",
     "path_following_trials",
-    "read_messages",
 ]

@@ -1,16 +1,11 @@
 """Several trials side by side, with their differences to the first."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from laticauda.angles import wrap_to_pi
-from laticauda.trial.summary import FIGURES, Figure, figures
-
-if TYPE_CHECKING:
-    from laticauda.trial.trial import Trial
+from laticauda.trial.figures import FIGURES, Figure, figures
+from laticauda.trial.trial import Trial
 
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
 

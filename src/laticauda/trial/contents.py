@@ -1,132 +1,158 @@
-"""What may be in a trial: each check returns the value as it is kept, or raises a `ValueError` that names the field."""
+"""What is in a trial: arrays, what swam and how, how it ended."""
 
-import math
+import dataclasses
+import datetime
 from collections.abc import Mapping
-from typing import TypeAlias, cast
 
-import numpy as np
-from jaxtyping import Float, Shaped
+from laticauda.gaits import Gait
+from laticauda.robot import Ground, Robot, Water
+from laticauda.trial import arrays
+from laticauda.trial.arrays import AnyArray, Forces, Joints, Links, Plane, Samples, Setting, Work
 
-# The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
-Samples: TypeAlias = Float[np.ndarray, " n_samples"]
-Plane: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
-Links: TypeAlias = Float[np.ndarray, "n_samples n_links"]
-FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
-Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints"]
-Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
-Work: TypeAlias = Float[np.ndarray, "n_samples 3"]
-Axes: TypeAlias = Float[np.ndarray, " n_axes"]
-AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
-Setting: TypeAlias = str | float | int | bool | None
-
-
-def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
-    """`values` as a read-only float64 array of that shape; None stands for any length."""
-    try:
-        given = np.asarray(values)
-    except ValueError:  # rows of different lengths
-        given = np.empty((), dtype=object)
-    if given.dtype.kind not in "iuf":
-        raise ValueError(f"`{name}` must be an array of numbers, got {type(values).__name__} of {given.dtype}.")
-    array = np.asarray(given, dtype=np.float64, order="C")
-    wanted = tuple("any" if n is None else str(n) for n in shape)
-    if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"`{name}` must have shape ({', '.join(wanted)}), got {array.shape}.")
-    if not np.all(np.isfinite(array)):
-        row = int(np.argwhere(~np.isfinite(array))[0][0])
-        raise ValueError(f"`{name}` must hold finite numbers only, got {array[row]} at sample {row}.")
-    return _read_only(array, values)
+FORCE_COMPONENTS = ("drag", "added_mass", "effector")
+WORK_KINDS = ("absolute", "net", "positive")
+NOT_NEEDED = (
+    "heading",
+    "heading_rate",
+    "link_angle",
+    "joint_angle",
+    "joint_rate",
+    "joint_angle_ref",
+    "joint_torque",
+    "work",
+)
+"""What a measured trial may lack; where the robot was is what every trial has."""
 
 
-def times(name: str, values: object) -> Samples:
-    """`values` as read-only moments, at least one, strictly increasing."""
-    time = floats(name, values, (None,))
-    if time.size < 1:
-        raise ValueError(f"`{name}` must have at least 1 sample, got 0.")
-    increases = np.diff(time) > 0.0
-    if not np.all(increases):
-        i = int(np.argmin(increases))
-        raise ValueError(f"`{name}` must increase strictly, got {time[i]} s and then {time[i + 1]} s.")
-    return time
+def _now() -> str:
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
 
 
-def forces(value: object, shape: tuple[int, ...]) -> dict[str, Forces] | None:
-    """The force of each component as a read-only array of that shape."""
-    if value is None:
-        return None
-    return {key: floats(f"link_force[{key!r}]", force, shape) for key, force in mapping("link_force", value).items()}
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Contents:
+    """What a trial holds, checked; `Trial` adds what follows from it.
 
+    Time is the first axis of every array; links and joints are numbered tail first; all arrays are float64, finite
+    and read-only. A log in the plane has one column per link of `robot.planar()`, a log in space (three columns in
+    `center_of_mass`) one per module of `robot`. Nothing about a trial can be changed: `dataclasses.replace` makes
+    another one.
 
-def signals(value: object, n_samples: int) -> dict[str, Samples]:
-    """Each signal as a read-only array, one value per sample."""
-    return {key: floats(f"signals[{key!r}]", signal, (n_samples,)) for key, signal in mapping("signals", value).items()}
+    Raises:
+        ValueError: If an array has the wrong shape, holds something else than finite numbers, or time does not
+            increase.
+    """
 
+    time: Samples
+    """When each sample was taken [s], strictly increasing."""
+    center_of_mass: Plane
+    """Position of the center of mass, with the fin's mass, world axes [m]."""
+    center_of_mass_velocity: Plane
+    """Its velocity, world axes [m/s]."""
+    heading: Samples
+    """Mean angle of the body's links (6), unwrapped, without the fin [rad]."""
+    heading_rate: Samples
+    """Its rate [rad/s]."""
+    link_angle: Links
+    """Angle of each link to the world x axis, counter-clockwise [rad]."""
+    joint_angle: Joints
+    """Angle of each joint, head side minus tail side [rad]."""
+    joint_rate: Joints
+    """Its rate [rad/s]."""
+    joint_angle_ref: Joints
+    """What the joint was asked for [rad]."""
+    joint_torque: Joints
+    """Torque of each joint's drive; its power is torque times rate [N m]."""
+    work: Work
+    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0) [J]."""
+    electrical_work: Samples | None = None
+    """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
+    link_force: Mapping[str, Forces] | None = None
+    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
+    signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
+    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
+    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
+    robot: Robot
+    """What swam."""
+    gait: Gait | None = None
+    """What the joints were asked for; None where no gait was."""
+    environment: Water | Ground
+    """What it swam or crawled in."""
+    settings: Mapping[str, Setting] = dataclasses.field(default_factory=dict[str, Setting])
+    """How the run was made: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    version: str
+    """Version of laticauda that made the run."""
+    created: str = dataclasses.field(default_factory=_now)
+    """When it was made: date and time of day with its zone, ISO 8601."""
+    status: str = "The run reached its end."
+    """How the run ended: a sentence, with advice where it failed."""
+    succeeded: bool = True
+    """Whether the run reached its end."""
+    not_measured: tuple[str, ...] = ()
+    """Arrays that nobody measured, see `NOT_NEEDED`: they hold zeros, and figures that need them refuse."""
+    state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
+    """The plant's final state, from which the run can go on; empty where there is none."""
 
-def mapping(name: str, value: object) -> Mapping[str, object]:
-    """`value` as a mapping from names that can be those of variables in a file."""
-    if not isinstance(value, Mapping):
-        raise ValueError(f"`{name}` must map names to values, got {type(value).__name__}.")
-    items = cast("Mapping[object, object]", value)
-    return {_key(name, key): item for key, item in items.items()}
+    def __post_init__(self) -> None:
+        """Check everything and freeze every array, once."""
+        arrays.instance("robot", self.robot, Robot)
+        arrays.instance("gait", self.gait, Gait, type(None))
+        arrays.instance("environment", self.environment, Water, Ground)
+        arrays.instance("succeeded", self.succeeded, bool)
+        for name in ("version", "created", "status"):
+            arrays.instance(name, getattr(self, name), str)
+        for name, value in self._clean().items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED))
 
+    def _clean(self) -> dict[str, object]:
+        """Arrays and mappings as they are kept."""
+        time = arrays.times("time", self.time)
+        n = time.size
+        center_of_mass = arrays.floats("center_of_mass", self.center_of_mass, (n, None))
+        n_axes = center_of_mass.shape[1]
+        if n_axes not in (2, 3):
+            raise ValueError(f"`center_of_mass` must have 2 or 3 columns, got {n_axes}.")
+        n_links = (self.robot if n_axes == 3 else self.robot.planar()).n_links
 
-def instance(name: str, value: object, *kinds: type) -> None:
-    """Refuse a value of another kind."""
-    if not isinstance(value, kinds):
-        wanted = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-        raise ValueError(f"`{name}` must be of kind {wanted}, got {type(value).__name__}.")
+        shapes: dict[str, tuple[int, ...]] = {
+            "center_of_mass_velocity": (n, n_axes),
+            "heading": (n,),
+            "heading_rate": (n,),
+            "link_angle": (n, n_links),
+            "joint_angle": (n, n_links - 1),
+            "joint_rate": (n, n_links - 1),
+            "joint_angle_ref": (n, n_links - 1),
+            "joint_torque": (n, n_links - 1),
+            "work": (n, len(WORK_KINDS)),
+        }
+        if self.electrical_work is not None:
+            shapes["electrical_work"] = (n,)
+        clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
+        clean |= {name: arrays.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
+        clean["link_force"] = arrays.forces(self.link_force, (n, n_links, n_axes))
+        clean["signals"] = arrays.signals(self.signals, n)
+        settings, state = arrays.mapping("settings", self.settings), arrays.mapping("state", self.state)
+        clean["settings"] = {key: arrays.setting(key, value) for key, value in settings.items()}
+        clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
+        return clean
 
+    def equals(self, other: object) -> bool:
+        """Whether `other` is a trial that holds the same, bit for bit: every array, setting and text."""
+        if not isinstance(other, Contents):
+            return False
+        names = (field.name for field in dataclasses.fields(self))
+        return all(arrays.same(getattr(self, name), getattr(other, name)) for name in names)
 
-def setting(name: str, value: object) -> Setting:
-    """`value` as plain data that a file can hold."""
-    plain: object = cast("object", value.item()) if isinstance(value, np.generic) else value
-    if isinstance(plain, float) and math.isnan(plain):
-        raise ValueError(f"`settings[{name!r}]` must not be nan.")
-    if plain is None or isinstance(plain, str | float | int):
-        return plain
-    raise ValueError(f"`settings[{name!r}]` must be a text, number, truth value or None, got {type(plain).__name__}.")
+    def need(self, purpose: str, *names: str) -> None:
+        """Refuse a measured trial that lacks something.
 
+        Args:
+            purpose: What it is needed for, in words.
+            names: Of arrays, as in `not_measured`.
 
-def state_array(name: str, value: object) -> AnyArray:
-    """`value` as a read-only array of its own kind of number, in the machine's byte order."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
-        raise ValueError(f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}.")
-    return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
-
-
-def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
-    """`value` as some of the names in `choices`, in their order."""
-    given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
-    for one in given:
-        if one not in choices:
-            raise ValueError(f"`{name}` must hold only {', '.join(choices)}, got {one!r}.")
-    return tuple(choice for choice in choices if choice in given)
-
-
-def same(one: object, other: object) -> bool:
-    """Whether two contents are the same, arrays bit for bit."""
-    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
-        a, b = cast("AnyArray", one), cast("AnyArray", other)
-        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
-    if isinstance(one, dict) and isinstance(other, dict):
-        a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
-        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
-    plain = cast("object", one)
-    return type(plain) is type(other) and plain == other
-
-
-def _key(field: str, name: object) -> str:
-    if not isinstance(name, str) or not name.isidentifier():
-        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {name!r}.")
-    return name
-
-
-def _read_only(array: AnyArray, value: object) -> AnyArray:
-    # Its maker must neither change it later nor find it locked. So what is not fresh is copied, unless it is locked.
-    is_fresh = array is not value and array.flags.owndata
-    is_locked = not array.flags.writeable and array.flags.owndata
-    if not (is_fresh or is_locked):
-        array = array.copy()
-    array.flags.writeable = False
-    return array
+        Raises:
+            ValueError: If one of them was not measured.
+        """
+        for name in names:
+            if name in self.not_measured:
+                raise ValueError(f"The trial must have a measured `{name}` for {purpose}, and it has none.")

@@ -1,153 +1,29 @@
 """The log of one run, simulated or real: what everything that swims hands over, and everything that looks at it takes.
 
-It holds what was sampled and under which settings; the figures of the run are properties, defined in `metrics`.
+What is sampled stands in `contents`; the figures of the run are properties, defined in `metrics`.
 """
 
-import dataclasses
-import datetime
 import math
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
-from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.trial import contents, metrics
-from laticauda.trial.contents import AnyArray, Axes, FinJoints, Forces, Joints, Links, Plane, Samples, Setting, Work
+from laticauda.trial import formats, metrics
+from laticauda.trial.arrays import Axes, FinJoints
+from laticauda.trial.contents import Contents
 from laticauda.trial.cycles import CycleMean, cycle_mean
+from laticauda.trial.dataset import fields_of, to_dataset
+from laticauda.trial.figures import figures
 
 if TYPE_CHECKING:
     import xarray
 
-FORCE_COMPONENTS = ("drag", "added_mass", "effector")
-WORK_KINDS = ("absolute", "net", "positive")
-NOT_NEEDED = (
-    "heading",
-    "heading_rate",
-    "link_angle",
-    "joint_angle",
-    "joint_rate",
-    "joint_angle_ref",
-    "joint_torque",
-    "work",
-)
-"""What a measured trial may lack; where the robot was is what every trial has."""
 
-
-def _now() -> str:
-    return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Trial:
-    """The time-stamped log of one run, with its robot, its gait and how it ended.
-
-    Time is the first axis of every array; links and joints are numbered tail first; all arrays are float64, finite
-    and read-only. A log in the plane has one column per link of `robot.planar()`, a log in space (three columns in
-    `center_of_mass`) one per module of `robot`. Nothing about a trial can be changed: `dataclasses.replace` makes
-    another one.
-
-    Raises:
-        ValueError: If an array has the wrong shape, holds something else than finite numbers, or time does not
-            increase.
-    """
-
-    time: Samples
-    """When each sample was taken [s], strictly increasing."""
-    center_of_mass: Plane
-    """Position of the center of mass, with the fin's mass, world axes [m]."""
-    center_of_mass_velocity: Plane
-    """Its velocity, world axes [m/s]."""
-    heading: Samples
-    """Mean angle of the body's links (6), unwrapped, without the fin [rad]."""
-    heading_rate: Samples
-    """Its rate [rad/s]."""
-    link_angle: Links
-    """Angle of each link to the world x axis, counter-clockwise [rad]."""
-    joint_angle: Joints
-    """Angle of each joint, head side minus tail side [rad]."""
-    joint_rate: Joints
-    """Its rate [rad/s]."""
-    joint_angle_ref: Joints
-    """What the joint was asked for [rad]."""
-    joint_torque: Joints
-    """Torque of each joint's drive; its power is torque times rate [N m]."""
-    work: Work
-    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0) [J]."""
-    electrical_work: Samples | None = None
-    """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
-    link_force: Mapping[str, Forces] | None = None
-    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
-    signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
-    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
-    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
-    robot: Robot
-    """What swam."""
-    gait: Gait | None = None
-    """What the joints were asked for; None where no gait was."""
-    environment: Water | Ground
-    """What it swam or crawled in."""
-    settings: Mapping[str, Setting] = dataclasses.field(default_factory=dict[str, Setting])
-    """How the run was made: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
-    version: str
-    """Version of laticauda that made the run."""
-    created: str = dataclasses.field(default_factory=_now)
-    """When it was made: date and time of day with its zone, ISO 8601."""
-    status: str = "The run reached its end."
-    """How the run ended: a sentence, with advice where it failed."""
-    succeeded: bool = True
-    """Whether the run reached its end."""
-    not_measured: tuple[str, ...] = ()
-    """Arrays that nobody measured, see `NOT_NEEDED`: they hold zeros, and figures that need them refuse."""
-    state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
-    """The plant's final state, from which the run can go on; empty where there is none."""
-
-    def __post_init__(self) -> None:
-        """Check everything and freeze every array, once."""
-        contents.instance("robot", self.robot, Robot)
-        contents.instance("gait", self.gait, Gait, type(None))
-        contents.instance("environment", self.environment, Water, Ground)
-        contents.instance("succeeded", self.succeeded, bool)
-        for name in ("version", "created", "status"):
-            contents.instance(name, getattr(self, name), str)
-        for name, value in self._clean().items():
-            object.__setattr__(self, name, value)
-        object.__setattr__(self, "not_measured", contents.names("not_measured", self.not_measured, NOT_NEEDED))
-
-    def _clean(self) -> dict[str, object]:
-        """Arrays and mappings as they are kept."""
-        time = contents.times("time", self.time)
-        n = time.size
-        center_of_mass = contents.floats("center_of_mass", self.center_of_mass, (n, None))
-        n_axes = center_of_mass.shape[1]
-        if n_axes not in (2, 3):
-            raise ValueError(f"`center_of_mass` must have 2 or 3 columns, got {n_axes}.")
-        n_links = (self.robot if n_axes == 3 else self.robot.planar()).n_links
-
-        shapes: dict[str, tuple[int, ...]] = {
-            "center_of_mass_velocity": (n, n_axes),
-            "heading": (n,),
-            "heading_rate": (n,),
-            "link_angle": (n, n_links),
-            "joint_angle": (n, n_links - 1),
-            "joint_rate": (n, n_links - 1),
-            "joint_angle_ref": (n, n_links - 1),
-            "joint_torque": (n, n_links - 1),
-            "work": (n, len(WORK_KINDS)),
-        }
-        if self.electrical_work is not None:
-            shapes["electrical_work"] = (n,)
-        clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
-        clean |= {name: contents.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
-        clean["link_force"] = contents.forces(self.link_force, (n, n_links, n_axes))
-        clean["signals"] = contents.signals(self.signals, n)
-        settings, state = contents.mapping("settings", self.settings), contents.mapping("state", self.state)
-        clean["settings"] = {key: contents.setting(key, value) for key, value in settings.items()}
-        clean["state"] = {key: contents.state_array(key, value) for key, value in state.items()}
-        return clean
+class Trial(Contents):
+    """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`."""
 
     # ---- figures: definitions in `metrics` -----------------------------------------------------------------------
 
@@ -335,52 +211,70 @@ class Trial:
         nothing = np.zeros(self.time.size)
         return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
 
-    # ---- files and tables: late imports keep the libraries behind them out of a plain run -------------------------
+    # ---- files and tables ----------------------------------------------------------------------------------------
 
     def summary(self) -> dict[str, object]:
-        """All figures with how the run ended, in the order of a table, ready for JSON; see `summary.summary`."""
-        from laticauda.trial.summary import summary
+        """All figures of the run with how it ended, ready for JSON, of a failed run too.
 
-        return summary(self)
+        Returns:
+            In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name, `mean_power_kind`, every
+            figure of `FIGURES` in SI units, None where it has no meaning for this run, and `not_available`: the reason
+            for each None.
+        """
+        values, reasons = figures(self)
+        return {
+            "status": self.status,
+            "succeeded": self.succeeded,
+            "robot": self.robot.name,
+            "gait": None if self.gait is None else self.gait.kind,
+            "environment": self.environment.name,
+            "mean_power_kind": self.mean_power_kind,
+            **values,
+            "not_available": reasons,
+        }
 
     def save(self, path: str | Path) -> None:
-        """Write the trial to the file `path`, for `load_trial`; its ending says the format, see `files.save_trial`."""
-        from laticauda.trial.files import save_trial
+        """Write the trial to a file, from which `load_trial` makes an equal one.
 
-        save_trial(self, path)
+        The ending says the format, see `Format`; any other one means netCDF. A CSV file holds the time series only. An
+        older file of that name is replaced, but not before the new one is complete.
+
+        Args:
+            path: The file.
+
+        Raises:
+            TrialFileError: If the file cannot be written; the message has its name and the reason.
+            MissingExtra: If the format needs a package that is not installed.
+        """
+        formats.save(to_dataset(self), Path(path))
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the time series to the CSV file `path`, for a spreadsheet; see `files.write_csv`."""
-        from laticauda.trial.files import write_csv
+        """Write the time series to a CSV file, one row per sample: `joint_angle_0 [rad]` is the tail-most joint's.
 
-        write_csv(self, path)
+        Args:
+            path: The file, whatever its ending; an older one of that name is replaced.
+
+        Raises:
+            TrialFileError: If the file cannot be written; the message has its name and the reason.
+        """
+        formats.save(to_dataset(self), Path(path), "csv")
 
     def to_dataset(self) -> "xarray.Dataset":
         """The trial as an xarray Dataset: dimensions, units and names as in its file."""
-        from laticauda.trial.files import to_dataset
-
         return to_dataset(self)
 
-    def equals(self, other: object) -> bool:
-        """Whether `other` is a trial that holds the same, bit for bit: every array, setting and text."""
-        if not isinstance(other, Trial):
-            return False
-        names = (field.name for field in dataclasses.fields(self))
-        return all(contents.same(getattr(self, name), getattr(other, name)) for name in names)
-
-    def need(self, purpose: str, *names: str) -> None:
-        """Refuse a measured trial that lacks something.
+    @classmethod
+    def from_dataset(cls, dataset: "xarray.Dataset") -> Self:
+        """The trial that `to_dataset` made a Dataset of, equal bit for bit.
 
         Args:
-            purpose: What it is needed for, in words.
-            names: Of arrays, as in `not_measured`.
+            dataset: As `to_dataset` made it, or as a format read it.
 
         Raises:
-            ValueError: If one of them was not measured.
+            KeyError: If a variable or an attribute is missing.
+            ValueError: If what it says is no trial.
         """
-        for name in names:
-            if name in self.not_measured:
-                raise ValueError(f"The trial must have a measured `{name}` for {purpose}, and it has none.")
+        return cls(**fields_of(dataset))
 
     def __repr__(self) -> str:
         """On one line: who swam what for how long, and how it ended."""

@@ -1,0 +1,307 @@
+"""What a recording holds: messages of ROS 2, by the kind of what happened.
+
+Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
+refuse files of mixed encodings, so even what has no ROS type of its own travels as one: an event as the log message of
+ROS, with its data as JSON. Units stand in the metadata of each channel, under "unit". `recording` reads it again.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from laticauda.logs import ros2
+from laticauda.logs.mcap_file import McapFile, moment, nanoseconds
+
+LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
+"""Levels of events and their numbers in rcl_interfaces/Log."""
+_CAN_FRAME = struct.Struct("<4s iI I4s I??? B8s")  # encapsulation; stamp, frame_id ""; identifier, flags, length, data
+WORLD = "world"
+"""The frame of the world axes."""
+
+
+class Recorder:
+    """Writes messages to an MCAP file while they happen; any thread may.
+
+    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
+    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
+    context manager: leaving it, also by an error, completes the file.
+
+    Args:
+        path: The file.
+        chunk_seconds: A chunk is complete after this much time of the messages [s].
+        chunk_bytes: And when it holds this much [bytes].
+        overwrite: Whether an older file of that name may be replaced.
+
+    Raises:
+        ValueError: If an argument is out of range.
+        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
+        MissingExtra: If the package `mcap` is not installed.
+
+    Example:
+        >>> with Recorder("/dev/null", overwrite=True) as recorder:
+        ...     recorder.scalar("/power/electrical", 0.5, 92.0, unit="W")
+        ...     recorder.event(0.5, "running", {"gait": "eel_like"})
+    """
+
+    def __init__(
+        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
+    ) -> None:
+        self._file = McapFile(path, chunk_seconds=chunk_seconds, chunk_bytes=chunk_bytes, overwrite=overwrite)
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._file.path
+
+    def message(self, topic: str, time: float, kind: str, content: Mapping[str, Any], *, unit: str = "") -> None:
+        """Record any message of a known type.
+
+        Args:
+            topic: As "/joint_states"; its messages are all of one type.
+            time: When it happened [s], not negative: since the start of the run, or since 1970.
+            kind: The ROS type, one of `ros2_types.DEFINITIONS`, as "std_msgs/Float64".
+            content: Its fields.
+            unit: Of its numbers; kept with the first message of the topic.
+
+        Raises:
+            ValueError: If the content does not fit the type, or the topic has another type.
+            StorageFailed: If it cannot be written.
+        """
+        now = moment(time)
+        self._file.add(topic, kind, unit, now, ros2.codec(kind).encode(content))
+
+    def joint_state(
+        self,
+        topic: str,
+        time: float,
+        names: Sequence[str],
+        position: Sequence[float],
+        velocity: Sequence[float] = (),
+        effort: Sequence[float] = (),
+    ) -> None:
+        """Record the state of joints (sensor_msgs/JointState).
+
+        Args:
+            topic: Where, as "/joint_states".
+            time: When, as for `message` [s].
+            names: Of the joints, tail first.
+            position: Their angles [rad].
+            velocity: Their rates [rad/s]; empty if not known.
+            effort: Their torques [N m]; empty if not known.
+        """
+        content = {
+            "header": _header(time, ""),
+            "name": names,
+            "position": position,
+            "velocity": velocity,
+            "effort": effort,
+        }
+        self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
+
+    def pose(
+        self,
+        topic: str,
+        time: float,
+        position: Sequence[float],
+        quaternion: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+        frame: str = WORLD,
+    ) -> None:
+        """Record where something is (geometry_msgs/PoseStamped).
+
+        Args:
+            topic: Where, as "/body".
+            time: When, as for `message` [s].
+            position: x, y, z [m].
+            quaternion: Its orientation w, x, y, z [-].
+            frame: Whose axes these are.
+        """
+        pose = {"position": _xyz(position), "orientation": _quaternion(quaternion)}
+        self.message(topic, time, "geometry_msgs/PoseStamped", {"header": _header(time, frame), "pose": pose}, unit="m")
+
+    def transforms(
+        self, time: float, frames: Mapping[str, tuple[Sequence[float], Sequence[float]]], parent: str = WORLD
+    ) -> None:
+        """Record where frames are, on /tf (tf2_msgs/TFMessage).
+
+        Args:
+            time: When, as for `message` [s].
+            frames: By name: position x, y, z [m] and orientation w, x, y, z [-].
+            parent: In whose axes.
+        """
+        header = _header(time, parent)
+        transforms = [
+            {
+                "header": header,
+                "child_frame_id": name,
+                "transform": {"translation": _xyz(position), "rotation": _quaternion(quaternion)},
+            }
+            for name, (position, quaternion) in frames.items()
+        ]
+        self.message("/tf", time, "tf2_msgs/TFMessage", {"transforms": transforms}, unit="m")
+
+    def scalar(self, topic: str, time: float, value: float, unit: str = "") -> None:
+        """Record one number (std_msgs/Float64).
+
+        Args:
+            topic: Where, as "/power/electrical".
+            time: When, as for `message` [s].
+            value: The number.
+            unit: Its unit.
+        """
+        self.message(topic, time, "std_msgs/Float64", {"data": value}, unit=unit)
+
+    def vector(self, topic: str, time: float, xyz: Sequence[float], unit: str = "", frame: str = WORLD) -> None:
+        """Record a vector (geometry_msgs/Vector3Stamped).
+
+        Args:
+            topic: Where, as "/current".
+            time: When, as for `message` [s].
+            xyz: Its components.
+            unit: Their unit.
+            frame: Whose axes these are.
+        """
+        content = {"header": _header(time, frame), "vector": _xyz(xyz)}
+        self.message(topic, time, "geometry_msgs/Vector3Stamped", content, unit=unit)
+
+    def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
+        """Record numbers of any shape, the last index running fastest (std_msgs/Float64MultiArray).
+
+        Args:
+            topic: Where, as "/link_force".
+            time: When, as for `message` [s].
+            values: An array of numbers.
+            unit: Their unit.
+            labels: Names of its axes.
+        """
+        import numpy as np
+
+        numbers = np.asarray(values, dtype=np.float64)
+        sizes = numbers.shape
+        dim = [
+            {
+                "label": labels[i] if i < len(labels) else "",
+                "size": size,
+                "stride": int(np.prod(sizes[i:], dtype=np.int64)),
+            }
+            for i, size in enumerate(sizes)
+        ]
+        content = {"layout": {"dim": dim, "data_offset": 0}, "data": numbers.ravel()}
+        self.message(topic, time, "std_msgs/Float64MultiArray", content, unit=unit)
+
+    def can_frame(
+        self,
+        topic: str,
+        time: float,
+        identifier: int,
+        data: bytes,
+        *,
+        is_extended: bool = False,
+        is_rtr: bool = False,
+        is_error: bool = False,
+    ) -> None:
+        """Record a raw frame of a CAN bus (can_msgs/Frame).
+
+        Args:
+            topic: Where, as "/can".
+            time: When, as for `message` [s].
+            identifier: Of the frame.
+            data: Up to 8 bytes.
+            is_extended: Whether the identifier has 29 bits.
+            is_rtr: Whether it asks for data.
+            is_error: Whether the bus reports an error by it.
+
+        Raises:
+            ValueError: If there are more than 8 bytes.
+        """
+        if len(data) > 8:
+            raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
+        now = moment(time)
+        if not 0 <= identifier < 1 << 32:
+            raise ValueError(f"`identifier` must be from 0 to 2^32 - 1, got {identifier}.")
+        # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
+        seconds, rest = divmod(now, 1_000_000_000)
+        flags = bool(is_rtr), bool(is_extended), bool(is_error)
+        body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, *flags, len(data), bytes(data))
+        self._file.add(topic, "can_msgs/Frame", "", now, body)
+
+    def json(self, topic: str, time: float, content: object) -> None:
+        """Record anything that JSON can hold, as a text (std_msgs/String).
+
+        Args:
+            topic: Where, as "/settings".
+            time: When, as for `message` [s].
+            content: The data.
+        """
+        self.message(topic, time, "std_msgs/String", {"data": json.dumps(content)}, unit="json")
+
+    def event(self, time: float, name: str, data: object = None, *, level: str = "info") -> None:
+        """Record an event on /events (rcl_interfaces/Log), and hand on the chunk: what happens last matters most.
+
+        Args:
+            time: When [s].
+            name: What happened, in a word or two.
+            data: Anything more that JSON can hold.
+            level: One of `LEVELS`.
+
+        Raises:
+            ValueError: If the level is not known, or the data are not for JSON.
+        """
+        if level not in LEVELS:
+            raise ValueError(f"`level` must be one of {', '.join(LEVELS)}, got {level!r}.")
+        try:
+            text = "" if data is None else json.dumps(data)
+        except TypeError as error:
+            raise ValueError(f"`data` must be data that JSON can hold: {error}.") from error
+        content = {
+            "stamp": ros2.stamp(nanoseconds(time)),
+            "level": LEVELS[level],
+            "name": name,
+            "msg": text,
+            "file": "",
+            "function": "",
+            "line": 0,
+        }
+        self.message("/events", time, "rcl_interfaces/Log", content)
+        self.flush()
+
+    def metadata(self, name: str, content: Mapping[str, str]) -> None:
+        """Record texts that belong to the whole file; they are on disk at once.
+
+        Args:
+            name: What they are about.
+            content: The texts by name.
+        """
+        self._file.metadata(name, content)
+
+    def flush(self) -> None:
+        """Complete the open chunk and hand it to the operating system."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Complete the file; a second time it does nothing."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def _header(time: float, frame: str) -> dict[str, Any]:
+    return {"stamp": ros2.stamp(nanoseconds(time)), "frame_id": frame}
+
+
+def _xyz(values: Sequence[float]) -> dict[str, float]:
+    x, y, z = values
+    return {"x": x, "y": y, "z": z}
+
+
+def _quaternion(values: Sequence[float]) -> dict[str, float]:
+    w, x, y, z = values
+    return {"x": x, "y": y, "z": z, "w": w}

@@ -1,0 +1,223 @@
+"""From a table of somebody's log to a `Trial`: units, axes, kinematics, gaps, rates, work."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool
+
+from laticauda import kinematics
+from laticauda.errors import TrialFileError
+from laticauda.logs import flat
+from laticauda.logs.column_files import load_column_map
+from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
+from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
+from laticauda.logs.smoothing import rate
+from laticauda.logs.tables import Table, read_table
+from laticauda.robot import Robot
+from laticauda.trial import Trial
+from laticauda.trial.arrays import Samples, times
+from laticauda.trial.contents import NOT_NEEDED
+from laticauda.trial.dataset import ELECTRICAL, PLAIN, WORK
+
+FASTEST = 5.0  # robot lengths per second; what is faster has another unit
+SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
+LARGEST_BEND = math.pi  # [rad]
+
+
+def load_measured(path: str | Path, columns: str | Path | ColumnMap) -> Trial:
+    """Make a trial of somebody's log.
+
+    The log is CSV, TSV, Parquet, .mat, C3D, or what Qualisys Track Manager exports as TSV. What was not measured is
+    listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles are taken as they are;
+    their rates are the slopes of cubic fits over `smoothing`. Work is that of the measured torques, electrical work
+    that of the measured power above idle (4).
+
+    Args:
+        path: The log; its ending says what it is.
+        columns: The column map, or its file.
+
+    Raises:
+        TrialFileError: If a file cannot be read, a column is missing, time does not increase, values are missing over
+            too long a time, or units cannot be what is said; the message has the file, the column and the value.
+        MissingExtra: If the format needs a package that is not installed.
+
+    Example:
+        See the how-to "Bring your own measurements".
+    """
+    path = Path(path)
+    given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
+    table = read_table(path, given.separator, given.decimal)
+    try:
+        trial = _trial(table, given)
+    except ValueError as error:
+        raise TrialFileError(f"Cannot load {path}: {error}") from error
+    settings = {"model": "measured", "source": path.name, "smoothing": given.smoothing, **trial.settings}
+    return dataclasses.replace(trial, settings=settings)
+
+
+def _trial(table: Table, given: ColumnMap) -> Trial:
+    if given.center_of_mass is None and given.body is None and given.ends is None:
+        return _own_table(table, given)
+    time, rows = _time(table, given)
+    log = Log(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
+    chain = given.robot.planar()
+    place = place_of(log, chain)
+    joints = {name: joints_of(log, name, chain) for name in UNITS if getattr(given, name) is not None}
+    arrays = _arrays(log, chain, place, joints)
+    missing = tuple(name for name in NOT_NEEDED if name not in arrays)
+    n = time.size
+    shapes = {"link_angle": (n, chain.n_links), "work": (n, 3), "heading": (n,), "heading_rate": (n,)}
+    for name in missing:
+        arrays[name] = np.zeros(shapes.get(name, (n, chain.n_joints)))
+    _check_plausible(arrays, chain, missing)
+    return Trial(
+        **arrays,
+        electrical_work=None if given.power is None else _electrical_work(log),
+        signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
+        robot=given.robot,
+        gait=given.gait,
+        environment=given.environment,
+        version=version("laticauda"),
+        not_measured=missing,
+        settings={"filled_samples": int(np.count_nonzero(log.lost))},
+        status=_status(log),
+    )
+
+
+# ---- time ----------------------------------------------------------------------------------------------------------
+
+
+def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n_rows"]]:
+    """Time from the start of the trial [s], and the rows of the file that belong to it."""
+    n = table.n_rows
+    if given.time.column is not None:
+        time, name = TIMES[given.time.unit] * table[given.time.column], given.time.column
+    elif given.time.rate is not None or table.rate is not None:
+        time, name = np.arange(n) / (given.time.rate or table.rate or 1.0), "time"
+    else:
+        raise ValueError("The map must say `time.column` or `time.rate`: the file does not say when its rows were.")
+    if not np.all(np.isfinite(time)):
+        raise ValueError(
+            f"`{name}` must hold numbers, and has none in its row {int(np.argmin(np.isfinite(time))) + 1}."
+        )
+    rows = np.ones(n, dtype=np.bool_)
+    if given.start is not None:
+        rows &= time >= given.start
+    if given.stop is not None:
+        rows &= time <= given.stop
+    if np.count_nonzero(rows) < 2:
+        raise ValueError(
+            f"`{name}` must have 2 samples at least between `start` and `stop`, "
+            f"got {np.count_nonzero(rows)}; the file has {n} from {time[0]:g} s to {time[-1]:g} s."
+            if n
+            else f"`{name}` must have 2 samples at least, got none."
+        )
+    kept = times(name, time[rows])
+    step = float(np.median(np.diff(kept)))
+    if step > SLOWEST_SAMPLING:
+        raise ValueError(f"`{name}` must have steps of {SLOWEST_SAMPLING:g} s at most, got {step:g} s; is its unit ms?")
+    longest = float(np.max(np.diff(kept)))
+    if longest > max(given.longest_gap, 3.0 * step):
+        at = float(kept[np.argmax(np.diff(kept))])
+        raise ValueError(
+            f"`{name}` must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of "
+            f"{longest:.4g} s after {at:.6g} s; cut it off by `start` and `stop`."
+        )
+    # Counted from the start that the user asked for, or from the first row.
+    return kept - (given.start if given.start is not None else float(kept[0])), rows
+
+
+# ---- joints, rates, work -------------------------------------------------------------------------------------------
+
+
+def _arrays(log: Log, chain: Robot, place: Place, joints: dict[str, Angles]) -> dict[str, Any]:
+    """The arrays of the trial that can be made."""
+    time, window = log.time, log.column_map.smoothing
+    found: dict[str, Any] = {"time": time, "center_of_mass": place.center, **joints}
+    found["center_of_mass_velocity"] = rate(time, place.center, window)
+    if place.heading is not None:
+        found["heading"], found["heading_rate"] = place.heading, rate(time, place.heading, window)
+    if place.link_angle is not None:
+        found["link_angle"] = place.link_angle
+        found.setdefault("joint_angle", kinematics.joint_angles(place.link_angle))
+    if "joint_angle" in found:
+        found.setdefault("joint_rate", rate(time, found["joint_angle"], window))
+    if "joint_torque" in found and "joint_rate" in found:
+        power = found["joint_torque"] * found["joint_rate"]
+        kinds = (np.abs(power), power, np.maximum(power, 0.0))
+        found["work"] = np.stack([_integral(time, np.sum(one, axis=1)) for one in kinds], axis=1)
+    return found
+
+
+def _electrical_work(log: Log) -> Samples:
+    """Electrical work above idle (4) [J]."""
+    given = log.column_map.power
+    assert given is not None
+    if given.column is not None:
+        power = log.raw(given.column)
+    else:
+        assert given.current is not None
+        voltage = log.raw(given.voltage) if isinstance(given.voltage, str) else given.voltage
+        power = log.raw(given.current) * voltage
+    idle = log.column_map.robot.idle_power if given.idle is None else given.idle
+    return _integral(log.time, log.whole(given.column or given.current or "", power) - idle)
+
+
+def _integral(time: Samples, values: Samples) -> Samples:
+    return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(time) * (values[1:] + values[:-1]))))
+
+
+# ---- checks and words ----------------------------------------------------------------------------------------------
+
+
+def _check_plausible(arrays: dict[str, Any], chain: Robot, missing: tuple[str, ...]) -> None:
+    """Refuse what only another unit explains."""
+    speed = float(np.median(np.linalg.norm(arrays["center_of_mass_velocity"], axis=1)))
+    if speed > FASTEST * chain.length:
+        raise ValueError(
+            f"The robot of {chain.length:.3g} m must swim at most {FASTEST:g} lengths per second, got {speed:.3g} m/s; "
+            "is `length_unit` mm?"
+        )
+    for name in ("joint_angle", "joint_angle_ref"):
+        largest = float(np.max(np.abs(arrays[name]), initial=0.0))
+        if name not in missing and largest > LARGEST_BEND:
+            raise ValueError(f"`{name}` must be between -pi and pi rad, got {largest:.4g} rad; is its `unit` deg?")
+
+
+def _status(log: Log) -> str:
+    if not log.filled_columns:
+        return "Measured, without gaps."
+    n, columns = int(np.count_nonzero(log.lost)), sorted(set(log.filled_columns))
+    shown = ", ".join(columns[:4]) + (f" and {len(columns) - 4} more" if len(columns) > 4 else "")
+    return f"Measured; {n} of {log.time.size} samples had gaps in {shown}, filled by straight lines."
+
+
+# ---- tables that laticauda wrote -----------------------------------------------------------------------------------
+
+
+def _own_table(table: Table, given: ColumnMap) -> Trial:
+    """The trial whose CSV file laticauda wrote: every number as it is, with the robot and gait of the map."""
+    plain = {name.split(" [")[0]: values for name, values in table.columns.items() if not isinstance(values, str)}
+    if "center_of_mass_x" not in plain:
+        raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")
+    try:
+        arrays: dict[str, Any] = {name: flat.series(plain, name) for name in PLAIN}
+        work = np.stack([plain[name] for name in WORK], axis=1)
+    except KeyError as error:
+        raise ValueError(f"The file has no column `{error.args[0]}`.") from error
+    return Trial(
+        **arrays,
+        work=work,
+        electrical_work=plain.get(ELECTRICAL),
+        signals={name.removeprefix("signal_"): one for name, one in plain.items() if name.startswith("signal_")},
+        robot=given.robot,
+        gait=given.gait,
+        environment=given.environment,
+        version=version("laticauda"),
+    )

@@ -1,0 +1,230 @@
+"""Where a robot was and how it was bent, from the columns of somebody's log: units, axes, kinematics, gaps."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda import kinematics
+from laticauda.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
+from laticauda.logs.smoothing import filled
+from laticauda.logs.tables import Table
+from laticauda.robot import Robot
+from laticauda.trial.arrays import Samples
+
+Points = Float[np.ndarray, "n_samples 2"]
+Angles = Float[np.ndarray, "n_samples n_columns"]
+
+
+@dataclass
+class Log:
+    """The part of a table that is the trial, and what had to be filled in."""
+
+    table: Table
+    """The whole file."""
+    column_map: ColumnMap
+    """What its columns are."""
+    rows: Bool[np.ndarray, " n_rows"]
+    """Which of its rows belong to the trial."""
+    time: Samples
+    """From the start of the trial [s]."""
+    lost: Bool[np.ndarray, " n_samples"]
+    """Which samples had a gap anywhere."""
+    filled_columns: list[str] = field(default_factory=list[str])
+    """What had one."""
+
+    def raw(self, name: str) -> Samples:
+        """The column `name` as it is in the file, with its gaps."""
+        return self.table[name][self.rows]
+
+    def whole(self, name: str, values: Samples) -> Samples:
+        """The `values` of the quantity `name` without gaps."""
+        found, lost = filled(name, self.time + (self.column_map.start or 0.0), values, self.column_map.longest_gap)
+        if np.any(lost):
+            self.filled_columns.append(name)
+            self.lost |= lost
+        return found
+
+    def lengths(self, names: Any, unit: str | None) -> Float[np.ndarray, "n_samples n_columns"]:
+        """The columns `names` of lengths [m], with their gaps; `unit` if the map says it."""
+        return np.stack([LENGTHS[self._unit(name, unit, LENGTHS)] * self.raw(name) for name in names], axis=1)
+
+    def angle(self, name: str, unit: str | None) -> Samples:
+        """The column `name` of angles [rad], with its gaps; `unit` if the map says it."""
+        return ANGLES[self._unit(name, unit, ANGLES)] * self.raw(name)
+
+    def _unit(self, name: str, asked: str | None, units: dict[str, float]) -> str:
+        unit = asked or self.table.units.get(name) or next(iter(units))
+        if unit not in units:
+            raise ValueError(f"Column `{name}` must be in {', '.join(units)}, and the file says {unit!r}.")
+        return unit
+
+
+@dataclass
+class Place:
+    """Where the robot was, as far as it is known."""
+
+    center: Points
+    """Its center of mass [m]."""
+    heading: Samples | None = None
+    """Mean angle of its links [rad]."""
+    link_angle: Angles | None = None
+    """Angles of its links [rad]."""
+
+
+def place_of(log: Log, chain: Robot) -> Place:
+    """Where the robot was, by whichever section of the map says it.
+
+    Args:
+        log: The log.
+        chain: The planar robot.
+
+    Raises:
+        ValueError: If a column is missing, has a long gap, or the map does not fit the robot.
+    """
+    given = log.column_map
+    if given.ends is not None:
+        return _from_ends(log, chain)
+    if given.body is not None:
+        return _from_body(log, chain, given.body)
+    assert given.center_of_mass is not None
+    frame = _axes(given.frame)
+    position = _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit, frame)
+    heading = None
+    if given.heading is not None:
+        yaw = log.angle(given.heading.column, given.heading.unit)
+        heading = _direction(log, given.heading.column, np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1), frame)
+    link_angle = None
+    if heading is not None and given.joint_angle is not None:
+        link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=heading)
+    return Place(position, heading, link_angle)
+
+
+def _from_body(log: Log, chain: Robot, body: Body) -> Place:
+    if body.link >= chain.n_links:
+        raise ValueError(f"`body.link` must be < {chain.n_links}, the number of links, got {body.link}.")
+    if body.name is not None:
+        body = _of_qtm(log.table, body)
+    frame = _axes(log.column_map.frame)
+    assert body.position is not None
+    position = _plane(log, body.position, body.length_unit, frame)
+    angle = _direction(log, body.position[0], _forward(log, body), frame) + math.radians(body.angle_offset_deg)
+    link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=angle, link=body.link)
+    center = kinematics.center_of_mass(chain, position, link_angle, link=body.link, offset=body.offset)
+    return Place(center, kinematics.heading(link_angle), link_angle)
+
+
+def _of_qtm(table: Table, body: Body) -> Body:
+    """All columns of a rigid body that is given by its name."""
+    position = [f"{body.name} {axis}" for axis in AXES]
+    rotation = [f"{body.name} Rot[{i}]" for i in range(9)]
+    if all(name in table.columns for name in rotation):
+        return dataclasses.replace(body, name=None, position=position, rotation=rotation)
+    return dataclasses.replace(body, name=None, position=position, yaw=f"{body.name} Yaw")
+
+
+def _from_ends(log: Log, chain: Robot) -> Place:
+    ends = log.column_map.ends
+    assert ends is not None
+    if len(ends.markers) != chain.n_links + 1:
+        need = f"{chain.n_links + 1} names: tail end, {chain.n_joints} joints, head end"
+        raise ValueError(f"`ends.markers` must have {need}; got {len(ends.markers)}.")
+    frame = _axes(log.column_map.frame)
+    place: list[Points] = []
+    for marker in ends.markers:
+        names = [ends.columns.format(marker=marker, axis=axis) for axis in AXES]
+        # Without a Z, the markers are in the plane.
+        place.append(
+            _plane(log, [name for name in names if name in log.table.columns] or names, ends.length_unit, frame)
+        )
+    links = np.diff(np.stack(place, axis=1), axis=1)
+    link_angle: Angles = np.unwrap(np.arctan2(links[..., 1], links[..., 0]), axis=0)
+    # Which turn a link began in is not seen: within half a turn of its neighbor.
+    link_angle = link_angle + (np.unwrap(link_angle[0]) - link_angle[0])
+    # Every marker says where the center of mass is; the middle of the links' middles has the least noise.
+    middles = 0.5 * (np.stack(place[1:], axis=1) + np.stack(place[:-1], axis=1))
+    centers = [kinematics.center_of_mass(chain, middles[:, i], link_angle, link=i) for i in range(chain.n_links)]
+    return Place(np.mean(centers, axis=0), kinematics.heading(link_angle), link_angle)
+
+
+def _forward(log: Log, body: Body) -> Float[np.ndarray, "n_samples 3"]:
+    """The direction toward the head in the axes of the file."""
+    sign, axis = -1.0 if body.forward.startswith("-") else 1.0, "xyz".index(body.forward[-1])
+    if body.rotation is not None:  # columns of the matrix are the body's axes
+        return sign * np.stack([log.raw(name) for name in body.rotation[3 * axis : 3 * axis + 3]], axis=1)
+    if body.quaternion is not None:
+        w, x, y, z = (log.raw(name) for name in body.quaternion)
+        matrix = (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)),
+            (2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)),
+            (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)),
+        )
+        return sign * np.stack(matrix[axis], axis=1)
+    assert body.yaw is not None
+    angle = log.angle(body.yaw, body.angle_unit)
+    if axis == 2:
+        raise ValueError("`body.forward` must be x or y, or its opposite, with `yaw`: z does not turn with it.")
+    angle = angle + 0.5 * math.pi * axis
+    return sign * np.stack((np.cos(angle), np.sin(angle), 0.0 * angle), axis=1)
+
+
+def _axes(frame: Frame) -> Float[np.ndarray, "2 3"]:
+    """The trial's x and y in the axes of the file, as rows."""
+    rows = np.zeros((2, 3))
+    for row, name in enumerate((frame.x, frame.y)):
+        rows[row, "xyz".index(name[-1])] = -1.0 if name.startswith("-") else 1.0
+    return rows
+
+
+def _turn(frame: Frame) -> Float[np.ndarray, "2 2"]:
+    angle = math.radians(frame.rotation_deg)
+    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+
+
+def _plane(log: Log, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"]) -> Points:
+    """A place in the trial's axes [m], without gaps."""
+    place = log.lengths(names, unit)
+    place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
+    if place.shape[1] == 2:
+        if np.any(axes[:, 2]):
+            raise ValueError("`frame` must not name z: the position has no z.")
+        place = np.hstack((place, np.zeros((len(place), 1))))
+    frame = log.column_map.frame
+    return (place @ axes.T - np.array(frame.origin)) @ _turn(frame).T
+
+
+def _direction(log: Log, name: str, forward: Float[np.ndarray, "n_samples 3"], axes: Any) -> Samples:
+    """The angle of a direction to the trial's x axis [rad], unwrapped, without gaps."""
+    ours = forward @ axes.T @ _turn(log.column_map.frame).T
+    known = np.all(np.isfinite(ours), axis=1)
+    if np.any(np.hypot(*ours[known].T) < 0.1):
+        raise ValueError(f"The body of `{name}` must lie flat: its forward axis is almost upright. Is `forward` right?")
+    angle = np.full(len(ours), np.nan)
+    angle[known] = np.unwrap(np.arctan2(ours[known, 1], ours[known, 0]))
+    return log.whole(f"angle of {name}", angle)
+
+
+def joints_of(log: Log, section: str, chain: Robot) -> Angles:
+    """What one section has of every joint, in SI units, without gaps.
+
+    Args:
+        log: The log.
+        section: As in the map, one of `UNITS`.
+        chain: The planar robot.
+
+    Raises:
+        ValueError: If a column is missing or has a long gap, or there are not as many as joints.
+    """
+    given = getattr(log.column_map, section)
+    factor = given.sign * UNITS[section][given.unit or next(iter(UNITS[section]))]
+    try:
+        names = given.names(chain.n_joints)
+    except ValueError as error:
+        raise ValueError(str(error).replace("`columns`", f"`{section}.columns`")) from error
+    found = [log.whole(name, factor * log.raw(name)) for name in names]
+    return np.stack(found, axis=1) if found else np.zeros((log.time.size, 0))

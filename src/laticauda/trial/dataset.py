@@ -1,0 +1,267 @@
+"""A trial as an xarray Dataset and back: what every format of files is made of.
+
+Every time series is a variable with its dimensions, unit and long name. Everything else is an attribute: a text (TOML
+or JSON, which write floats with all their digits) or a number, so that any tool shows it.
+"""
+
+import base64
+import dataclasses
+import json
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from laticauda.gaits import Gait, Wave
+from laticauda.robot import Ground, Robot, Water, from_toml, to_toml
+from laticauda.trial.arrays import AnyArray
+from laticauda.trial.contents import WORK_KINDS, Contents
+
+if TYPE_CHECKING:
+    import xarray
+
+FORMAT = 2
+"""Number of this layout: 1 kept the kinds of numbers of the state apart. A larger one is a newer laticauda's."""
+MARK = "laticauda_trial"
+"""The attribute that makes a Dataset a trial; its value is `FORMAT`."""
+AXES = ("x", "y", "z")
+FORCE = "link_force_"
+SIGNAL = "signal_"
+TEXTS = ("version", "created", "status")
+
+
+class Variable(NamedTuple):
+    """One time series of the layout."""
+
+    dimensions: tuple[str, ...]
+    """Names of its axes, time first."""
+    units: str
+    """SI unit, in the notation of UDUNITS."""
+    long_name: str
+    """What it is, in words."""
+
+
+_ONE, _PLACE, _LINKS, _JOINTS = ("time",), ("time", "axis"), ("time", "link"), ("time", "joint")
+
+PLAIN = {
+    "time": Variable(_ONE, "s", "time since the start of the run"),
+    "center_of_mass": Variable(_PLACE, "m", "position of the center of mass, world axes"),
+    "center_of_mass_velocity": Variable(_PLACE, "m s-1", "velocity of the center of mass, world axes"),
+    "heading": Variable(_ONE, "rad", "mean angle of the body's links, unwrapped"),
+    "heading_rate": Variable(_ONE, "rad s-1", "rate of the heading"),
+    "link_angle": Variable(_LINKS, "rad", "angle of each link to the world x axis, counter-clockwise, tail first"),
+    "joint_angle": Variable(_JOINTS, "rad", "joint angle, head side minus tail side, tail first"),
+    "joint_rate": Variable(_JOINTS, "rad s-1", "rate of the joint angle"),
+    "joint_angle_ref": Variable(_JOINTS, "rad", "joint angle that was asked for"),
+    "joint_torque": Variable(_JOINTS, "N m", "torque of the joint's drive"),
+}
+"""The variables that are an array of `Trial` as it stands."""
+
+WORK = {
+    f"work_{kind}": Variable(_ONE, "J", f"mechanical work of the joints, {words}")
+    for kind, words in zip(WORK_KINDS, ("sum of |u phi'|", "sum of u phi'", "sum of max(u phi', 0)"), strict=True)
+}
+"""The columns of `Trial.work`."""
+
+ELECTRICAL = "electrical_work"
+
+SIGNALS = {
+    "heading_ref": ("rad", "heading that guidance asks for"),
+    "heading_used": ("rad", "heading that the controller goes by"),
+    "cross_track_error": ("m", "distance from the path, positive to the left"),
+    "along_track_distance": ("m", "length of the path up to the nearest point"),
+    "path_tangential_angle": ("rad", "direction of the path at the nearest point"),
+    "offset": ("rad", "offset of all joints that steering asks for"),
+    "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
+    **{f"orientation_{part}": ("1", f"quaternion of module 0 to the world axes, {part}") for part in "wxyz"},
+    "drift_x": ("m/s", "velocity with which the robot is believed to be carried, along x"),
+    "drift_y": ("m/s", "velocity with which the robot is believed to be carried, along y"),
+    "frequency": ("rad/s", "frequency of the gait that is asked for"),
+    "solver_iterations": ("1", "iterations that the plan took"),
+    "is_fallback": ("1", "whether there was no plan and line of sight took over: 0 or 1"),
+    "climb_ref": ("rad", "climb that guidance asks for"),
+    "climb_used": ("rad", "climb that the controller goes by"),
+    "height_error": ("m", "distance from the path in profile, positive above"),
+    "path_climb": ("rad", "climb of the path at the nearest point"),
+    "climb_offset": ("rad", "offset that climbing asks for, positive upward"),
+    "climb_is_saturated": ("1", "whether that offset is at its limit: 0 or 1"),
+    "pitch": ("rad", "mean pitch of the links, positive downward"),
+}
+"""Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
+
+
+def variable(name: str) -> Variable:
+    """The description of a time series.
+
+    Args:
+        name: As in the file.
+
+    Raises:
+        KeyError: If no trial has one of that name.
+    """
+    if name.startswith(FORCE):
+        words = name.removeprefix(FORCE).replace("_", " ")
+        return Variable(("time", "link", "axis"), "N", f"force of the {words} on each link, world axes")
+    if name.startswith(SIGNAL):
+        signal = name.removeprefix(SIGNAL)
+        return Variable(_ONE, *SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
+    if name == ELECTRICAL:
+        return Variable(_ONE, "J", "electrical work of the robot above idle")
+    return (PLAIN | WORK)[name]
+
+
+def to_dataset(trial: Contents) -> "xarray.Dataset":
+    """A trial as a Dataset, from which `fields_of` has all of it.
+
+    Args:
+        trial: Any trial.
+    """
+    import xarray
+
+    arrays = {name: getattr(trial, name) for name in PLAIN}
+    arrays |= {name: trial.work[:, i] for i, name in enumerate(WORK)}
+    if trial.electrical_work is not None:
+        arrays[ELECTRICAL] = trial.electrical_work
+    arrays |= {FORCE + name: force for name, force in (trial.link_force or {}).items()}
+    arrays |= {SIGNAL + name: signal for name, signal in trial.signals.items()}
+    series: dict[str, Any] = {}
+    for name, values in arrays.items():
+        described = variable(name)
+        notes = {"units": described.units, "long_name": described.long_name}
+        series[name] = described.dimensions, values.copy(), notes
+    index = {
+        "link": np.arange(trial.link_angle.shape[1], dtype=np.int32),
+        "joint": np.arange(trial.joint_angle.shape[1], dtype=np.int32),
+        "axis": np.array(AXES[: trial.center_of_mass.shape[1]], dtype=object),
+    }
+    return xarray.Dataset(series, coords=index, attrs=_attributes(trial))
+
+
+def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -> "xarray.Dataset":
+    """The Dataset of a trial from its time series.
+
+    Args:
+        read: Gives the array of a time series by its name; what it raises passes through.
+        attributes: Those of the Dataset, as they were stored.
+
+    Raises:
+        KeyError: If an attribute is missing.
+        ValueError: If the attributes are not those of a trial.
+    """
+    import xarray
+
+    check_format(attributes)
+    names = [*PLAIN, *WORK, *([ELECTRICAL] if attributes["has_electrical_work"] else [])]
+    names += [FORCE + name for name in json.loads(attributes["link_force"]) or ()]
+    names += [SIGNAL + name for name in json.loads(attributes["signals"])]
+    return xarray.Dataset({name: (variable(name).dimensions, read(name)) for name in names}, attrs=dict(attributes))
+
+
+def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
+    """What the trial holds that `to_dataset` made a Dataset of, by the fields of `Contents`.
+
+    Args:
+        dataset: As it was made, or as a format read it.
+
+    Raises:
+        KeyError: If a variable or an attribute is missing.
+        ValueError: If anything is not as it was written.
+    """
+    attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
+    check_format(attributes)
+
+    def read(name: str) -> AnyArray:
+        if name not in dataset.variables:
+            raise KeyError(name)
+        return dataset.variables[name].values
+
+    forces: list[str] | None = json.loads(attributes["link_force"])
+    gait: dict[str, Any] | None = json.loads(attributes["gait"])
+    return {
+        **{name: read(name) for name in PLAIN},
+        "work": np.stack([read(name) for name in WORK], axis=1),
+        "electrical_work": read(ELECTRICAL) if attributes["has_electrical_work"] else None,
+        "link_force": None if forces is None else {name: read(FORCE + name) for name in forces},
+        "signals": {name: read(SIGNAL + name) for name in json.loads(attributes["signals"])},
+        "robot": from_toml(attributes["robot"], Robot),
+        "gait": None if gait is None else _gait(gait),
+        "environment": _environment(attributes["environment"]),
+        "settings": json.loads(attributes["settings"]),
+        **{name: str(attributes[name]) for name in TEXTS},
+        "succeeded": bool(attributes["succeeded"]),
+        "not_measured": tuple(json.loads(attributes.get("not_measured", "[]"))),  # older versions have none
+        "state": _state(attributes),
+    }
+
+
+def check_format(attributes: Mapping[str, Any]) -> None:
+    """Refuse what is no trial, or one of a newer laticauda.
+
+    Args:
+        attributes: Of a Dataset.
+
+    Raises:
+        ValueError: If they are no trial's that this version reads.
+    """
+    if MARK not in attributes:
+        raise ValueError("it is no trial of laticauda.")
+    if not 1 <= attributes[MARK] <= FORMAT:
+        raise ValueError(f"it has format {attributes[MARK]}, and this version of laticauda reads format {FORMAT}.")
+
+
+def packed(values: AnyArray) -> dict[str, Any]:
+    """An array of any shape and kind of numbers as data for JSON, bit for bit.
+
+    Args:
+        values: The array.
+    """
+    content = base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+    return {"dtype": values.dtype.str, "shape": values.shape, "bytes": content}
+
+
+def _attributes(trial: Contents) -> dict[str, str | int]:
+    """Everything of a trial that is no time series, as texts and numbers."""
+    return {
+        MARK: FORMAT,
+        "Conventions": "CF-1.11",
+        "title": f"Trial of {trial.robot.name}",
+        "source": f"laticauda {trial.version}",
+        **{name: getattr(trial, name) for name in TEXTS},
+        "succeeded": int(trial.succeeded),
+        "robot": to_toml(trial.robot),
+        "environment": to_toml(trial.environment),
+        "gait": json.dumps(None if trial.gait is None else dataclasses.asdict(trial.gait)),
+        "settings": json.dumps(trial.settings),
+        "has_electrical_work": int(trial.electrical_work is not None),
+        "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
+        "signals": json.dumps(list(trial.signals)),
+        "not_measured": json.dumps(trial.not_measured),
+        "state": json.dumps({name: packed(values) for name, values in trial.state.items()}),
+    }
+
+
+def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
+    stored: dict[str, Any] = json.loads(attributes["state"])
+    if attributes[MARK] == 1:
+        arrays: Mapping[str, Any] = attributes["state_arrays"]
+        stored = {name: {**arrays[name], "dtype": kind} for name, kind in stored.items()}
+    return {
+        name: np.frombuffer(base64.b64decode(one["bytes"]), one["dtype"]).reshape(one["shape"])
+        for name, one in stored.items()
+    }
+
+
+def _gait(values: dict[str, Any]) -> Gait:
+    pitch, fin = values.pop("pitch", None), values.pop("fin", None)  # trials of older versions have none
+    return Gait(**values, pitch=_wave(pitch), fin=_wave(fin))
+
+
+def _wave(values: dict[str, Any] | None) -> Wave | None:
+    return None if values is None else Wave(**values)
+
+
+def _environment(text: str) -> Water | Ground:
+    read = from_toml(text)
+    if isinstance(read, Robot):
+        raise ValueError("`environment` must be water or ground, got a robot.")
+    return read

@@ -1,0 +1,261 @@
+import csv
+import dataclasses
+import json
+import os
+import warnings
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from laticauda.errors import TrialFileError
+from laticauda.gaits import Gait
+from laticauda.logs import load_trial
+from laticauda.robot import Robot, load_ground, load_robot, robot_names
+from laticauda.trial import Trial
+
+FLOATS = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "run.nc"
+
+
+def test_a_loaded_trial_equals_the_saved_one(make_trial, full_trial, path):
+    for trial in (make_trial(), full_trial, make_trial(n_axes=3), make_trial(gait=None)):
+        trial.save(path)
+        assert load_trial(path).equals(trial)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_preset_comes_back_with_its_trial(make_trial, path, name):
+    trial = make_trial(duration=1.0, robot=load_robot(name), environment=load_ground("coulomb"))
+    trial.save(str(path))
+    assert load_trial(str(path)).equals(trial)
+
+
+@settings(max_examples=50)
+@given(
+    values=st.lists(FLOATS, min_size=26 * 9, max_size=26 * 9),
+    amplitude=st.floats(0.0, 3.0),
+    setting=st.floats(allow_nan=False),
+    status=st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=40),
+)
+def test_every_float_and_text_comes_back_to_the_last_bit(
+    make_trial, tmp_path_factory, values, amplitude, setting, status
+):
+    gait = Gait(kind="eel-like", amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0)
+    angle = np.array(values).reshape(26, 9)
+    trial = make_trial(duration=0.5, link_angle=angle, gait=gait, settings={"x": setting}, status=status)
+    path = tmp_path_factory.getbasetemp() / "any.nc"
+    trial.save(path)
+    assert load_trial(path).equals(trial)
+
+
+def test_a_robot_of_one_link_or_of_a_thousand_comes_back(make_trial, path):
+    mamba = load_robot("mamba")
+    for n_links in (1, 1000):
+        modules = tuple(dataclasses.replace(mamba.modules[0], mass=0.8 + 1e-3 * i) for i in range(n_links))
+        robot = Robot(name="long", modules=modules, joints=mamba.joints[:1] * (n_links - 1))
+        trial = make_trial(duration=0.1, robot=robot)
+        trial.save(path)
+        assert load_trial(path).equals(trial)
+
+
+def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
+    full_trial.save(path)
+    with xarray.open_dataset(path) as data:
+        assert dict(data.sizes) == {"time": 51, "link": 4, "joint": 3, "axis": 2}
+        assert data.link_angle.dims == ("time", "link")
+        assert data.link_force_drag.dims == ("time", "link", "axis")
+        assert list(data.axis.values) == ["x", "y"]
+        assert data.attrs["Conventions"].startswith("CF-")
+        assert 'name = "odd one"' in data.attrs["robot"]
+        assert json.loads(data.attrs["gait"])["kind"] == "custom"
+        assert data.joint_torque.attrs["units"] == "N m"
+        for name, variable in data.data_vars.items():
+            assert variable.attrs["units"], name
+            assert variable.attrs["long_name"], name
+
+
+def test_the_dataset_in_memory_is_the_one_in_the_file(make_trial, full_trial, path):
+    for trial in (make_trial(), full_trial):
+        trial.save(path)
+        with xarray.open_dataset(path) as data:
+            xarray.testing.assert_identical(trial.to_dataset(), data.load())
+    assert full_trial.to_dataset().link_angle.sel(time=0.5, link=3) == full_trial.link_angle[25, 3]
+
+
+def test_a_figure_can_be_drawn_from_a_loaded_trial_alone(make_trial, path):
+    trial = make_trial()
+    trial.save(path)
+    assert load_trial(path).summary() == trial.summary()
+
+
+def test_an_older_file_is_replaced_and_nothing_else_is_left(make_trial, full_trial, path):
+    make_trial().save(path)
+    full_trial.save(path)
+    assert load_trial(path).equals(full_trial)
+    assert os.listdir(path.parent) == ["run.nc"]
+
+
+@pytest.mark.parametrize(
+    ("where", "failure", "message"),
+    [
+        ("os.fsync", OSError(28, "No space left on device"), r"Cannot write .*run\.nc: no space left on device\."),
+        ("xarray.Dataset.to_netcdf", RuntimeError("NetCDF: HDF error"), r"HDF error; is the disk full\?"),
+    ],
+)
+def test_a_failed_write_leaves_the_old_file_and_no_litter(full_trial, path, monkeypatch, where, failure, message):
+    def fail(*_arguments: object, **_options: object) -> None:
+        raise failure
+
+    full_trial.save(path)
+    with monkeypatch.context() as patch, pytest.raises(TrialFileError, match=message):
+        patch.setattr(where, fail)
+        full_trial.save(path)
+    assert load_trial(path).equals(full_trial)
+    assert os.listdir(path.parent) == ["run.nc"]
+
+
+def test_where_nothing_can_be_written_the_reason_is_given(make_trial, tmp_path):
+    trial = make_trial(duration=1.0)
+    with pytest.raises(TrialFileError, match=r"Cannot write .*missing.run\.nc: no such file or directory\."):
+        trial.save(tmp_path / "missing" / "run.nc")
+    with pytest.raises(TrialFileError, match=r"Cannot write .*: is a directory\."):
+        trial.save(tmp_path)
+    with pytest.raises(TrialFileError, match=r"Cannot write .*missing.run\.csv: no such file or directory\."):
+        trial.to_csv(tmp_path / "missing" / "run.csv")
+    assert os.listdir(tmp_path) == []
+
+
+def test_where_nothing_can_be_read_the_reason_is_given(tmp_path):
+    with pytest.raises(TrialFileError, match=r"Cannot read .*none\.nc: no such file or directory\."):
+        load_trial(tmp_path / "none.nc")
+    with pytest.raises(TrialFileError, match=r"Cannot read .*: is a directory\."):
+        load_trial(tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"x", b"time,heading\n0,1\n" * 100, b"\x89HDF\r\n\x1a\n" + bytes(600)])
+def test_a_file_that_is_no_netcdf_is_refused(path, content):
+    path.write_bytes(content)
+    with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is no netCDF file, or it is damaged\."):
+        load_trial(path)
+
+
+def test_a_netcdf_file_of_something_else_is_refused(path):
+    xarray.Dataset({"temperature": ("time", [1.0, 2.0])}).to_netcdf(path)
+    with pytest.raises(TrialFileError, match="it is a netCDF file, but no trial of laticauda"):
+        load_trial(path)
+
+
+def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
+    make_trial().save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("laticauda_trial", 99)
+    with pytest.raises(TrialFileError, match="it has format 99, and this version of laticauda reads format 2"):
+        load_trial(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("robot", "name = 3", r"Cannot load .*run\.nc: "),
+        ("environment", 'kind = "robot"', r"Cannot load .*run\.nc: "),
+        ("gait", '{"kind": "walk", "amplitude": 1, "frequency": 1, "phase_shift": 1}', "`kind` must be one of"),
+        ("gait", '{"speed": 1}', r"unexpected keyword argument 'speed'"),
+        ("settings", "{", r"Cannot load .*run\.nc: "),
+        ("settings", "[1]", r"Cannot load .*run\.nc: "),
+        ("link_force", '["lift"]', "it has no `link_force_lift`"),
+        ("state", '{"gone": {"dtype": "<f8"}}', "it has no `bytes`"),
+        ("state", '{"gone": 3}', r"Cannot load .*run\.nc: "),
+        ("has_electrical_work", 1, "it has no `electrical_work`"),
+    ],
+)
+def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(make_trial, path, name, value, message):
+    make_trial(duration=1.0).save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr(name, value)
+    with pytest.raises(TrialFileError, match=message):
+        load_trial(path)
+
+
+@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state"])
+def test_a_file_without_an_attribute_is_refused_by_its_name(make_trial, path, name):
+    make_trial(duration=1.0).save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.delncattr(name)
+    with pytest.raises(TrialFileError, match=f"Cannot load .*: it has no `{name}`"):
+        load_trial(path)
+
+
+def test_a_file_that_another_program_edited_in_place_is_taken_as_it_is(make_trial, path):
+    trial = make_trial(duration=1.0)
+    trial.save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.setncattr("comment", "the good one")
+        file.createVariable("depth", "f8", ("time",))[:] = 0.5
+    assert load_trial(path).equals(trial)
+    trial.save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file["joint_torque"][7, 3] = 0.25
+    assert load_trial(path).joint_torque[7, 3] == 0.25
+
+
+def test_one_wrong_bit_anywhere_is_found(full_trial, path):
+    full_trial.save(path)
+    content = path.read_bytes()
+    rng = np.random.default_rng(3)
+    for place in (0, len(content) - 1, *rng.integers(0, len(content) - 82, 200)):
+        damaged = bytearray(content)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        path.write_bytes(damaged)
+        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is damaged: its checksum is wrong\."):
+            load_trial(path)
+
+
+def test_a_file_that_was_cut_off_is_refused(full_trial, path):
+    full_trial.save(path)
+    content = path.read_bytes()
+    for size in (1, 100, 4096, len(content) // 2, len(content) - 200):
+        path.write_bytes(content[:size])
+        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is no netCDF file, or it is damaged\."):
+            load_trial(path)
+
+
+def test_a_file_whose_arrays_do_not_belong_together_is_refused(make_trial, path):
+    make_trial(duration=1.0).save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file["time"][3] = 0.0
+    with pytest.raises(TrialFileError, match="`time` must increase strictly"):
+        load_trial(path)
+    make_trial(duration=1.0).save(path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.renameVariable("joint_torque", "torque")
+    with pytest.raises(TrialFileError, match="it has no `joint_torque`"):
+        load_trial(path)
+
+
+def test_a_csv_has_a_header_with_units_and_every_number(full_trial, tmp_path):
+    full_trial.to_csv(tmp_path / "run.csv")
+    with (tmp_path / "run.csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    header, numbers = rows[0], np.array(rows[1:], dtype=float)
+    assert len(set(header)) == len(header)
+    assert numbers.shape == (full_trial.time.size, len(header))
+    assert header[:3] == ["time [s]", "center_of_mass_x [m]", "center_of_mass_y [m]"]
+    np.testing.assert_array_equal(numbers[:, header.index("joint_torque_2 [N m]")], full_trial.joint_torque[:, 2])
+    force = full_trial.link_force["drag"]
+    np.testing.assert_array_equal(numbers[:, header.index("link_force_drag_3_y [N]")], force[:, 3, 1])
+
+
+def test_saving_and_loading_warn_of_nothing(full_trial, path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        full_trial.save(path)
+        trial = load_trial(path)
+    assert isinstance(trial, Trial)
