@@ -87,7 +87,7 @@ def follow(page: Path) -> None:
 
 
 def renders(page: Path) -> bool:
-    return any("--video" in block.code or "spatial.render" in block.code for block in blocks(page))
+    return any("--video" in block.code or "pictures.render" in block.code for block in blocks(page))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

@@ -76,7 +76,7 @@ def check_film(path: str | None) -> None:
 
 
 def write_film(trial: "Trial", path: str, **options: Any) -> None:
-    """Write the film of a trial, and show how far it is; arguments as for `spatial.render.video`."""
+    """Write the film of a trial, and show how far it is; arguments as for `pictures.render.video`."""
     from laticauda.cli.progress import progress
     from laticauda.pictures.render import video
 

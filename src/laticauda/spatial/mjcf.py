@@ -45,7 +45,7 @@ def spec(
 ) -> Any:
     """A robot, and the place that it is in, as a MuJoCo model to compile, change or write to a file.
 
-    The water's loads are not in it: MuJoCo's own fluid model is off, see `spatial.water`. The skin of the joints is, as
+    The water's loads are not in it: MuJoCo's own fluid model is off, see `laticauda.mujoco_water`. The skin of the joints is, as
     stiffness and damping of the joints.
 
     Args:
