@@ -12,12 +12,11 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.pictures import film, lines, offscreen, pool, render
+from laticauda.pictures import film, lines, offscreen, render, surroundings
 from laticauda.pictures.camera import VIEW_DEG, calm, view
 from laticauda.pictures.caustics import PERIOD, light
 from laticauda.pictures.overlay import write_words
-from laticauda.pictures.poses import pose
-from laticauda.pictures.puppet import Puppet, floor_height, swimming_height
+from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
 
 pytest.importorskip("mujoco")
 
@@ -45,16 +44,16 @@ def screen():
 
 
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
-def test_the_puppet_is_where_the_trial_was(name):
+def test_the_replay_is_where_the_trial_was(name):
     trial = swum(name, duration=3.0)
-    puppet, planar = Puppet(trial), trial.robot.planar()
+    replay, planar = Replay(trial), trial.robot.planar()
     for sample in (0, 17, -1):
-        puppet.take(float(trial.time[sample]))
-        center = puppet.data.subtree_com[1]
+        replay.go_to(float(trial.time[sample]))
+        center = replay.data.subtree_com[1]
         np.testing.assert_allclose(center, [*trial.center_of_mass[sample], -1.0], atol=1e-9)
         ends = kinematics.link_ends(planar, trial.center_of_mass[sample], trial.link_angle[sample])
         yaw = [0, *(i + 1 for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw")]
-        found = np.array([puppet.data.body(f"module_{i}").xpos for i in yaw])
+        found = np.array([replay.data.body(f"module_{i}").xpos for i in yaw])
         np.testing.assert_allclose(found[:, :2], ends[:-1], atol=1e-8)
         np.testing.assert_allclose(found[:, 2], -1.0, atol=1e-9)
 
@@ -62,7 +61,7 @@ def test_the_puppet_is_where_the_trial_was(name):
 def test_between_samples_it_is_where_a_finer_log_has_it():
     coarse, fine = swum(sample_interval=0.1), swum(sample_interval=0.01)
     for sample in (1, 55, 234, 599):
-        found = pose(coarse, float(fine.time[sample]), 0.0)
+        found = posture_at(coarse, float(fine.time[sample]), 0.0)
         np.testing.assert_allclose(found.joint_angle, fine.joint_angle[sample], atol=1e-4)
         np.testing.assert_allclose(found.center_of_mass[:2], fine.center_of_mass[sample], atol=1e-4)
 
@@ -79,10 +78,10 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
         signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
     )
     assert spatial.joint_angle.shape[1] == robot.n_joints
-    puppet = Puppet(spatial)
-    puppet.take(float(spatial.time[-1]))
-    np.testing.assert_allclose(puppet.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
-    up = puppet.data.body("module_0").xmat.reshape(3, 3)[:, 2]
+    replay = Replay(spatial)
+    replay.go_to(float(spatial.time[-1]))
+    np.testing.assert_allclose(replay.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
+    up = replay.data.body("module_0").xmat.reshape(3, 3)[:, 2]
     np.testing.assert_allclose(up, [0.0, -math.sin(0.4), math.cos(0.4)], atol=1e-9)
     assert floor_height(spatial) == pytest.approx(-2.45)
 
@@ -93,12 +92,12 @@ def test_the_water_has_its_depth_and_the_ground_its_height(trial):
     assert floor_height(deep) < -7.0
     on_land = replace(trial, environment=lc.load_ground("coulomb"))
     assert (swimming_height(on_land), floor_height(on_land)) == (0.055, 0.0)
-    names = {Puppet(on_land).model.geom(i).name for i in range(Puppet(on_land).model.ngeom)}
+    names = {Replay(on_land).model.geom(i).name for i in range(Replay(on_land).model.ngeom)}
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = Puppet(replace(trial, settings={**trial.settings, "ground": "ramp"})).model
+    model = Replay(replace(trial, settings={**trial.settings, "ground": "ramp"})).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
@@ -182,7 +181,7 @@ def test_light_is_neither_lost_nor_made_and_comes_again():
 
 
 def test_the_floor_of_dry_land_has_no_net_of_light():
-    land = pool.floor_picture(pool.LAND, 0.0)
+    land = surroundings.floor_picture(surroundings.LAND, 0.0)
     assert len(np.unique(land.reshape(-1, 3), axis=0)) <= 3  # floor, line, and where lines cross
 
 
@@ -321,8 +320,8 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
     trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
     turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
-    puppet = Puppet(trial)
-    puppet.take(2.0)
+    replay = Replay(trial)
+    replay.go_to(2.0)
     for i, angle in enumerate(trial.link_angle[-1]):
-        forward = puppet.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
+        forward = replay.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
         assert math.atan2(forward[1], forward[0]) == pytest.approx(angle, abs=1e-6)

@@ -1,12 +1,13 @@
 """A camera that follows a robot calmly: it sees the whole body from one side, and does not nod with every stroke."""
 
 import math
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import Robot
+from laticauda.spatial.mjcf import center_of_mass
 from laticauda.trial import Trial
 
 VIEW_DEG = 36.0  # vertical angle of view
@@ -18,18 +19,17 @@ CALM, CALM_TURN = 0.75, 1.5  # how far it looks around in time, in periods of th
 PERIOD, LONGEST_PERIOD = 2.0, 10.0  # where no gait says, and at most [s]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class View:
+class View(NamedTuple):
     """Where a camera stands and looks at one instant."""
 
     target: Float[np.ndarray, "3"]
     """What is in the middle of the picture [m]."""
+    distance: float
+    """From the target [m]."""
     azimuth: float
     """Horizontal direction it looks into, counter-clockwise from the x axis [deg]."""
     elevation: float
     """How far it looks up [deg]."""
-    distance: float
-    """From the target [m]."""
 
 
 def view(trial: Trial, time: float, height: float, aspect: float) -> View:
@@ -56,6 +56,11 @@ def view(trial: Trial, time: float, height: float, aspect: float) -> View:
     )
 
 
+def aim(camera: Any, view: View) -> None:
+    """Let a `MjvCamera` look so."""
+    camera.lookat, camera.distance, camera.azimuth, camera.elevation = view
+
+
 def ripple_period(trial: Trial) -> float:
     """Over which speed and heading go up and down [s]."""
     return min(trial.period or PERIOD, LONGEST_PERIOD)
@@ -68,13 +73,8 @@ def reach(robot: Robot) -> float:
 
 def middle(robot: Robot) -> float:
     """Middle of the straight robot with its fin, ahead of its center of mass [m]."""
-    start, moment = 0.0, 0.0
-    for module in robot.modules:
-        moment += module.mass * (start + module.half_length + module.center)
-        start += module.length
     behind = robot.caudal_fin.length if robot.caudal_fin else 0.0
-    moment -= 0.5 * behind * (robot.caudal_fin.mass if robot.caudal_fin else 0.0)
-    return 0.5 * (robot.length - behind) - moment / robot.mass
+    return 0.5 * (robot.length - behind) - center_of_mass(robot)
 
 
 def calm(time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: float, width: float) -> np.ndarray:
@@ -90,8 +90,5 @@ def calm(time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: 
     """
     ago = time - at
     near = np.abs(ago) <= max(3.0 * width, 2.0 * float(np.min(np.abs(ago))))
-    t, w = ago[near], np.exp(-0.5 * (ago[near] / width) ** 2)
-    s_0, s_1, s_2 = w.sum(), w @ t, w @ (t * t)
-    spread = s_0 * s_2 - s_1 * s_1
-    line = w if spread <= 1e-12 * s_0 * width**2 else w * (s_2 - s_1 * t) * (s_0 / spread)
-    return np.asarray((line / s_0) @ values[near])
+    weight = np.exp(-0.25 * (ago[near] / width) ** 2)
+    return np.asarray(np.polyfit(ago[near], values[near], min(1, int(near.sum()) - 1), w=weight)[-1])

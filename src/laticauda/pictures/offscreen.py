@@ -18,7 +18,9 @@ Picture = UInt8[np.ndarray, "height width 3"]
 
 
 class Offscreen:
-    """What renders one model; a resource to be closed, or used in a `with` statement.
+    """What renders one model; a resource to be closed.
+
+    `mujoco.Renderer` does without a screen only if a variable of the environment says so before MuJoCo is imported.
 
     Args:
         model: A `MjModel` whose off-screen buffer is as large as the pictures wanted.
@@ -32,9 +34,7 @@ class Offscreen:
         mujoco = load_mujoco()
         self.model = model
         self.width, self.height = int(model.vis.global_.offwidth), int(model.vis.global_.offheight)
-        self.scene = mujoco.MjvScene(model, MOST_SHAPES)
-        self._rectangle = mujoco.MjrRect(0, 0, self.width, self.height)
-        self._options = mujoco.MjvOption()
+        self._scene, self._options = mujoco.MjvScene(model, MOST_SHAPES), mujoco.MjvOption()
         self._options.geomgroup[3] = 0  # shapes to collide with
         self._window = _window(self.width, self.height)
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
@@ -48,31 +48,32 @@ class Offscreen:
             camera: A `MjvCamera`.
             decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
         """
-        mujoco = load_mujoco()
-        category = mujoco.mjtCatBit.mjCAT_ALL.value
-        mujoco.mjv_updateScene(self.model, data, self._options, None, camera, category, self.scene)
-        decorate(self.scene)
+        mujoco, pixels = load_mujoco(), np.empty((self.height, self.width, 3), dtype=np.uint8)
+        category, whole = mujoco.mjtCatBit.mjCAT_ALL.value, mujoco.MjrRect(0, 0, self.width, self.height)
+        mujoco.mjv_updateScene(self.model, data, self._options, None, camera, category, self._scene)
+        decorate(self._scene)
         self._window.make_current()
-        mujoco.mjr_render(self._rectangle, self.scene, self._context)
-        pixels = np.empty((self.height, self.width, 3), dtype=np.uint8)
-        mujoco.mjr_readPixels(pixels, None, self._rectangle, self._context)
+        mujoco.mjr_render(whole, self._scene, self._context)
+        mujoco.mjr_readPixels(pixels, None, whole, self._context)
         return pixels[::-1]
 
-    def upload(self, texture: int) -> None:
-        """Take over what was written to `model.tex_data` for this texture."""
+    def set_texture(self, name: str, pixels: np.ndarray) -> None:
+        """Let a texture of the model show something else.
+
+        Args:
+            name: Of the texture.
+            pixels: As many as it had.
+        """
+        texture = self.model.texture(name)
+        start = texture.adr[0]
+        self.model.tex_data[start : start + pixels.size] = pixels.ravel()
         self._window.make_current()
-        load_mujoco().mjr_uploadTexture(self.model, self._context, texture)
+        load_mujoco().mjr_uploadTexture(self.model, self._context, texture.id)
 
     def close(self) -> None:
         """Give back the graphics memory."""
         self._context.free()
         self._window.free()
-
-    def __enter__(self) -> "Offscreen":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def check_offscreen() -> None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,13 @@ import numpy as np
 
 from laticauda.errors import positive, whole, within
 from laticauda.extras import load_mujoco
-from laticauda.pictures import lines, pool
-from laticauda.pictures.camera import View, ripple_period, view
+from laticauda.pictures import lines
+from laticauda.pictures.camera import aim, ripple_period, view
 from laticauda.pictures.film import ffmpeg, write_video
 from laticauda.pictures.offscreen import Offscreen, Picture, check_offscreen
 from laticauda.pictures.overlay import write_words
-from laticauda.pictures.puppet import Puppet
+from laticauda.pictures.replay import Replay
+from laticauda.pictures.surroundings import pictures_of
 from laticauda.trial import Trial
 
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
@@ -56,7 +58,7 @@ def video(
         if pixels % 2:
             raise ValueError(f"`{name}` must be even for a video, got {pixels}.")
     check_video()
-    with _Studio(trial, *size) as studio:
+    with closing(_Studio(trial, *size)) as studio:
 
         def pictures() -> Iterator[Picture]:
             for k in range(math.floor(trial.duration / speed * rate + 1e-9) + 1):
@@ -86,7 +88,7 @@ def still(
     moment = float(trial.time[-1])
     if time is not None:
         moment = within("time", time, float(trial.time[0]), moment, "s")
-    with _Studio(trial, *size) as studio:
+    with closing(_Studio(trial, *size)) as studio:
         Image.fromarray(studio.picture(moment)).save(path, optimize=True)
 
 
@@ -97,67 +99,40 @@ def check_video() -> None:
 
 
 class _Studio:
-    """The 3D robot of a trial, and the camera in front of it; a resource."""
+    """The 3D robot of a trial, and the camera in front of it; a resource to be closed."""
 
     def __init__(self, trial: Trial, width: int, height: int) -> None:
-        self._puppet = Puppet(trial, width, height)
-        self._trial = trial
-        self._look = pool.look_of(trial.environment)
-        self._camera = load_mujoco().MjvCamera()
-        self._ripples = self._moving_textures()
-        self._path = lines.path_dashes(trial, self._puppet.height)
-        self._screen = Offscreen(self._puppet.model)
+        self._replay = Replay(trial, width, height)
+        self._path = lines.path_dashes(trial, self._replay.height)
+        self._screen = Offscreen(self._replay.model)
+        model = self._replay.model
+        textures = {model.texture(i).name for i in range(model.ntex)}
+        self._moving = {name: show for name, show in pictures_of(trial.environment).items() if name in textures}
 
     def picture(self, time: float, speed: float = 1.0) -> Picture:
         """The picture of a moment, words included."""
-        trial, screen = self._trial, self._screen
-        self._puppet.take(time)
-        self._move_textures(time)
-        seen = view(trial, time, self._puppet.height, screen.width / screen.height)
-        camera = self._camera
-        camera.lookat, camera.distance = seen.target, seen.distance
-        camera.azimuth, camera.elevation = seen.azimuth, seen.elevation
-        picture = screen.picture(self._puppet.data, camera, lambda scene: self._decorate(scene, time, seen))
+        replay, screen, trial, camera = self._replay, self._screen, self._replay.trial, load_mujoco().MjvCamera()
+        replay.go_to(time)
+        for texture, show in self._moving.items():  # the net of light and the ripples
+            screen.set_texture(texture, show(time))
+        aim(camera, view(trial, time, replay.height, screen.width / screen.height))
+        picture = screen.picture(replay.data, camera, lambda scene: self._decorate(scene, time, camera.lookat))
         figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
         return write_words(picture, figures, words(trial, speed))
 
-    def _moving_textures(self) -> dict[int, Callable[[float], np.ndarray]]:
-        """The textures that change with time, and what they show then."""
-        model, look = self._puppet.model, self._look
-        pictures: dict[str, Callable[[float], np.ndarray]] = {"surface": pool.surface_picture}
-        if look.focused > 0.0:
-            pictures["floor"] = lambda time: pool.floor_picture(look, time)
-        names = [model.texture(i).name for i in range(model.ntex)]
-        return {i: pictures[name] for i, name in enumerate(names) if name in pictures}
-
-    def _move_textures(self, time: float) -> None:
-        """The net of light and the ripples move."""
-        model = self._puppet.model
-        for texture, picture in self._ripples.items():
-            pixels = picture(time).ravel()
-            start = model.tex_adr[texture]
-            model.tex_data[start : start + pixels.size] = pixels
-            self._screen.upload(texture)
-
-    def _decorate(self, scene: Any, time: float, seen: View) -> None:
+    def _decorate(self, scene: Any, time: float, target: np.ndarray) -> None:
         """Fog, shadows where the robot is, its trail, and the path that it followed."""
         flags = load_mujoco().mjtRndFlag
         scene.flags[flags.mjRND_FOG], scene.flags[flags.mjRND_HAZE] = True, False
         for light in scene.lights[: scene.nlight]:
             if not light.headlight:
-                light.pos = seen.target + np.array([0.0, 0.0, 2.0])
-        lines.draw_path(scene, self._trial, self._path)
-        lines.draw_trail(scene, self._trial, time, self._puppet.height)
+                light.pos = target + np.array([0.0, 0.0, 2.0])
+        lines.draw_path(scene, self._replay.trial, self._path)
+        lines.draw_trail(scene, self._replay.trial, time, self._replay.height)
 
     def close(self) -> None:
         """Give back the graphics memory."""
         self._screen.close()
-
-    def __enter__(self) -> "_Studio":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def speed_at(trial: Trial, time: float) -> float:

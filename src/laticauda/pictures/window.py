@@ -9,8 +9,8 @@ from typing import Any
 
 from laticauda.errors import LaticaudaError, positive
 from laticauda.extras import load_mujoco
-from laticauda.pictures.camera import view
-from laticauda.pictures.puppet import Puppet
+from laticauda.pictures.camera import aim, view
+from laticauda.pictures.replay import Replay
 from laticauda.trial import Trial
 
 PICTURES_PER_SECOND = 60.0
@@ -40,16 +40,18 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
     viewer = _viewer()
-    puppet = Puppet(trial)
+    replay = Replay(trial)
     began = time.monotonic()
-    puppet.take(float(trial.time[0]))
-    with viewer.launch_passive(puppet.model, puppet.data, show_left_ui=False, show_right_ui=False) as window:
+    replay.go_to(float(trial.time[0]))
+    with viewer.launch_passive(replay.model, replay.data, show_left_ui=False, show_right_ui=False) as window:
         with window.lock():
-            _aim(window.cam, puppet)
+            window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # from where a film begins; the mouse moves it
+            window.cam.trackbodyid = replay.model.body("module_0").id
+            aim(window.cam, view(trial, float(trial.time[0]), replay.height, ASPECT))
         while window.is_running():
             shown = (time.monotonic() - began) * speed % max(trial.duration, 1e-9)
             with window.lock():
-                puppet.take(float(trial.time[0]) + shown)
+                replay.go_to(float(trial.time[0]) + shown)
             window.sync()
             time.sleep(1.0 / PICTURES_PER_SECOND)
 
@@ -66,11 +68,3 @@ def _viewer() -> Any:
         return import_module("mujoco.viewer")
     except ImportError as error:
         raise NoWindow(f"A window needs the package glfw; run `pip install glfw`, or {INSTEAD}.") from error
-
-
-def _aim(camera: Any, puppet: Puppet) -> None:
-    """Let a window's camera follow the robot from where a film begins; the mouse moves it from there."""
-    seen = view(puppet.trial, float(puppet.trial.time[0]), puppet.height, ASPECT)
-    camera.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING
-    camera.trackbodyid = puppet.model.body("module_0").id
-    camera.distance, camera.azimuth, camera.elevation = seen.distance, seen.azimuth, seen.elevation

@@ -45,8 +45,8 @@ def spec(
 ) -> Any:
     """A robot, and the place that it is in, as a MuJoCo model to compile, change or write to a file.
 
-    The water's loads are not in it: MuJoCo's own fluid model is off, see `laticauda.mujoco_water`. The skin of the joints is, as
-    stiffness and damping of the joints.
+    The water's loads are not in it: MuJoCo's own fluid model is off, see `laticauda.mujoco_water`. The skin of the
+    joints is, as stiffness and damping of the joints.
 
     Args:
         robot: What swims.
@@ -108,6 +108,17 @@ def start_height(robot: Robot, environment: Environment, ground: str | None = No
     fin = robot.caudal_fin
     highest = max([*heights, 0.5 * fin.height] if fin else heights)
     return highest + (scene.SHORE_HEIGHT if ground == "ramp" else 0.0)
+
+
+def center_of_mass(robot: Robot) -> float:
+    """Center of mass of the straight robot from its tail end, on its axis [m]."""
+    moment, behind = 0.0, 0.0
+    for module in robot.modules:
+        moment += module.mass * (behind + module.half_length + module.center)
+        behind += module.length
+    if robot.caudal_fin is not None:
+        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
+    return moment / robot.mass
 
 
 def inertia_of(module: Module) -> tuple[float, tuple[float, float, float]]:

@@ -55,7 +55,7 @@ class Twin:
         self._data = mujoco.MjData(self.model)
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
-        self.center = _center_of_mass(robot)
+        self.center = mjcf.center_of_mass(robot)
         self.joints = np.array(_joint_rows(robot, plant.joints)).reshape(-1, rows.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
@@ -144,17 +144,6 @@ class Twin:
             for k, name in enumerate(FORCES):
                 total[k, link] += loads_on[name][i]
         return total
-
-
-def _center_of_mass(robot: Robot) -> float:
-    """Center of mass of the straight robot from its tail end, on its axis [m]."""
-    moment, behind = 0.0, 0.0
-    for module in robot.modules:
-        moment += module.mass * (behind + module.half_length + module.center)
-        behind += module.length
-    if robot.caudal_fin is not None:
-        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
-    return moment / robot.mass
 
 
 def _joint_rows(robot: Robot, drive: str) -> list[np.ndarray]:

@@ -3,6 +3,7 @@
 Or dry land in the same light, without the net.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,36 +25,27 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """Colors and light of a place."""
+    """Colors and light of a place; by default of one under water."""
 
-    floor: Color
+    floor: Color = (0.36, 0.55, 0.56)
     """Red, green and blue of the floor."""
-    line: float
+    line: float = 0.76
     """Brightness of the grid's lines, to that of the floor [-]."""
-    even: float
+    even: float = 0.66
     """Light on the floor that is always there [-]."""
-    focused: float
+    focused: float = 0.90
     """Most light that waves focus on it [-]."""
-    far: Color
+    far: Color = (0.032, 0.235, 0.310)
     """What everything far away fades to."""
-    above: Color
+    above: Color = (0.30, 0.66, 0.70)
     """The color overhead."""
-    fog: tuple[float, float]
+    fog: tuple[float, float] = (1.2, 8.0)
     """Where it begins to fade, and where it has faded [m]."""
-    ambient: Color
+    ambient: Color = (0.34, 0.40, 0.42)
     """Light from everywhere."""
 
 
-WATER = Look(
-    floor=(0.36, 0.55, 0.56),
-    line=0.76,
-    even=0.66,
-    focused=0.90,
-    far=(0.032, 0.235, 0.310),
-    above=(0.30, 0.66, 0.70),
-    fog=(1.2, 8.0),
-    ambient=(0.34, 0.40, 0.42),
-)
+WATER = Look()
 LAND = Look(
     floor=(0.50, 0.47, 0.42),
     line=0.90,
@@ -66,11 +58,6 @@ LAND = Look(
 )
 
 
-def look_of(environment: Environment) -> Look:
-    """What the place looks like."""
-    return LAND if isinstance(environment, Ground) else WATER
-
-
 def add_surroundings(model: Any, environment: Environment, *, floor: float, length: float, surface: bool) -> None:
     """Floor, light and all that is far away into a `MjSpec`.
 
@@ -81,7 +68,7 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
         length: Of the robot, which everything has to fit [m].
         surface: Whether the surface of the water, at 0, is to be seen.
     """
-    look = look_of(environment)
+    look = LAND if isinstance(environment, Ground) else WATER
     for bare in [*model.lights, *(texture for texture in model.textures if texture.name == "sky")]:
         model.delete(bare)  # a scene's own light is for other programs
     for geom in model.worldbody.geoms:
@@ -94,6 +81,17 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
         _add_picture(model, "surface", surface_picture(0.0), SURFACE_TILE)
         model.material("surface").rgba = (1.0, 1.0, 1.0, SURFACE_OPACITY)
         _add_plane(model, "surface", 0.0)
+
+
+def pictures_of(environment: Environment) -> dict[str, Callable[[float], np.ndarray]]:
+    """What the textures that change with time show then, by their names.
+
+    Args:
+        environment: Where the robot is.
+    """
+    if isinstance(environment, Ground):
+        return {}
+    return {"floor": lambda time: floor_picture(WATER, time), "surface": surface_picture}
 
 
 def floor_picture(look: Look, time: float) -> np.ndarray:

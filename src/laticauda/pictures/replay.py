@@ -1,0 +1,131 @@
+"""The 3D robot of a trial in its water, moved through the trial's postures: nothing is simulated anew."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import instance
+from laticauda.extras import load_mujoco
+from laticauda.interfaces import ORIENTATION
+from laticauda.kinematics import link_angles
+from laticauda.pictures.camera import VIEW_DEG, reach
+from laticauda.pictures.surroundings import add_surroundings
+from laticauda.robot import Ground
+from laticauda.spatial import mjcf, scene
+from laticauda.trial import Trial
+
+MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
+CLEARANCE = 0.45  # least height over the floor [m]
+
+
+class Replay:
+    """The model of a trial's robot, and its state.
+
+    Args:
+        trial: Any trial, simulated or real.
+        width: Of pictures that will be taken of it [pixels].
+        height: The same [pixels].
+    """
+
+    def __init__(self, trial: Trial, width: int = 1280, height: int = 720) -> None:
+        instance("trial", trial, Trial)
+        self.trial = trial
+        self.height = swimming_height(trial)
+        ground: Any = trial.settings.get("ground")
+        spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
+        is_deep = isinstance(trial.environment, Ground) or (_is_planar(trial) and trial.environment.depth is None)
+        add_surroundings(
+            spec, trial.environment, floor=floor_height(trial), length=reach(trial.robot), surface=not is_deep
+        )
+        picture = spec.visual.global_
+        picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG
+        self.model: Any = spec.compile()
+        self.data: Any = load_mujoco().MjData(self.model)
+
+    def go_to(self, time: float) -> None:
+        """Take the posture of a time within the trial's [s]."""
+        mujoco, data, posture = load_mujoco(), self.data, posture_at(self.trial, time, self.height)
+        angles = np.append(posture.joint_angle, posture.fin_angle)
+        data.qpos[:3], data.qpos[3:7] = 0.0, posture.orientation
+        data.qpos[7 : 7 + angles.size] = angles
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
+        mujoco.mj_forward(self.model, data)
+
+
+class Posture(NamedTuple):
+    """One instant."""
+
+    center_of_mass: Float[np.ndarray, "3"]
+    """[m]."""
+    orientation: Float[np.ndarray, "4"]
+    """Of module 0, a quaternion (w, x, y, z) [-]."""
+    joint_angle: Float[np.ndarray, " n_joints"]
+    """Of all joints of the robot, those that the planar model holds included [rad]."""
+    fin_angle: Float[np.ndarray, " n_fin_joints"]
+    """Of the joints of a fin that is driven or bends, from its root on; straight if the trial does not say [rad]."""
+
+
+def posture_at(trial: Trial, time: float, height: float) -> Posture:
+    """Where the robot is: between samples, smoothly.
+
+    Args:
+        trial: Any trial, planar or spatial.
+        time: Within the trial's time [s].
+        height: At which a planar robot swims [m].
+
+    Raises:
+        ValueError: If a measured trial does not say how the robot was bent.
+    """
+    trial.need("a picture of the robot", "joint_angle", "heading")
+    before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
+    after = min(before + 1, trial.time.size - 1)
+    step = float(trial.time[after] - trial.time[before])
+    share = float(np.clip((time - trial.time[before]) / step, 0.0, 1.0)) if step > 0.0 else 0.0
+
+    def cubic(values: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Through the values and rates of both samples."""
+        rise, fall = share * share * (3.0 - 2.0 * share), step * share * (1.0 - share)
+        tangents = fall * ((1.0 - share) * rates[before] - share * rates[after])
+        return np.asarray((1.0 - rise) * values[before] + rise * values[after] + tangents)
+
+    center = cubic(trial.center_of_mass, trial.center_of_mass_velocity)
+    joint_angle = cubic(trial.joint_angle, trial.joint_rate)
+    fin_angle = cubic(trial.fin_angle, trial.fin_rate)
+    if center.size == 3 and all(name in trial.signals for name in ORIENTATION):
+        first, second = (np.array([trial.signals[name][k] for name in ORIENTATION]) for k in (before, after))
+        mixed = (1.0 - share) * first + share * (second if first @ second >= 0.0 else -second)
+        return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle)
+    if center.size == 3:  # upright, as far as one knows
+        tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
+    else:
+        center = np.append(center, height)
+        tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)))[0]
+        yaw = joint_angle
+        joint_angle = np.zeros(trial.robot.n_joints)  # the planar model holds the others straight
+        joint_angle[[i for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw"]] = yaw
+    return Posture(center, np.array([np.cos(0.5 * tail), 0.0, 0.0, np.sin(0.5 * tail)]), joint_angle, fin_angle)
+
+
+def swimming_height(trial: Trial) -> float:
+    """Height at which a planar robot is shown [m]; the surface of the water, or the ground, is at 0."""
+    environment = trial.environment
+    if isinstance(environment, Ground):
+        return mjcf.start_height(trial.robot, environment)
+    return -(MID_WATER if environment.depth is None else environment.depth)
+
+
+def floor_height(trial: Trial) -> float:
+    """Of the floor of the water, or of the ground [m]."""
+    if isinstance(trial.environment, Ground):
+        return 0.0
+    if trial.settings.get("ground") == "ramp":
+        return -scene.TANK_DEPTH
+    lowest = swimming_height(trial) if _is_planar(trial) else float(trial.center_of_mass[:, 2].min())
+    return min(-FLOOR, lowest - CLEARANCE)
+
+
+def _is_planar(trial: Trial) -> bool:
+    return trial.center_of_mass.shape[1] == 2
