@@ -3,7 +3,7 @@
 from laticauda.logs.column_files import load_column_map
 from laticauda.logs.column_maps import ColumnMap
 from laticauda.logs.loading import load_trial
-from laticauda.logs.mcap import Recorder
+from laticauda.logs.recorder import Recorder
 from laticauda.logs.recording import Logged, Recording, open_recording, read_messages
 
 __all__ = [

@@ -14,7 +14,7 @@ import numpy as np
 from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.kinematics import link_centers
 from laticauda.logs import flat
-from laticauda.logs.mcap import Recorder
+from laticauda.logs.recorder import Recorder
 from laticauda.logs.recording import Logged, open_recording
 from laticauda.trial import Format, Trial
 from laticauda.trial.dataset import assembled, variable

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
 
 from laticauda.errors import TrialFileError
 from laticauda.logs import ros2
-from laticauda.logs.mcap_file import need_mcap
+from laticauda.logs.message_file import need_mcap
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Schema
@@ -75,10 +75,14 @@ class Recording:
             for opcode, content in _records(file):
                 for channel, time, data in contents.messages(opcode, content):
                     if not topics or channel.topic in topics:
-                        schema = contents.schemas.get(channel.schema_id)
-                        yield Logged(
-                            channel.topic, time / 1e9, _kind(schema), _decoded(self.path, channel, schema, data)
-                        )
+                        kind = _kind(contents.schemas.get(channel.schema_id))
+                        yield Logged(channel.topic, time / 1e9, kind, self._decoded(contents, channel, data))
+
+    def _decoded(self, contents: _Contents, channel: Channel, data: bytes) -> Any:
+        try:
+            return contents.decoder(channel)(data)
+        except ValueError as error:
+            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
 
 
 def open_recording(path: str | Path) -> Recording:
@@ -168,6 +172,18 @@ class _Contents:
         self.channels: dict[int, Channel] = {}
         self.metadata: dict[str, Mapping[str, str]] = {}
         self.damage: list[str] = []
+        self._decoders: dict[int, Callable[[bytes], Any]] = {}
+
+    def decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+        """What makes contents of the bytes of a channel's messages; raises ValueError where its definition is wrong."""
+        if channel.id not in self._decoders:
+            schema, read = self.schemas.get(channel.schema_id), bytes
+            if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
+                read = ros2.decoder(schema)
+            elif channel.message_encoding == "json":
+                read = json.loads
+            self._decoders[channel.id] = read
+        return self._decoders[channel.id]
 
     def messages(self, opcode: int, content: bytes) -> Iterator[tuple[Channel, int, bytes]]:
         """The messages in one record, with their channel and time [ns]; everything else is noted."""
@@ -218,14 +234,3 @@ def _unpacked(chunk: Chunk) -> list[Any]:
 
 def _kind(schema: Schema | None) -> str:
     return "" if schema is None else schema.name.replace("/msg/", "/")
-
-
-def _decoded(path: Path, channel: Channel, schema: Schema | None, data: bytes) -> Any:
-    try:
-        if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
-            return ros2.codec(_kind(schema), schema.data.decode()).decode(data)
-        if channel.message_encoding == "json":
-            return json.loads(data)
-    except ValueError as error:
-        raise TrialFileError(f"Cannot load {path}: topic {channel.topic}: {error}") from error
-    return data

@@ -10,12 +10,10 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from laticauda.logs import ros2
-from laticauda.logs.mcap_file import McapFile, moment, nanoseconds
+from laticauda.logs.message_file import MessageFile, moment, nanoseconds
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
@@ -24,23 +22,8 @@ WORLD = "world"
 """The frame of the world axes."""
 
 
-class Recorder:
-    """Writes messages to an MCAP file while they happen; any thread may.
-
-    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
-    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
-    context manager: leaving it, also by an error, completes the file.
-
-    Args:
-        path: The file.
-        chunk_seconds: A chunk is complete after this much time of the messages [s].
-        chunk_bytes: And when it holds this much [bytes].
-        overwrite: Whether an older file of that name may be replaced.
-
-    Raises:
-        ValueError: If an argument is out of range.
-        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
-        MissingExtra: If the package `mcap` is not installed.
+class Recorder(MessageFile):
+    """Records what happens to an MCAP file that survives a kill: see `MessageFile` for its arguments.
 
     Example:
         >>> with Recorder("/dev/null", overwrite=True) as recorder:
@@ -48,23 +31,13 @@ class Recorder:
         ...     recorder.event(0.5, "running", {"gait": "eel_like"})
     """
 
-    def __init__(
-        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
-    ) -> None:
-        self._file = McapFile(path, chunk_seconds=chunk_seconds, chunk_bytes=chunk_bytes, overwrite=overwrite)
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._file.path
-
     def message(self, topic: str, time: float, kind: str, content: Mapping[str, Any], *, unit: str = "") -> None:
         """Record any message of a known type.
 
         Args:
             topic: As "/joint_states"; its messages are all of one type.
             time: When it happened [s], not negative: since the start of the run, or since 1970.
-            kind: The ROS type, one of `ros2_types.DEFINITIONS`, as "std_msgs/Float64".
+            kind: The ROS type, one of `ros2.DEFINITIONS`, as "std_msgs/Float64".
             content: Its fields.
             unit: Of its numbers; kept with the first message of the topic.
 
@@ -72,8 +45,7 @@ class Recorder:
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        now = moment(time)
-        self._file.add(topic, kind, unit, now, ros2.codec(kind).encode(content))
+        self.add(topic, kind, unit, moment(time), ros2.encoder(kind)(content))
 
     def joint_state(
         self,
@@ -227,7 +199,7 @@ class Recorder:
         seconds, rest = divmod(now, 1_000_000_000)
         flags = bool(is_rtr), bool(is_extended), bool(is_error)
         body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, *flags, len(data), bytes(data))
-        self._file.add(topic, "can_msgs/Frame", "", now, body)
+        self.add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
         """Record anything that JSON can hold, as a text (std_msgs/String).
@@ -268,29 +240,6 @@ class Recorder:
         }
         self.message("/events", time, "rcl_interfaces/Log", content)
         self.flush()
-
-    def metadata(self, name: str, content: Mapping[str, str]) -> None:
-        """Record texts that belong to the whole file; they are on disk at once.
-
-        Args:
-            name: What they are about.
-            content: The texts by name.
-        """
-        self._file.metadata(name, content)
-
-    def flush(self) -> None:
-        """Complete the open chunk and hand it to the operating system."""
-        self._file.flush()
-
-    def close(self) -> None:
-        """Complete the file; a second time it does nothing."""
-        self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
 
 
 def _header(time: float, frame: str) -> dict[str, Any]:

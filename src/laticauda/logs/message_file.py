@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from importlib import import_module
 from pathlib import Path
-from typing import BinaryIO
+from types import TracebackType
+from typing import BinaryIO, Self
 
-from laticauda.errors import MissingExtra, StorageFailed, finite, positive, whole
+from laticauda.errors import StorageFailed, finite, positive, whole
+from laticauda.extras import optional_import
 from laticauda.logs import ros2
 
 
@@ -18,10 +19,7 @@ def need_mcap() -> None:
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
-        import_module("mcap")
-    except ImportError as error:
-        raise MissingExtra("Reading and writing MCAP", "mcap", "logs") from error
+    optional_import("Reading and writing MCAP", "mcap", "logs")
 
 
 def nanoseconds(time: float) -> int:
@@ -48,21 +46,36 @@ def moment(time: float) -> int:
     return now
 
 
-class McapFile:
-    """Messages gathered in chunks; a complete chunk is handed to the operating system at once. Any thread may write.
+class MessageFile:
+    """Writes messages to an MCAP file while they happen; any thread may.
 
-    Its arguments, and what it refuses, are those of `laticauda.logs.Recorder`.
+    Messages are gathered in chunks; a complete chunk is handed to the operating system at once. A program that is
+    killed loses the open chunk and nothing else; the file then lacks its end, which `open_recording` does not mind. A
+    context manager: leaving it, also by an error, completes the file.
+
+    Args:
+        path: The file.
+        chunk_seconds: A chunk is complete after this much time of the messages [s].
+        chunk_bytes: And when it holds this much [bytes].
+        overwrite: Whether an older file of that name may be replaced.
+
+    Raises:
+        ValueError: If an argument is out of range.
+        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
+        MissingExtra: If the package `mcap` is not installed.
     """
 
-    def __init__(self, path: str | Path, *, chunk_seconds: float, chunk_bytes: int, overwrite: bool) -> None:
+    def __init__(
+        self, path: str | Path, *, chunk_seconds: float = 1.0, chunk_bytes: int = 1 << 20, overwrite: bool = False
+    ) -> None:
         need_mcap()
         from mcap.writer import Writer
 
         self._chunk_ns = nanoseconds(positive("chunk_seconds", chunk_seconds, "s"))
         self._chunk_bytes = whole("chunk_bytes", chunk_bytes, 1)
-        self.path = Path(path)
+        self._path = Path(path)
         try:
-            self._file: BinaryIO = self.path.open("wb" if overwrite else "xb")
+            self._file: BinaryIO = self._path.open("wb" if overwrite else "xb")
         except OSError as error:
             raise StorageFailed(f"Cannot write {path}: {(error.strerror or str(error)).lower()}.") from error
         # The writer's own limit is out of the way: chunks end here, so that each is handed on when it ends.
@@ -75,6 +88,11 @@ class McapFile:
         self._sequence = 0
         self._is_open = True
         self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
 
     def add(self, topic: str, kind: str, unit: str, now: int, data: bytes) -> None:
         """Write a message.
@@ -129,6 +147,12 @@ class McapFile:
                 self._guarded(self._writer.finish)
             finally:
                 self._guarded(self._file.close)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
 
     def _channel(self, topic: str, kind: str, unit: str) -> int:
         found = self._channels.get(topic)
