@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from laticauda.errors import MissingExtra
+from laticauda.quantities import texts_of
 
 SOURCES = Path(__file__).parent.parent / "src"
 PACKAGES = sorted(path.parent for path in SOURCES.rglob("__init__.py"))
@@ -66,13 +67,15 @@ def undocumented_parameters(function: Any) -> list[str]:
 
 
 def undocumented_fields(cls: type) -> list[str]:
-    """Fields of a dataclass that no docstring of their own follows."""
+    """Fields of a dataclass that no docstring of their own follows, and that are not declared with a text."""
+    declared = {name for name, text in texts_of(cls).items() if text}
     body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0].body  # pyright: ignore
     return [
         ast.unparse(node.target)
         for node, following in zip(body, [*body[1:], None], strict=True)
         if isinstance(node, ast.AnnAssign)
         and not ast.unparse(node.target).startswith("_")
+        and ast.unparse(node.target) not in declared
         and not (isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant))
     ]
 

@@ -85,6 +85,7 @@ def test_numbers_of_all_kinds_become_floats_and_counts_ints(number):
         ({"n_toes": 7}, "`n_toes` must be between 1 and 6, got 7."),
         ({"n_toes": 6, "is_wet": True}, "`n_toes` must be 5 at most on a wet leg."),
         ({"place": (1.0,)}, "`place` must be two numbers in m, got 1 of them."),
+        ({"place": 1.0}, "`place` must be two numbers in m, got 1.0."),
         ({"place": "ab"}, "`place` must be two numbers in m, got 'ab'."),
         ({"place": (1.0, "b")}, "`place[1]` must be a number in m, got 'b'."),
         ({"corners": [(0, 0), (1, "b")]}, "`corners[1][1]` must be a number in m, got 'b'."),

@@ -28,6 +28,8 @@ from laticauda.quantities import DEGREES, hints_of, quantities_of
 Table: TypeAlias = dict[str, Any]
 T = TypeVar("T")
 
+FORMAT = 2
+"""Of the files that are written; grows when their keys change. Version 0.1 wrote none, which counts as today's."""
 MOST_COUNTED = 1000  # a slip of the finger must not fill the memory
 
 
@@ -70,6 +72,8 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
     Raises:
         BadKey: If a key is unknown, missing, of the wrong type or out of range.
     """
+    if is_dataclass(value):
+        return value  # made already
     find = _kinds(hint)
     if find is not None:
         return _member(find, value, at, default)
@@ -96,6 +100,34 @@ def table_of(value: object, at: str) -> Table:
     if not isinstance(value, Mapping):
         raise BadKey(at, f"must be a table, got {shown(value)}")
     return dict(cast("Mapping[str, Any]", value))
+
+
+def stamped(kind: str, table: Mapping[str, Any]) -> Table:
+    """A table with what a file says first: what it is, and in which format."""
+    return {"kind": kind, "format": FORMAT, **table}
+
+
+def take_kind(table: Table, *kinds: str) -> str:
+    """Take from the table of a file what it says first, and say what it is.
+
+    Args:
+        table: The whole file; ``kind`` and ``format`` are taken away. Without a format, it is today's.
+        kinds: What it may be.
+
+    Raises:
+        BadKey: If it is none of these, or of a format of the future.
+    """
+    listed = ", ".join(f'"{word}"' for word in kinds)
+    rule = f"must be {listed} here" if len(kinds) == 1 else f"must be one of {listed}"
+    if "kind" not in table:
+        raise BadKey("kind", f"is missing; it {rule}")
+    word = table.pop("kind")
+    if word not in kinds:
+        raise BadKey("kind", f"{rule}, got {shown(word)}{nearest(word, kinds) if isinstance(word, str) else ''}")
+    number = table.pop("format", FORMAT)
+    if number not in range(1, FORMAT + 1):
+        raise BadKey("format", f"must be 1 to {FORMAT}, which this version of laticauda reads, got {shown(number)}")
+    return word
 
 
 def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = "") -> None:
@@ -185,7 +217,7 @@ def _kinds(hint: Any) -> Callable[[Any], type] | None:
 
 
 def _member(find: Callable[[Any], type], value: object, at: str, default: object = None) -> Any:
-    if value is None or is_dataclass(value):
+    if value is None:
         return value
     table = {"kind": value} if isinstance(value, str) else table_of(value, at)
     otherwise = name_of(type(default)) if is_dataclass(default) else None

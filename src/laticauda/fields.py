@@ -6,10 +6,17 @@ import inspect
 import re
 import textwrap
 
+from laticauda.quantities import quantities_of, texts_of
+
 
 @functools.cache
 def field_docs(kind: type) -> dict[str, str]:
-    """The docstrings of a dataclass's fields by name."""
+    """The docstrings of a dataclass's fields by name, or what stands for them in a declared `value`."""
+    texts, numbers = texts_of(kind), quantities_of(kind)
+    if any(texts.values()):
+        return {
+            name: f"{text} [{numbers[name].unit}]." if name in numbers else f"{text}." for name, text in texts.items()
+        }
     (definition,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
     assert isinstance(definition, ast.ClassDef)
     found: dict[str, str] = {}

@@ -201,7 +201,10 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
     for field in dataclasses.fields(kind):
         declared = numbers.get(field.name)
         low, high = math.inf, -math.inf  # nothing is within
-        if declared is not None and float in (hints[field.name], *get_args(hints[field.name])):
+        hint = hints[field.name]
+        if declared is not None and (
+            hint is float or (get_origin(hint) is types.UnionType and float in get_args(hint))
+        ):
             low, high = max(declared.least, -most), min(declared.le, most)
             high = math.inf if field.default == math.inf else high
         own = field.metadata.get("check")

@@ -1,5 +1,8 @@
 import dataclasses
 import math
+import pydoc
+import re
+from dataclasses import fields
 
 import pytest
 
@@ -27,7 +30,7 @@ def water(**changes):
         ({"rotational": "none"}, r"`rotational` must be one of `paper`, `strip`, got 'none'"),
         ({"trailing_edge": "sharp"}, r"`trailing_edge` must be one of `none`, `elongated`"),
         ({"trailing_edge": "elongated"}, r"`trailing_edge` must be `none` unless `added_mass_form` is `kirchhoff`"),
-        ({"current": (0.1,)}, r"`current` must be two numbers \(x, y\) in m/s"),
+        ({"current": (0.1,)}, r"`current` must be two numbers in m/s"),
         ({"current": (0.1, math.inf)}, r"`current\[1\]` must be a finite number in m/s"),
         ({"depth": 0.0}, r"`depth` must be > 0 m"),
     ],
@@ -45,7 +48,7 @@ def test_the_trailing_edge_goes_with_kirchhoff():
     ("changes", "message"),
     [
         ({"friction": "slippery"}, r"`friction` must be one of `viscous`, `coulomb`"),
-        ({"tangential": -1.0}, r"`tangential` must be >= 0 N s/m, got -1\.0"),
+        ({"tangential": -1.0}, r"`tangential` must be >= 0, got -1\.0"),
         ({"friction": "coulomb", "normal": -1.0}, r"`normal` must be >= 0, got -1\.0"),
         ({"regularization_speed": 0.0}, r"`regularization_speed` must be > 0 m/s"),
         ({"gravity": -9.81}, r"`gravity` must be >= 0 m/s\^2"),
@@ -89,3 +92,10 @@ def test_the_waters_have_the_published_coefficients(name, coefficients):
     assert found.name == name
     assert found.quadratic_drag
     assert found.linear_drag == (name != "paper-vortex")
+
+
+def test_help_shows_every_field_of_water_with_its_unit():
+    shown = pydoc.render_doc(Water, renderer=pydoc.plaintext)
+    for field in fields(Water):
+        assert re.search(rf"^ \|      {field.name}: \w", shown, re.MULTILINE), field.name
+    assert "density: rho [kg/m^3], > 0; default 1000.0." in shown

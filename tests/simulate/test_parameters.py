@@ -26,7 +26,7 @@ def test_a_parameter_has_the_unit_and_the_words_of_its_field():
     assert KNOWN["gait.frequency"].unit == "rad/s"
     assert KNOWN["robot.module.section.half_width"].unit == "m"
     assert KNOWN["water.normal_drag"].unit == ""
-    assert KNOWN["water.current_y"].title == "V, the velocity that the water moves to, in world axes: y"
+    assert KNOWN["water.current_y"].title == "V, velocity that it moves to, world axes: y"
     assert KNOWN["robot.n_links"].is_whole and KNOWN["robot.caudal_fin.n_strips"].is_whole
     assert not KNOWN["robot.caudal_fin.length"].is_whole
 

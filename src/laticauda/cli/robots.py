@@ -28,7 +28,7 @@ from laticauda.robot import (
     to_toml,
     water_names,
 )
-from laticauda.robot.files import parsed, read_text
+from laticauda.robot.files import read_table
 from laticauda.robot.parameters import KIND
 
 WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
@@ -77,7 +77,7 @@ def _named(name: str) -> Robot | Water | Ground | Parameters:
     if name.endswith(".toml"):
         from pathlib import Path
 
-        if parsed(read_text(Path(name)), name).get("kind") == KIND:
+        if read_table(Path(name)).get("kind") == KIND:
             return load_parameters(name)
         return from_toml(Path(name))
     return load_robot(name)

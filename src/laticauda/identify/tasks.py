@@ -34,6 +34,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
+from laticauda.codec import BadKey, decode, encode
 from laticauda.errors import RobotFileError, nearest
 from laticauda.identify.fitting import fit
 from laticauda.identify.measurements import Measurement, from_table1
@@ -42,8 +43,7 @@ from laticauda.identify.trial_files import TrialFile, as_measurement, read_trial
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
-from laticauda.robot.files import parsed, read_text
-from laticauda.robot.tables import BadKey, decode, encode
+from laticauda.robot.files import read_table
 from laticauda.scenarios import default_water, preset_water
 from laticauda.simulate.runner import Progress
 
@@ -136,7 +136,7 @@ def load_task(path: str | Path) -> Task:
         TrialFileError: If a trial in it cannot be read.
     """
     file = Path(path)
-    table = parsed(read_text(file), str(file))
+    table = read_table(file)
     try:
         return _task(table, file)
     except BadKey as error:

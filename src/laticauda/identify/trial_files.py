@@ -7,11 +7,11 @@ from typing import Any, cast
 
 import numpy as np
 
+from laticauda.codec import BadKey
 from laticauda.errors import nearest, one_of, positive
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.unknowns import Unknown
 from laticauda.logs import load_trial
-from laticauda.robot.tables import BadKey
 from laticauda.simulate.sensitivities import UNITS
 from laticauda.trial import Trial
 

@@ -9,14 +9,15 @@ A schedule is a list of tables ``[[faults]]``, each with the fields of `Fault`:
 """
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from laticauda.errors import LaticaudaError, finite, nearest, not_negative, one_of, whole, within
+from laticauda.codec import BadKey, check_keys, decode, keys_of
+from laticauda.errors import BadArgument, LaticaudaError, one_of
+from laticauda.files import read_toml
 from laticauda.protocol import EVERY_NODE, N_NODES
-from laticauda.robot.checks import settle_required
+from laticauda.quantities import option, quantity, value
 
 KINDS = {
     "frame_loss": "frames on the bus are lost, a `share` of them",
@@ -38,37 +39,22 @@ class FaultFileError(LaticaudaError, ValueError):
     """A schedule of faults is wrong: it says which file, key, rule and value."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Fault:
     """One thing that goes wrong."""
 
-    kind: str
-    """Which; see `KINDS` [-]."""
-    time: float = 0.0
-    """When, by the lab's clock [s]."""
-    duration: float = math.inf
-    """How long; infinite: to the end [s]."""
-    node: int = EVERY_NODE
-    """Where; 0: everywhere [-]."""
-    share: float = 0.1
-    """Of frames that are lost, or corrupted [-]."""
-    delay: float = 0.1
-    """Of late frames [s]."""
-    temperature: float = 95.0
-    """Of the motor [deg C]."""
+    kind: str = option("Which; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
+    time: float = quantity("s", "When, by the lab's clock", ge=0.0, default=0.0)
+    duration: float = quantity("s", "How long; infinite: to the end", ge=0.0, default=math.inf)
+    node: int = quantity("", "Where; 0: everywhere", ge=0, le=N_NODES, default=EVERY_NODE)
+    share: float = quantity("", "Of frames that are lost, or corrupted", ge=0.0, le=1.0, default=0.1)
+    delay: float = quantity("s", "Of late frames", ge=0.0, default=0.1)
+    temperature: float = quantity("deg C", "Of the motor", default=95.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        one_of("kind", self.kind, tuple(KINDS))
-        settle_required(self, not_negative, "s", "time", "delay")
-        if self.duration != math.inf:
-            settle_required(self, not_negative, "s", "duration")
-        if whole("node", self.node, 0) > N_NODES:
-            raise ValueError(f"`node` must be <= {N_NODES}, got {self.node}.")
         if self.node != EVERY_NODE and self.kind not in ON_NODES:
-            raise ValueError(f"`node` must be left out for `{self.kind}`, got {self.node}.")
-        within("share", self.share, 0.0, 1.0)
-        finite("temperature", self.temperature, "deg C")
+            raise BadArgument("node", f"must be left out for `{self.kind}`, got {self.node}")
 
     def is_on(self, time: float) -> bool:
         """Whether it is there at a moment.
@@ -129,45 +115,22 @@ def load_faults(path: str | Path) -> tuple[Fault, ...]:
     Raises:
         FaultFileError: If anything is wrong with it; the message has the file, the entry, the rule and the value.
     """
-    import tomllib
-
-    try:
-        table: Any = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise FaultFileError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
-        raise FaultFileError(f"{path}: is not valid TOML: {error}") from None
-    for key in table:
-        if key != "faults":
-            raise FaultFileError(f"{path}: key `{key}`: is not known; the only key here is faults")
-    entries: Any = table.get("faults", [])
-    if not isinstance(entries, list):
-        raise FaultFileError(f"{path}: key `faults`: must be a list of tables, got {entries!r:.60}")
-    found: list[Fault] = []
-    for i, entry in enumerate(cast("Sequence[Any]", entries)):
-        try:
-            found.append(fault_of(entry))
-        except ValueError as error:
-            raise FaultFileError(f"{path}: key `faults[{i}]`: {error}") from None
-    return tuple(found)
+    table = read_toml(path, FaultFileError)
+    with keys_of(path, FaultFileError):
+        check_keys(table, ("faults",))
+        return decode(tuple[Fault, ...], table.get("faults", []), "faults")
 
 
-def fault_of(entry: Any) -> Fault:
+def fault_of(entry: object) -> Fault:
     """The fault that a table says.
 
     Raises:
         ValueError: If it says none.
     """
-    if not isinstance(entry, dict):
-        raise ValueError(f"must be a table, got {entry!r:.60}.")
-    values = cast("dict[str, Any]", entry)
-    names = [field.name for field in fields(Fault)]
-    for key in values:
-        if key not in names:
-            raise ValueError(f"`{key}` is not known{nearest(key, names) or '; the keys are ' + ', '.join(names)}.")
-    if "kind" not in values:
-        raise ValueError("`kind` is missing.")
-    return Fault(**values)
+    try:
+        return decode(Fault, entry)
+    except BadKey as error:
+        raise BadArgument(error.key, error.rule) from None
 
 
 def fault_from_words(text: str, now: float) -> Fault:
@@ -182,14 +145,14 @@ def fault_from_words(text: str, now: float) -> Fault:
     """
     words = text.split()
     if not words:
-        raise ValueError("`kind` is missing.")
+        raise BadArgument("kind", "is missing")
     entry: dict[str, Any] = {"time": now}
     for word in words[1:]:
         key, equals, value = word.partition("=")
         if not equals:
-            raise ValueError(f"`{key}` must have a value: {key}=...")
+            raise BadArgument(key, f"must have a value: {key}=...")
         try:
             entry[key] = int(value) if key == "node" else float(value)
         except ValueError:
-            raise ValueError(f"`{key}` must be a number, got {value!r}.") from None
+            raise BadArgument(key, f"must be a number, got {value!r}") from None
     return fault_of({**entry, "kind": words[0]})

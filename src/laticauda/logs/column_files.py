@@ -33,11 +33,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from laticauda.codec import BadKey, decode
 from laticauda.errors import LaticaudaError, TrialFileError
 from laticauda.gaits import Gait
 from laticauda.logs.column_maps import SECTIONS, ColumnMap
 from laticauda.robot import Ground, Water, load_ground, load_robot, load_water
-from laticauda.robot.tables import BadKey, decode
 
 KIND = "columns"
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import cast
 
-from laticauda.errors import finite, not_negative, one_of, positive, whole
+from laticauda.errors import BadArgument, finite, not_negative, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
 
@@ -39,7 +39,7 @@ class TimeColumn:
         if self.rate is not None:
             object.__setattr__(self, "rate", positive("rate", self.rate, "Hz"))
         if self.rate is not None and self.column is not None:
-            raise ValueError(f"`rate` must not be given beside `column`, got {self.rate}.")
+            raise BadArgument("rate", f"must not be given beside `column`, got {self.rate}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +60,7 @@ class Frame:
         for name in ("x", "y"):
             one_of(name, getattr(self, name), DIRECTIONS)
         if self.x[-1] == self.y[-1]:
-            raise ValueError(f"`y` must be another axis than `x` = {self.x!r}, got {self.y!r}.")
+            raise BadArgument("y", f"must be another axis than `x` = {self.x!r}, got {self.y!r}")
         object.__setattr__(self, "origin", _pair("origin", self.origin, "m"))
         object.__setattr__(self, "rotation_deg", finite("rotation_deg", self.rotation_deg, "deg"))
 
@@ -124,10 +124,10 @@ class Body:
     def __post_init__(self) -> None:
         """Check every field once."""
         if (self.name is None) == (self.position is None):
-            raise ValueError(f"`position` must be given, or `name`, and not both; got {self.position}.")
+            raise BadArgument("position", f"must be given, or `name`, and not both; got {self.position}")
         turns = [one for one in ("yaw", "quaternion", "rotation") if getattr(self, one) is not None]
         if len(turns) != (1 if self.name is None else 0):
-            raise ValueError("`yaw` must be given, or `quaternion` or `rotation`, and just one; with `name` none.")
+            raise BadArgument("yaw", "must be given, or `quaternion` or `rotation`, and just one; with `name` none")
         for name, sizes in (("position", (2, 3)), ("quaternion", (4,)), ("rotation", (9,))):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _names(name, getattr(self, name), sizes))
@@ -154,7 +154,7 @@ class Ends:
         """Check every field once."""
         object.__setattr__(self, "markers", _names("markers", self.markers, None))
         if "{marker}" not in self.columns or "{axis}" not in self.columns:
-            raise ValueError(f"`columns` must hold {{marker}} and {{axis}}, got {self.columns!r}.")
+            raise BadArgument("columns", f"must hold {{marker}} and {{axis}}, got {self.columns!r}")
         _unit("length_unit", self.length_unit, LENGTHS)
 
 
@@ -176,12 +176,12 @@ class JointColumns:
     def __post_init__(self) -> None:
         """Check every field once."""
         if isinstance(self.columns, str) and "{}" not in self.columns:
-            raise ValueError(f"`columns` must be a list of names, or hold {{}} for the number, got {self.columns!r}.")
+            raise BadArgument("columns", f"must be a list of names, or hold {{}} for the number, got {self.columns!r}")
         if not isinstance(self.columns, str):
             object.__setattr__(self, "columns", _names("columns", self.columns, None))
         whole("first", self.first, 0)
         if self.sign not in (1, -1):
-            raise ValueError(f"`sign` must be 1 or -1, got {self.sign}.")
+            raise BadArgument("sign", f"must be 1 or -1, got {self.sign}")
 
     def names(self, n_joints: int) -> list[str]:
         """The names of the columns, tail first.
@@ -197,7 +197,7 @@ class JointColumns:
         else:
             found = list(self.columns)
         if len(found) != n_joints:
-            raise ValueError(f"`columns` must have {n_joints} names, one per joint of the robot, got {len(found)}.")
+            raise BadArgument("columns", f"must have {n_joints} names, one per joint of the robot, got {len(found)}")
         return found[::-1] if self.head_first else found
 
 
@@ -217,7 +217,7 @@ class Power:
     def __post_init__(self) -> None:
         """Check every field once."""
         if (self.column is None) == (self.current is None) or (self.current is None) != (self.voltage is None):
-            raise ValueError(f"`column` must be given, or `current` and `voltage`, and not both; got {self.column!r}.")
+            raise BadArgument("column", f"must be given, or `current` and `voltage`, and not both; got {self.column!r}")
         if self.idle is not None:
             object.__setattr__(self, "idle", not_negative("idle", self.idle, "W"))
 
@@ -293,12 +293,12 @@ class ColumnMap:
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, finite(name, getattr(self, name), "s"))
         if self.start is not None and self.stop is not None and self.stop <= self.start:
-            raise ValueError(f"`stop` must be > `start` = {self.start:g} s, got {self.stop:g}.")
+            raise BadArgument("stop", f"must be > `start` = {self.start:g} s, got {self.stop:g}")
         given = [name for name in ("center_of_mass", "body", "ends") if getattr(self, name) is not None]
         if len(given) > 1:
-            raise ValueError(f"`{given[1]}` must not be given beside `{given[0]}`: both say where the robot was.")
+            raise BadArgument(f"{given[1]}", f"must not be given beside `{given[0]}`: both say where the robot was")
         if self.body is not None and self.joint_angle is None:
-            raise ValueError("`joint_angle` must be given with `body`: one link does not say where the others are.")
+            raise BadArgument("joint_angle", "must be given with `body`: one link does not say where the others are")
         for name, section in UNITS.items():
             columns = getattr(self, name)
             if columns is not None and columns.unit is not None:
@@ -313,7 +313,7 @@ def _unit(name: str, value: object, units: Mapping[str, float]) -> None:
 def _pair(name: str, value: object, unit: str) -> tuple[float, float]:
     items = _items(value)
     if items is None or len(items) != 2:
-        raise ValueError(f"`{name}` must be two numbers in {unit}, got {value!r}.")
+        raise BadArgument(f"{name}", f"must be two numbers in {unit}, got {value!r}")
     return finite(name, items[0], unit), finite(name, items[1], unit)
 
 
@@ -322,7 +322,7 @@ def _names(name: str, value: object, sizes: tuple[int, ...] | None) -> tuple[str
     names = [one for one in items or () if isinstance(one, str)]
     if items is None or len(names) != len(items) or (sizes is not None and len(names) not in sizes):
         wanted = "" if sizes is None else f"{' or '.join(map(str, sizes))} "
-        raise ValueError(f"`{name}` must be a list of {wanted}names of columns, got {value!r}.")
+        raise BadArgument(f"{name}", f"must be a list of {wanted}names of columns, got {value!r}")
     return tuple(names)
 
 

@@ -13,19 +13,19 @@ The tables are `joint` (but for its axis), `actuator`, `caudal_fin`, `tether` an
 """
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
-from typing import Any, TypeAlias, cast
+from dataclasses import replace
+from typing import Any, TypeAlias
 
-from laticauda.errors import nearest, not_negative
+from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, table_of
+from laticauda.quantities import quantities_of
 from laticauda.robot.effectors import CaudalFin, Tether
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.robot import Robot
-from laticauda.robot.tables import BadKey, Table, decode, encode
 
 Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 """By table, by field: the value that the robot has instead of its own."""
 
-SECTIONS: dict[str, type] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
+SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
 OF_ROBOT = ("active_power", "electronics_power")
 NAMES = (*SECTIONS, "robot")
 
@@ -73,28 +73,25 @@ def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
 
 def write_adjustments(adjustments: Adjustments) -> dict[str, Table]:
     """The tables that `read_adjustments` turns back into equal ones."""
-    return {
-        name: {key: _written(value) for key, value in values.items()} for name, values in adjustments.items() if values
-    }
+    return encode({name: values for name, values in adjustments.items() if values})
 
 
 def _read(name: str, table: object, path: str) -> dict[str, Any]:
-    if not isinstance(table, Mapping):
-        raise BadKey(path, f"must be a table, got {table!r}")
-    values = dict(cast("Mapping[str, Any]", table))
+    values = table_of(table, path)
     for key, value in values.items():
         if value is None:
             raise BadKey(f"{path}.{key}", "must be left out where the robot's own value is meant, got None")
     if name == "robot":
-        return {key: _power(key, value, f"{path}.{key}") for key, value in values.items()}
+        check_keys(values, OF_ROBOT, path)
+        with arguments_of(path):
+            return {key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()}
     if name == "joint":
         _refuse_of_joint(values, path)
-    plain = {key: encode(value) if is_dataclass(value) else value for key, value in values.items()}
-    kind = SECTIONS[name]
-    read = cast("object", decode(kind, plain, path))
-    known = {field.name for field in fields(kind)}
-    given = (key if key in known else key.removesuffix("_deg") for key in values)
-    return {key: getattr(read, key) for key in given}
+    read = decode(SECTIONS[name], values, path)
+    return {
+        field: getattr(read, field)
+        for field in (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
+    }
 
 
 def _refuse_of_joint(values: Mapping[str, object], path: str) -> None:
@@ -102,19 +99,3 @@ def _refuse_of_joint(values: Mapping[str, object], path: str) -> None:
         raise BadKey(f"{path}.axis", "must not be given: a parameter file does not turn joints")
     if "actuator" in values:
         raise BadKey(f"{path}.actuator", "must not be given: the table `actuator` beside it is for that")
-
-
-def _power(key: str, value: object, path: str) -> float:
-    if key not in OF_ROBOT:
-        hint = nearest(key, OF_ROBOT) or f"; the keys here are {', '.join(OF_ROBOT)}"
-        raise BadKey(path, f"is not known{hint}")
-    try:
-        return not_negative(key, value, "W")
-    except ValueError as error:
-        raise BadKey(path, str(error).removeprefix(f"`{key}` ").removesuffix(".")) from None
-
-
-def _written(value: Any) -> Any:
-    if is_dataclass(value):
-        return encode(value)
-    return list(value) if isinstance(value, tuple) else value  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]

@@ -11,15 +11,15 @@ class of that name, in the same units (lengths in m, angles in rad), and four th
   preset or from another file (a path relative to this one).
 """
 
-import tomllib
 from os import sep
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, overload
 
+from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
 from laticauda.errors import RobotFileError, nearest
+from laticauda.files import parse_toml, read_toml
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
-from laticauda.robot.tables import BadKey, Table, decode, encode
 
 Described: TypeAlias = Robot | Water | Ground
 Kind = TypeVar("Kind", Robot, Water, Ground)
@@ -56,7 +56,7 @@ def to_toml(thing: Described) -> str:
     if not isinstance(thing, tuple(KINDS.values())):
         raise ValueError(f"`thing` must be a Robot, Water or Ground, got {type(thing).__name__}.")
     kind = next(word for word, found in KINDS.items() if isinstance(thing, found))
-    return tomli_w.dumps({"kind": kind, **encode(thing)})
+    return tomli_w.dumps(stamped(kind, encode(thing)))
 
 
 @overload
@@ -73,14 +73,19 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
     Raises:
         RobotFileError: If anything is wrong with it; the message has the file, the key, the rule and the value.
     """
-    if isinstance(source, Path):
-        return read_file(source, kind)
-    return _build(*_complete(source, "<text>", None, kind, ()))
+    path = source if isinstance(source, Path) else None
+    shown = "<text>" if path is None else str(path)
+    table = parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
+    return _build(*_complete(table, shown, path, kind, ()), shown)
 
 
-def read_file(path: Path, kind: type[Any] | None = None) -> Any:
-    """`from_toml` for a file."""
-    return _build(*_complete(read_text(path), str(path), path, kind, ()))
+def read_table(path: Path) -> Table:
+    """The table in a file.
+
+    Raises:
+        RobotFileError: If it cannot be read, or is no TOML.
+    """
+    return read_toml(path, RobotFileError, missing=RobotNotFound)
 
 
 def preset_names(kind: str) -> tuple[str, ...]:
@@ -121,75 +126,25 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     return path
 
 
-def read_text(path: Path) -> str:
-    """The text of a file.
-
-    Raises:
-        RobotFileError: If it cannot be read; the message says which and why.
-    """
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise RobotNotFound(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise RobotFileError(f"{path}: is a folder, not a TOML file") from None
-    except UnicodeDecodeError as error:
-        raise RobotFileError(f"{path}: is not a text in UTF-8 ({error.reason} at byte {error.start})") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise RobotFileError(f"{path!s}: cannot be read: {reason}") from None
-
-
-def parsed(text: str, shown: str) -> Table:
-    """The table that a TOML text holds.
-
-    Args:
-        text: What to parse.
-        shown: What messages call it.
-
-    Raises:
-        RobotFileError: If it is no TOML.
-    """
-    try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise RobotFileError(f"{shown}: is not valid TOML: nested too deeply") from None
-    except ValueError as error:  # also a number of more digits than Python reads
-        raise RobotFileError(f"{shown}: is not valid TOML: {error}") from None
-
-
 def _complete(
-    text: str, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
-) -> tuple[type[Described], Table, str]:
-    """Parse a text, check its kind and add what it takes from the file it extends."""
-    table = parsed(text, shown)
-    found = _kind(table, shown, kind)
+    table: Table, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
+) -> tuple[type[Described], Table]:
+    """The class that a file describes, and its keys with those of the file it extends."""
+    with keys_of(shown, RobotFileError):
+        word = take_kind(table, *KINDS)
+        if kind is not None and KINDS[word] is not kind:
+            wanted = next(name for name, one in KINDS.items() if one is kind)
+            raise BadKey("kind", f'must be "{wanted}" here, got {word!r}')
     base = table.pop("extends", None)
     if base is not None:
-        table = {**_inherited(base, shown, path, found, parents), **table}
-    return found, table, shown
+        table = {**_inherited(base, shown, path, word, parents), **table}
+    return KINDS[word], table
 
 
-def _kind(table: Table, shown: str, expected: type[Described] | None) -> type[Described]:
-    choices = ", ".join(f'"{word}"' for word in KINDS)
-    if "kind" not in table:
-        raise RobotFileError(f"{shown}: key `kind`: is missing; it must be one of {choices}")
-    word = table.pop("kind")
-    found = KINDS.get(word) if isinstance(word, str) else None
-    if found is None:
-        hint = nearest(word, list(KINDS)) if isinstance(word, str) else ""
-        raise RobotFileError(f"{shown}: key `kind`: must be one of {choices}, got {word!r}{hint}")
-    if expected is not None and found is not expected:
-        wanted = next(name for name, one in KINDS.items() if one is expected)
-        raise RobotFileError(f'{shown}: key `kind`: must be "{wanted}" here, got {word!r}')
-    return found
-
-
-def _inherited(base: object, shown: str, path: Path | None, kind: type[Described], parents: tuple[Path, ...]) -> Table:
+def _inherited(base: object, shown: str, path: Path | None, word: str, parents: tuple[Path, ...]) -> Table:
     """The keys that a file takes from the one it extends, which must be sound by itself."""
     if not isinstance(base, str):
         raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
-    word = next(name for name, one in KINDS.items() if one is kind)
     try:
         other = find(base, word, None if path is None else path.parent)
     except RobotNotFound as error:
@@ -197,13 +152,11 @@ def _inherited(base: object, shown: str, path: Path | None, kind: type[Described
     chain = parents if path is None else (*parents, path.resolve())
     if other.resolve() in chain:
         raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
-    _, table, name = _complete(read_text(other), str(other), other, kind, chain)
-    _build(kind, table, name)
+    kind, table = _complete(read_table(other), str(other), other, KINDS[word], chain)
+    _build(kind, table, str(other))
     return {key: value for key, value in table.items() if key not in ("name", "description")}
 
 
 def _build(kind: type[Described], table: Table, shown: str) -> Described:
-    try:
+    with keys_of(shown, RobotFileError):
         return decode(kind, table)
-    except BadKey as error:
-        raise RobotFileError(f"{shown}: key `{error.key}`: {error.rule}") from None

@@ -1,16 +1,12 @@
 """Joints between modules, and the actuators that drive them."""
 
 import math
-from dataclasses import dataclass, field
 from typing import Literal
 
-from laticauda.errors import instance, not_negative, one_of, positive, within
-from laticauda.robot.checks import settle_required
-
-AXES = ("yaw", "pitch")
+from laticauda.quantities import option, quantity, value
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Actuator:
     """What turns a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
 
@@ -19,8 +15,8 @@ class Actuator:
     30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They hold at the output shaft, so the gear's losses at
     stall and at full speed are in them already, and the friction given here comes on top of them: 0 by default.
 
-    `tracking` says how much of its reference a joint does that is `prescribed`: joints under `pd` control or with
-    `servo`s lose amplitude by themselves and do not look at it.
+    `tracking` says how much of its reference a joint does that is `prescribed`, the offset not counted: joints under
+    `pd` control or with `servo`s lose amplitude by themselves and do not look at it.
 
     Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across the motor of the
     sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 % efficient. `servo_gain` is an
@@ -31,41 +27,19 @@ class Actuator:
         [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
     """
 
-    proportional_gain: float = 20.0
-    """k_p of the `pd` law [N m/rad]."""
-    derivative_gain: float = 5.0
-    """k_d of the `pd` law [N m s/rad]."""
-    stall_torque: float = 2.9
-    """Torque of the servo at full duty and standstill [N m]."""
-    no_load_speed: float = 7.5
-    """Speed of the servo at full duty and no torque [rad/s]."""
-    servo_gain: float = 5.7
-    """Duty of the servo per angle error [1/rad]."""
-    friction_torque: float = 0.0
-    """Dry friction of the gear, beyond what the published figures contain [N m]."""
-    viscous_friction: float = 0.0
-    """Viscous friction of the gear, likewise [N m s/rad]."""
-    voltage: float = 7.4
-    """Supply of the servo [V]."""
-    stall_current: float = 4.6
-    """Current of the servo at full duty and standstill [A]."""
-    idle_current: float = 0.0
-    """Current of the servo at rest without load; see also `Robot.electronics_power` [A]."""
-    tracking: float = 1.0
-    """Share of the gait's oscillation that a `prescribed` joint does: its loss of amplitude; not of the offset [-]."""
-
-    def __post_init__(self) -> None:
-        settle_required(self, not_negative, "N m/rad", "proportional_gain")
-        settle_required(self, not_negative, "N m s/rad", "derivative_gain", "viscous_friction")
-        settle_required(self, positive, "N m", "stall_torque")
-        settle_required(self, positive, "rad/s", "no_load_speed")
-        settle_required(self, positive, "1/rad", "servo_gain")
-        settle_required(self, not_negative, "N m", "friction_torque")
-        settle_required(self, positive, "V", "voltage")
-        settle_required(self, positive, "A", "stall_current")
-        settle_required(self, not_negative, "A", "idle_current")
-        settle_required(self, positive, "", "tracking")
-        within("tracking", self.tracking, 0.0, 1.5)
+    proportional_gain: float = quantity("N m/rad", "k_p of the `pd` law", ge=0.0, default=20.0)
+    derivative_gain: float = quantity("N m s/rad", "k_d of the `pd` law", ge=0.0, default=5.0)
+    stall_torque: float = quantity("N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9)
+    no_load_speed: float = quantity("rad/s", "Speed of the servo at full duty and no torque", gt=0.0, default=7.5)
+    servo_gain: float = quantity("1/rad", "Duty of the servo per angle error", gt=0.0, default=5.7)
+    friction_torque: float = quantity("N m", "Dry friction of the gear, beyond the figures", ge=0.0, default=0.0)
+    viscous_friction: float = quantity("N m s/rad", "Viscous friction of the gear, likewise", ge=0.0, default=0.0)
+    voltage: float = quantity("V", "Supply of the servo", gt=0.0, default=7.4)
+    stall_current: float = quantity("A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6)
+    idle_current: float = quantity("A", "Current of the servo at rest without load", ge=0.0, default=0.0)
+    tracking: float = quantity(
+        "", "Share of the oscillation that a `prescribed` joint does", gt=0.0, le=1.5, default=1.0
+    )
 
     @property
     def stall_power(self) -> float:
@@ -78,25 +52,16 @@ class Actuator:
         return self.voltage * self.idle_current
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Joint:
-    """A driven hinge between two modules, with the skin that keeps the water out."""
+    """A driven hinge between two modules, with the skin that keeps the water out.
 
-    axis: Literal["yaw", "pitch"] = "yaw"
-    """`yaw` bends the body in the swimming plane, `pitch` out of it [-]."""
-    limit: float = math.pi / 2.0
-    """Largest joint angle to either side; by default the servo's travel [rad]."""
-    actuator: Actuator = field(default_factory=Actuator)
-    """What drives it (its fields have their own units)."""
-    stiffness: float = 0.0
-    """k_s of the skin [N m/rad]."""
-    damping: float = 0.0
-    """d_s of the skin [N m s/rad]."""
+    Its limit is by default the servo's travel.
+    """
 
-    def __post_init__(self) -> None:
-        one_of("axis", self.axis, AXES)
-        settle_required(self, positive, "rad", "limit")
-        within("limit", self.limit, 0.0, math.pi, "rad")
-        instance("actuator", self.actuator, Actuator)
-        settle_required(self, not_negative, "N m/rad", "stiffness")
-        settle_required(self, not_negative, "N m s/rad", "damping")
+    counted = ("axis",)  # keys that may be lists in an entry of a file with a `count`
+    axis: Literal["yaw", "pitch"] = option("`yaw` bends the body in the plane, `pitch` out of it", default="yaw")
+    limit: float = quantity("rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0)
+    actuator: Actuator = option("What drives it", default_factory=Actuator)
+    stiffness: float = quantity("N m/rad", "k_s of the skin", ge=0.0, default=0.0)
+    damping: float = quantity("N m s/rad", "d_s of the skin", ge=0.0, default=0.0)

@@ -1,11 +1,11 @@
 """`Robot`: everything about what swims. Bodies and joints are counted from the tail."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TypeVar
 
-from laticauda.errors import instance, not_negative, whole
-from laticauda.robot.checks import items, label, put, settle, settle_required, text
+from laticauda.errors import BadArgument, label, whole
+from laticauda.quantities import option, quantity, value
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
 from laticauda.robot.joints import Joint
 from laticauda.robot.modules import Module
@@ -14,63 +14,41 @@ from laticauda.robot.reduction import Reduction, reduce_to_plane
 Effector = TypeVar("Effector", Thruster, PectoralFin)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Robot:
     """A chain of modules and joints, tail first, with what is mounted on it.
 
-    For a sweep, use `dataclasses.replace`; every copy is validated anew.
+    For a sweep, use `dataclasses.replace`; every copy is validated anew. With an `active_power`, a trial has an
+    electrical power under any joint law; without one with `servo` joints only, and there it counts as 0.
     """
 
-    name: str
-    """What messages and stored trials call it."""
-    description: str = ""
-    """One line about it."""
-    modules: tuple[Module, ...]
-    """The rigid pieces, from tail to head."""
-    joints: tuple[Joint, ...] = ()
-    """Joint i connects modules i and i + 1."""
-    caudal_fin: CaudalFin | None = None
-    """The fin behind module 0, or None."""
-    thrusters: tuple[Thruster, ...] = ()
-    """Thrusters, in any order."""
-    pectoral_fins: tuple[PectoralFin, ...] = ()
-    """Pectoral fins, in any order."""
-    tether: Tether = field(default_factory=Tether)
-    """The cable at the tail end."""
-    electronics_power: float = 0.0
-    """What the robot draws at rest besides its actuators' idle current [W]."""
-    active_power: float | None = None
-    """What its electronics draw above that while it swims; given, a trial has an electrical power under any joint law.
-    None: with `servo` joints only, and there it counts as 0 [W]."""
+    name: str = option("What messages and stored trials call it", check=label)
+    description: str = option("One line about it", default="")
+    modules: tuple[Module, ...] = option("The rigid pieces, from tail to head")
+    joints: tuple[Joint, ...] = option("Joint i connects modules i and i + 1", default=())
+    caudal_fin: CaudalFin | None = option("The fin behind module 0, or None", default=None)
+    thrusters: tuple[Thruster, ...] = option("Thrusters, in any order", default=())
+    pectoral_fins: tuple[PectoralFin, ...] = option("Pectoral fins, in any order", default=())
+    tether: Tether = option("The cable at the tail end", default_factory=Tether)
+    electronics_power: float = quantity("W", "Drawn at rest besides its actuators' idle current", ge=0.0, default=0.0)
+    active_power: float | None = quantity(
+        "W", "What its electronics draw above that while it swims", ge=0.0, default=None
+    )
 
     def __post_init__(self) -> None:
-        label("name", self.name)
-        text("description", self.description)
-        put(self, "modules", items("modules", self.modules, Module))
-        put(self, "joints", items("joints", self.joints, Joint))
-        if self.caudal_fin is not None:
-            instance("caudal_fin", self.caudal_fin, CaudalFin)
-        put(self, "thrusters", items("thrusters", self.thrusters, Thruster))
-        put(self, "pectoral_fins", items("pectoral_fins", self.pectoral_fins, PectoralFin))
-        instance("tether", self.tether, Tether)
-        settle_required(self, not_negative, "W", "electronics_power")
-        settle(self, not_negative, "W", "active_power")
-        self._check_chain()
-
-    def _check_chain(self) -> None:
         n = len(self.modules)
         if n == 0:
-            raise ValueError("`modules` must hold at least one Module, got none.")
+            raise BadArgument("modules", "must hold at least one Module, got none")
         if len(self.joints) != n - 1:
-            raise ValueError(
-                f"`joints` must hold one Joint less than there are modules, {n - 1} for {n} modules, "
-                f"got {len(self.joints)}."
+            raise BadArgument(
+                "joints",
+                f"must hold one Joint less than there are modules, {n - 1} for {n} modules, got {len(self.joints)}",
             )
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
-                    raise ValueError(
-                        f"`{group}[{i}].link` must be between 0 (tail) and {n - 1} (head), got {effector.link}."
+                    raise BadArgument(
+                        f"{group}[{i}].link", f"must be between 0 (tail) and {n - 1} (head), got {effector.link}"
                     )
 
     @property
@@ -142,9 +120,9 @@ class Robot:
         if n == self.n_links:
             return self
         if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:
-            raise ValueError(
-                f"`n_links` must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all "
-                f"alike, got {n}."
+            raise BadArgument(
+                "n_links",
+                f"must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all alike, got {n}",
             )
         return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
 
