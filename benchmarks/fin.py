@@ -7,8 +7,8 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.fluid import bending_frequencies
+from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import CaudalFin
-from laticauda.trial.measured import efficiency_trials
 
 WATER = lc.load_water("paper-lateral")
 ROBOT = lc.load_robot("mamba-fin")

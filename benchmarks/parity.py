@@ -26,8 +26,9 @@ import sys
 
 import numpy as np
 
-from laticauda.figures import ConvergenceCurve, convergence, new_figure, save_figure, style
-from laticauda.studies import Parity, parity, parity_cases
+from laticauda.figures import new_figure, save_figure, style
+from laticauda.paper import ConvergenceCurve, Parity, convergence, parity_cases
+from laticauda.paper.parity import parity
 
 STEPS = {
     "prescribed": (0.05, 0.025, 0.0125, 0.00625, 0.003125, 0.001, 0.0005),

@@ -19,8 +19,8 @@ from dataclasses import replace
 import numpy as np
 
 import laticauda as lc
-from laticauda.studies.paper import paper_coefficients
-from laticauda.trial.measured import efficiency_trials, path_following_trials
+from laticauda.paper.measured import efficiency_trials, path_following_trials
+from laticauda.paper.settings import paper_coefficients
 
 
 def simulated(rows: Sequence, joints: str) -> np.ndarray:

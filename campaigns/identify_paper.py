@@ -27,14 +27,14 @@ import laticauda as lc
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
+from laticauda.paper.following_run import figures_of
+from laticauda.paper.following_settings import path_following_settings
+from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.robot import Robot, Water
 from laticauda.simulate import plant, run
 from laticauda.simulate.parameters import changed
-from laticauda.studies.following_run import figures_of
-from laticauda.studies.following_settings import path_following_settings
 from laticauda.trial import Trial
-from laticauda.trial.measured import efficiency_trials, group_name, path_following_trials
-from laticauda.trial.null_models import NULL_MODELS, Row, design, fit, left_out, mape, predict
+from laticauda.trial.null_models import NULL_MODELS, Row, design, fit, group_name, left_out, mape, predict
 
 Values = Mapping[str, float]
 

@@ -28,8 +28,8 @@ from laticauda.lab import LabSettings, Tank, World
 from laticauda.operate.series import Series, run_series, table2
 from laticauda.operate.session import Result, operate_stepped
 from laticauda.operate.settings import Operation
+from laticauda.paper.measured import path_following_trials
 from laticauda.trial import following
-from laticauda.trial.measured import path_following_trials
 
 PLACED, TURNED = 0.02, math.radians(1.0)  # how well somebody puts the robot down: an assumption [m], [rad]
 

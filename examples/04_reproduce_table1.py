@@ -9,7 +9,8 @@ the figures and writes a report.
 from dataclasses import replace
 from math import degrees
 
-from laticauda.studies import efficiency_settings, fin_gains, run_efficiency, scores
+from laticauda.paper import efficiency_settings, fin_gains, run_efficiency
+from laticauda.paper.scores import scores
 
 settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1])
 study = run_efficiency(settings)

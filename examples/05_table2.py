@@ -7,7 +7,7 @@ The paper says neither how fast an offset comes into effect nor which heading it
 
 from dataclasses import replace
 
-from laticauda.studies import path_following_settings, run_path_following
+from laticauda.paper import path_following_settings, run_path_following
 
 settings = path_following_settings()
 first = replace(settings.groups[0], figures=settings.groups[0].figures[:1])

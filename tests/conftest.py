@@ -6,17 +6,11 @@ Modules that Numba compiles are left alone: the hook wraps functions, and Numba 
 
 import os
 import signal
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import jaxtyping
-import pytest
 from hypothesis import settings
 from typechecker import shaped
-
-if TYPE_CHECKING:
-    from laticauda.studies import EfficiencyStudy, PathFollowingStudy
 
 SOURCES = Path(__file__).parent.parent / "src"
 
@@ -42,25 +36,3 @@ jaxtyping.install_import_hook(
     ],
     "typechecker.check",
 )
-
-
-# Shared by the tests of studies and of reports; imported late, for the hook has to come first.
-
-
-@pytest.fixture(scope="session")
-def study() -> "EfficiencyStudy":
-    """The whole Table 1, and sweeps in coarse steps that still meet the ends of their ranges."""
-    from laticauda.studies import efficiency_settings, run_efficiency
-
-    settings = efficiency_settings()
-    coarse = tuple(replace(sweep, step=5 * sweep.step) for sweep in settings.sweeps)
-    return run_efficiency(replace(settings, sweeps=coarse))
-
-
-@pytest.fixture(scope="session")
-def following() -> "PathFollowingStudy":
-    """All 12 trials of Table 2 for 18 s, which takes some of them to the path, with prescribed joints only."""
-    from laticauda.studies import path_following_settings, run_path_following
-
-    settings = replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",))
-    return run_path_following(settings)

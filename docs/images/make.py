@@ -22,16 +22,16 @@ from PIL import Image
 import laticauda as lc
 from laticauda.cli import main as command
 from laticauda.figures import save_figure, style, swim_sheet
-from laticauda.pictures.render import still
-from laticauda.reports.front import front_figure
-from laticauda.studies import Grid, Problem, Sweep, optimize, run_sweep
-from laticauda.studies.following_settings import path_following_settings
-from laticauda.trial.measured import (
+from laticauda.paper.following_settings import path_following_settings
+from laticauda.paper.measured import (
     MeasuredPathFollowing,
     MeasuredTrial,
     efficiency_trials,
     path_following_trials,
 )
+from laticauda.pictures.render import still
+from laticauda.reports.front import front_figure
+from laticauda.studies import Grid, Problem, Sweep, optimize, run_sweep
 from laticauda.trial.null_models import mape
 
 FOLDER = Path(__file__).parent

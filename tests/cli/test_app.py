@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from paper.conftest import short_reproduction
 from rendering import skip_without_rendering
 
 import laticauda
@@ -70,6 +71,9 @@ def example_of(run, words):
     assert "--json" in text
     (example,) = re.findall(r"For example: laticauda (.+?)\n\n", text, re.DOTALL)
     return " ".join(example.split())
+
+
+assert short_reproduction  # a fixture
 
 
 @pytest.mark.usefixtures("short_reproduction")

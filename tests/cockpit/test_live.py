@@ -11,7 +11,7 @@ from laticauda.cockpit.settings import with_fin
 from laticauda.cockpit.world import TICK
 from laticauda.control import StraightLine
 from laticauda.logs import load_trial
-from laticauda.trial.measured import efficiency_trials
+from laticauda.paper.measured import efficiency_trials
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from identify.trials import DRAG, FRICTION, speeds
+from identify.trials import FRICTION, speeds
 
 import laticauda as lc
 from laticauda.identify import (
@@ -9,7 +9,6 @@ from laticauda.identify import (
     from_table1,
     leave_out,
     linear_leave_one_out,
-    paper_procedure,
 )
 from laticauda.identify.model import predict
 from laticauda.identify.problem import problem
@@ -73,16 +72,3 @@ def test_null_models_know_no_gaits_of_ones_own(found):
     gait = lc.custom_gait(envelope=[1.0] * 8, amplitude=0.5, frequency=2.0, phase_shift=0.7)
     own = [m.__class__(name=m.name, gait=gait, robot=m.robot, duration=8.0, figures=m.figures) for m in MEASURED[:2]]
     assert compared_with_null_models(fit(own, parameters=[FRICTION], n_starts=1)) == ()
-
-
-def test_the_papers_procedure_fits_one_group_and_predicts_the_rest():
-    rows = from_table1()
-    for model in ("analytical-set", "vortex-set"):
-        result = paper_procedure(rows, model=model, parameters=[FRICTION], n_starts=1)
-        assert [group.was_fitted for group in result.groups] == [True, False, False, False]
-        assert sum(group.n_measurements for group in result.groups) == 20
-        assert len(result.fit.problem.measurements) == 4
-        assert result.fit.problem.settings[0].environment.linear_drag == (model == "analytical-set")
-        assert result.groups[0].error < result.error_of_the_rest
-    with pytest.raises(ValueError, match="`measurements` must hold speeds of gait `lateral_undulation` without fin"):
-        paper_procedure(MEASURED, parameters=[DRAG])

@@ -10,9 +10,9 @@ from laticauda.operate.files import SeriesFile
 from laticauda.operate.series import run_series, table2
 from laticauda.operate.session import Result
 from laticauda.operate.settings import Operation
-from laticauda.studies.repeats import load_repeats
+from laticauda.paper.measured import path_following_trials
+from laticauda.paper.repeats import load_repeats
 from laticauda.trial import Trial
-from laticauda.trial.measured import path_following_trials
 
 
 @pytest.fixture(scope="module")

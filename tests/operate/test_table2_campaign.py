@@ -10,8 +10,8 @@ import laticauda as lc
 from laticauda.identify import fit, from_trial
 from laticauda.operate.series import Series, run_series, table2
 from laticauda.operate.settings import Calibration
-from laticauda.reports.efficiency_tables import repeat_table
-from laticauda.studies.repeats import load_repeats
+from laticauda.paper.repeats import load_repeats
+from laticauda.paper.report.efficiency_tables import repeat_table
 
 QUICK = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5)
 DURATION = 6.0

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.reports.front import front_figure, paper_points, write_front, write_front_figure
-from laticauda.studies import Front, Problem, efficiency_settings, optimize
+from laticauda.paper import efficiency_settings
+from laticauda.reports.front import front_figure, measured_points, write_front, write_front_figure
+from laticauda.studies import Front, Problem, optimize
 
 PROBLEM = Problem(
     robot=lc.load_robot("mamba"),
@@ -44,7 +45,7 @@ def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
 
 
 def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Front):
-    points = paper_points(found)
+    points = measured_points(found)
     group = next(
         one for one in efficiency_settings().groups if (one.gait, one.robot) == ("lateral_undulation", "mamba")
     )
@@ -55,7 +56,7 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
 
 def test_another_robot_has_none_of_them(found: Front):
     other = replace(found, problem=replace(PROBLEM, robot=replace(PROBLEM.robot, name="eel")))
-    assert paper_points(other).shape == (0, 2)
+    assert measured_points(other).shape == (0, 2)
 
 
 def test_the_figure_says_in_which_water_each_gait_swims(found: Front):

@@ -3,7 +3,7 @@ import io
 
 import pytest
 
-from laticauda.reports.efficiency_tables import efficiency_tables
+from laticauda.paper.report.efficiency_tables import efficiency_tables
 from laticauda.reports.tables import Column, Table, shown
 
 

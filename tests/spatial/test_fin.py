@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import laticauda as lc
+from laticauda.paper import ParityCase, parity_cases
+from laticauda.paper.parity import parity
 from laticauda.planar import rows
 from laticauda.planar.layout import layout
 from laticauda.robot import CaudalFin, Joint
-from laticauda.studies import ParityCase, parity, parity_cases
 
 mujoco = pytest.importorskip("mujoco")
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.paper import ParityCase, parity_cases
+from laticauda.paper.parity import parity
 from laticauda.robot import PectoralFin, Tether, Thruster
-from laticauda.studies import ParityCase, parity, parity_cases
 
 CASES = {case.name: case for case in parity_cases()}
 STEPS = {"prescribed": (0.05, 0.025), "pd": (0.004, 0.002), "servo": (0.004, 0.002)}

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.trial import efficiency_trials, path_following_trials
+from laticauda.paper import efficiency_trials, path_following_trials
 from laticauda.trial.null_models import MEAN_STRIDE, PREDICTORS, Row, predict
 
 KNOWN = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]

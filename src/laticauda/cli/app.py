@@ -20,22 +20,37 @@ DESCRIPTION = (
     "`laticauda --version` prints the version."
 )
 
-# A command's words, where its class is, and what the list of commands says about it. Only the module of the command
-# that runs is imported.
+# A command's words, where its class is (beside this module; with a dot, beside this package), and what the list of
+# commands says about it. Only the module of the command that runs is imported.
 COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
     ("swim",): ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
     ("follow",): ("follow:Follow", "Let a robot follow a path, and print how soon and how well."),
-    ("reproduce",): ("reproduce:Reproduce", "Repeat the paper's experiments, and write figures, tables and a report."),
+    ("reproduce",): (
+        ".paper.command:Reproduce",
+        "Repeat the paper's experiments, and write figures, tables and a report.",
+    ),
     ("sweep",): ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
     ("optimize",): ("optimize:Optimize", "Search for the best gait, fin or number of links."),
-    ("identify",): ("identify:Identify", "Identify parameters with their uncertainty from measured trials."),
+    ("identify",): (
+        "identify:Identify",
+        "Identify parameters with their uncertainty from measured trials.",
+    ),
     ("design-experiment",): ("design:DesignExperiment", "Find the next trials that would tell the most."),
     ("view",): ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
     ("export", "mjcf"): ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
     ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
-    ("export", "fmu"): ("export:Fmu", "Write a robot in water to an FMU, for Simulink, OpenModelica and others."),
-    ("lab",): ("lab:LabCommand", "Run the virtual tank: the robot on a CAN bus, cameras and a power meter."),
-    ("operate",): ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
+    ("export", "fmu"): (
+        "export:Fmu",
+        "Write a robot in water to an FMU, for Simulink, OpenModelica and others.",
+    ),
+    ("lab",): (
+        "lab:LabCommand",
+        "Run the virtual tank: the robot on a CAN bus, cameras and a power meter.",
+    ),
+    ("operate",): (
+        "operate:Operate",
+        "Operate the robot, virtual or real: a trial file or a series file.",
+    ),
     ("replay",): ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
     ("cockpit",): ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
     ("serve",): ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
@@ -99,7 +114,7 @@ def _read(words: list[str]) -> Command:
         place = COMMANDS.get(tuple(words[:length]))
         if len(words) >= length and place is not None:
             module, name = place[0].split(":")
-            command: type[Any] = getattr(import_module(f"laticauda.cli.{module}"), name)
+            command: type[Any] = getattr(import_module(f".{module}", "laticauda.cli"), name)
             prog = " ".join([PROGRAM, *words[:length]])
             return tyro.cli(
                 command,

@@ -115,8 +115,8 @@ class Identify:
         """Identify, write, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
         from laticauda.identify.checking import checked
+        from laticauda.reports.chapter import writable_folder
         from laticauda.reports.identify import as_dict, write_identification
-        from laticauda.reports.reproduce import writable_folder
 
         task = self._task()
         folder = Path(FOLDER if self.result.output is None else self.result.output)

@@ -13,7 +13,6 @@ from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
-MEASURED_DURATION = 30.0  # of the paper's trials [s]
 # Said once at the top, or by `mean_power`.
 LEFT_OUT = ("duration",)
 
@@ -152,13 +151,9 @@ def _filled(notes: Sequence[str]) -> str:
 
 
 def _about(measured: MeasuredTrial, trial: Trial) -> str:
-    fin = "with" if measured.has_fin else "without"
-    text = (
-        f"Measured: Mamba {fin} its fin in the tank, {MEASURED_DURATION:g} s from rest, the best of a sweep "
-        "(Table 1 of the paper)."
-    )
+    text = f"Measured: {measured.about}."
     duration = float(trial.time[-1] - trial.time[0])
-    if abs(duration - MEASURED_DURATION) > 0.5:
+    if abs(duration - measured.duration) > 0.5:
         text += f" This run: {duration:.4g} s."
     if trial.mean_power_kind == "mechanical" and "work" not in trial.not_measured:
         text += " Its power is electrical, most of it lost in servos: do not compare it with a mechanical one."

@@ -6,7 +6,7 @@ from laticauda.cockpit.live import Live
 
 
 def figures_text(live: Live) -> str:
-    """The figures of the run since the setting was last changed, beside the paper's, as Markdown."""
+    """The figures of the run since the setting was last changed, beside what was measured, as Markdown."""
     now, world = live.numbers(), live.world
     if world.failure is not None:
         return f"**{world.failure}** Change something, or reset."
@@ -25,7 +25,10 @@ def figures_text(live: Live) -> str:
     if measured is not None:
         speed = "not available" if measured.forward_velocity is None else f"{measured.forward_velocity:.3f} m/s"
         power = "not available" if measured.mean_power is None else f"{measured.mean_power:.1f} W"
-        lines += [f"| measured in the paper | {speed} |", f"| in 30 s from rest, electrical | {power} |"]
+        lines += [
+            f"| measured in {measured.source} | {speed} |",
+            f"| in {measured.duration:g} s from rest, electrical | {power} |",
+        ]
     return "\n".join(lines)
 
 

@@ -95,7 +95,7 @@ class Setting:
         return controller
 
     def measured(self) -> MeasuredTrial | None:
-        """The paper's trial of this setting, if it is one."""
+        """What was measured in this setting, if anything."""
         return None if self.path is not None else measured_setting(self.robot, self.gait, self.environment)
 
 

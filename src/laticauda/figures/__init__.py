@@ -1,6 +1,5 @@
 """Pictures of trials: one function per figure, which takes data and axes and returns the axes."""
 
-from laticauda.figures.convergence import ConvergenceCurve, convergence
 from laticauda.figures.following import follow_sheet
 from laticauda.figures.path import path_strip
 from laticauda.figures.style import new_figure, save_figure
@@ -8,8 +7,6 @@ from laticauda.figures.swim import joint_angle, joint_torque, speed, swim_sheet
 from laticauda.figures.timing import timing_sheet
 
 __all__ = [
-    "ConvergenceCurve",
-    "convergence",
     "follow_sheet",
     "joint_angle",
     "joint_torque",

@@ -15,6 +15,8 @@ _ENVELOPES: dict[str, Envelope] = {
     "eel_like": lambda i, n: (n - i) / (n + 1),
 }
 GAIT_KINDS = (*_ENVELOPES, "custom")
+GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion"}
+"""What tables and figures call the kinds that have a name of their own."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
         from_table1 as from_table1,
         from_trial as from_trial,
     )
-    from laticauda.identify.paper import paper_procedure as paper_procedure
     from laticauda.identify.result import Estimate as Estimate, Fit as Fit
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown

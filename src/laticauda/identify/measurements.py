@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -9,13 +10,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import finite, instance, one_of, positive, whole
-from laticauda.gaits import Gait
+from laticauda.gaits import GAIT_WORDS, Gait
 from laticauda.identify.selection import mean_of_the_greatest
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Ground, Robot, Water, load_robot
 from laticauda.simulate.sensitivities import UNITS
-from laticauda.trial import Trial
-from laticauda.trial.measured import GAIT_WORDS, efficiency_trials, group_name
+from laticauda.trial import MeasuredTrials, Trial
+from laticauda.trial.null_models import group_name
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
@@ -211,9 +212,9 @@ def from_table1(
     """
     one_of("figure", figure, ("forward_velocity", "mean_power"))
     positive("sigma", sigma)
-    robots = {False: load_robot("mamba"), True: load_robot("mamba-fin")}
+    robots = cache(load_robot)
     found: list[Measurement] = []
-    for trial in efficiency_trials():
+    for trial in MeasuredTrials.named("table1")().trials():
         value = trial.forward_velocity if figure == "forward_velocity" else trial.mean_power
         if value is None:
             continue
@@ -225,7 +226,7 @@ def from_table1(
             Measurement(
                 name=f"{group_name(trial.gait.kind, trial.has_fin)}, {setting}",
                 gait=trial.gait,
-                robot=robots[trial.has_fin],
+                robot=robots(trial.robot),
                 figures={figure: (value, sigma * value)},
                 selected_from=selected_from if trial.is_maximum else 1,
             )

@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import one_of
+from laticauda.gaits import GAIT_WORDS
 from laticauda.identify.fitting import refitted
 from laticauda.identify.model import predict
 from laticauda.identify.result import Fit
 from laticauda.identify.searching import slopes_of
 from laticauda.simulate.runner import Progress
 from laticauda.trial import null_models
-from laticauda.trial.measured import GAIT_WORDS
 from laticauda.trial.null_models import Row, left_out, mape
 
 BY = ("measurement", "group")

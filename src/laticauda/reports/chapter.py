@@ -1,5 +1,6 @@
 """A chapter: what one study puts into the folder of a reproduction, and into its report."""
 
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,6 +30,28 @@ class Chapter:
     """One figure after the other: the name of its files, its caption, and the figure."""
     data: Mapping[str, Callable[[Path], None]] = field(default_factory=dict[str, Callable[[Path], None]])
     """By name of the file: what writes it."""
+
+
+def writable_folder(folder: str | Path) -> Path:
+    """The folder, made if it does not exist.
+
+    Args:
+        folder: Where a report is to be written.
+
+    Raises:
+        ValueError: If it cannot be made, or no file can be written there.
+    """
+    path = Path(folder)
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"`folder` must be a folder, got the file {folder}.")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):  # rights alone do not tell
+            pass
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise ValueError(f"`folder` must be a folder that can be written, got {folder}: {why}.") from error
+    return path
 
 
 def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) -> tuple[list[str], Section]:

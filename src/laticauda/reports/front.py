@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from laticauda.gaits import GAIT_WORDS
 from laticauda.simulate import swim_many
 from laticauda.simulate.parameters import place
-from laticauda.studies import Front, efficiency_settings
+from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
-from laticauda.trial import GAIT_WORDS
+from laticauda.trial import MeasuredTrial, all_measured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +61,7 @@ def write_front_figure(fronts: Sequence[Front], folder: str | Path) -> list[Path
 
 
 def front_figure(fronts: Sequence[Front]) -> "Figure":
-    """The fronts, and some of their gaits beside the paper's for this robot and kind of gait.
+    """The fronts, and some of their gaits beside the measured ones for this robot and kind of gait.
 
     Args:
         fronts: One or two with the same two objectives.
@@ -95,30 +96,25 @@ def _line(front: Front) -> "FrontLine":
         robot, gait, _ = front.things(i)
         marks.append(Mark(x=float(x[i]), y=float(y[i]), text=_numbers(front, i), robot=robot, gait=gait))
     words = GAIT_WORDS.get(front.problem.gait.kind, "custom gait")
+    sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(front)))
     return FrontLine(
         label=words,
         x=x,
         y=y,
         marks=tuple(marks),
-        others=paper_points(front),
-        others_label="the paper's gaits, simulated alike",
+        others=measured_points(front),
+        others_label=f"{sources}'s gaits, simulated alike",
     )
 
 
-def paper_points(front: Front) -> np.ndarray:
-    """What the paper's gaits of this kind come to with this robot, a row each: last objective, first one.
+def measured_points(front: Front) -> np.ndarray:
+    """What the measured gaits of this kind come to with this robot, a row each: last objective, first one.
 
     Args:
         front: What `optimize` returned.
     """
     problem = front.problem
-    groups = efficiency_settings().groups
-    gaits = [
-        gait
-        for group in groups
-        if (group.gait, group.robot) == (problem.gait.kind, problem.robot.name)
-        for gait in group.cases
-    ]
+    gaits = [trial.gait for trial in _measured(front)]
     if not gaits:
         return np.empty((0, 2))
     swims = swim_many(
@@ -134,6 +130,12 @@ def paper_points(front: Front) -> np.ndarray:
     first, last = problem.objectives
     points = np.stack((getattr(swims, last), getattr(swims, first)), axis=1)
     return points[np.isfinite(points).all(axis=1)]
+
+
+def _measured(front: Front) -> list[MeasuredTrial]:
+    """The published trials of this robot with this kind of gait."""
+    wanted = front.problem.gait.kind, front.problem.robot.name
+    return [trial for one in all_measured() for trial in one.trials() if (trial.gait.kind, trial.robot) == wanted]
 
 
 def _numbers(front: Front, i: int) -> str:

@@ -11,11 +11,10 @@ import numpy as np
 from laticauda.identify.checking import Checked
 from laticauda.identify.tasks import Task
 from laticauda.packaging import __version__
-from laticauda.reports.chapter import Chapter, Pictures, write_chapter
+from laticauda.reports.chapter import Chapter, Pictures, writable_folder, write_chapter
 from laticauda.reports.identify_figures import figures_of
 from laticauda.reports.identify_tables import tables_of
 from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section, page
-from laticauda.reports.reproduce import writable_folder
 from laticauda.reports.tables import Table
 
 

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.gaits import Gait
-from laticauda.trial.measured import group_name
+from laticauda.gaits import GAIT_WORDS, Gait
 
 Values = Float[np.ndarray, " n_rows"]
 Design = Float[np.ndarray, "n_rows n_parameters"]
@@ -29,6 +28,16 @@ class Row:
     def group(self) -> str:
         """Name of the part of the table that it is in."""
         return group_name(self.gait.kind, self.has_fin)
+
+
+def group_name(gait: str, has_fin: bool) -> str:
+    """What tables and files call one gait with one configuration of the robot.
+
+    Args:
+        gait: The gait's kind.
+        has_fin: Whether the robot wears the caudal fin.
+    """
+    return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
 
 
 NullModel = Callable[[Sequence[Row], Sequence[str]], tuple[Design, Values]]

@@ -1,0 +1,74 @@
+"""The paper, repeated in simulation and put beside what was measured on the robot: a user of everything below.
+
+The measured tables are asked for by every run, so nothing else is imported for them.
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.paper.beyond import BeyondSettings as BeyondSettings, run_beyond as run_beyond
+    from laticauda.paper.beyond_dataset import (
+        beyond_dataset as beyond_dataset,
+        write_beyond_netcdf as write_beyond_netcdf,
+    )
+    from laticauda.paper.claims.claim import Claim as Claim
+    from laticauda.paper.curved import CurvedSettings as CurvedSettings
+    from laticauda.paper.dataset import to_dataset as to_dataset, write_netcdf as write_netcdf
+    from laticauda.paper.drift import DriftSettings as DriftSettings
+    from laticauda.paper.efficiency import EfficiencyStudy as EfficiencyStudy, run_efficiency as run_efficiency
+    from laticauda.paper.figures.convergence import ConvergenceCurve as ConvergenceCurve, convergence as convergence
+    from laticauda.paper.following_dataset import (
+        following_dataset as following_dataset,
+        write_following_netcdf as write_following_netcdf,
+    )
+    from laticauda.paper.following_settings import path_following_settings as path_following_settings
+    from laticauda.paper.links import LinksSettings as LinksSettings, run_links as run_links
+    from laticauda.paper.measured import (
+        efficiency_trials as efficiency_trials,
+        measured_trial as measured_trial,
+        path_following_trials as path_following_trials,
+    )
+    from laticauda.paper.parity import (
+        Parity as Parity,
+        ParityCase as ParityCase,
+        ParitySettings as ParitySettings,
+        parity_cases as parity_cases,
+        run_parity as run_parity,
+    )
+    from laticauda.paper.path_following import (
+        PathFollowingStudy as PathFollowingStudy,
+        run_path_following as run_path_following,
+    )
+    from laticauda.paper.procedure import paper_procedure as paper_procedure
+    from laticauda.paper.repeats import Repeat as Repeat, load_repeats as load_repeats
+    from laticauda.paper.report.experiments import Experiments as Experiments, paper_experiments as paper_experiments
+    from laticauda.paper.report.reproduce import reproduce as reproduce
+    from laticauda.paper.settings import (
+        Coefficients as Coefficients,
+        PARAMETERS as PARAMETERS,
+        efficiency_settings as efficiency_settings,
+    )
+    from laticauda.paper.side_trials import SideSettings as SideSettings, run_side_trials as run_side_trials
+    from laticauda.paper.stability import (
+        BEHAVIORS as BEHAVIORS,
+        Loops as Loops,
+        StabilitySettings as StabilitySettings,
+        run_stability as run_stability,
+    )
+    from laticauda.paper.stability_dataset import (
+        stability_dataset as stability_dataset,
+        write_stability_netcdf as write_stability_netcdf,
+    )
+    from laticauda.paper.table1 import fin_gains as fin_gains, maxima as maxima
+    from laticauda.paper.table2 import (
+        fin_changes as fin_changes,
+        following_scores as following_scores,
+        meter_costs as meter_costs,
+        null_predictions as null_predictions,
+        simulated as simulated,
+    )
+    from laticauda.paper.turning import TurningSettings as TurningSettings
+
+__getattr__, __dir__, __all__ = lazy_exports()

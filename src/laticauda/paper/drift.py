@@ -1,0 +1,131 @@
+"""A current across the path: what it does to line of sight, and what the integral does about it."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from laticauda.control import IntegralLineOfSight, LineOfSight, StraightLine
+from laticauda.errors import finite, positive
+from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
+from laticauda.trial import Trial
+from laticauda.trial.cycles import CycleMean
+from laticauda.trial.following import last_third_error, mean_error
+
+
+def drift_laws() -> tuple[Steering, ...]:
+    """Line of sight and its integral at the same gains, and line of sight at the paper's; all with the raw heading."""
+    plain = LineOfSight(look_ahead_distance=1.62)
+    integral = IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=0.12)
+    short = LineOfSight(look_ahead_distance=0.18)
+    limit = math.radians(20.0)  # that of the paper
+    return (
+        Steering(name="line of sight", guidance=plain, gain=0.25, max_offset=limit),
+        Steering(name="integral line of sight", guidance=integral, gain=0.25, max_offset=limit),
+        Steering(name="line of sight, the paper's gains", guidance=short, gain=0.4, max_offset=limit),
+    )
+
+
+def _swimmer() -> Swimmer:
+    """Lateral undulation with the fin."""
+    return next(one for one in swimmers() if one.has_fin and one.gait.kind == "lateral_undulation")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriftSettings:
+    """One swimmer along the x axis in a current, steered by one law after the other."""
+
+    swimmer: Swimmer = field(default_factory=_swimmer)
+    """Who swims."""
+    current: tuple[float, float] = (0.0, 0.05)
+    """Velocity that the water moves to, world axes [m/s]."""
+    laws: tuple[Steering, ...] = field(default_factory=drift_laws)
+    """How it is steered: a run each."""
+    duration: float = 180.0
+    """Of every run, which begins on the path, along it and at rest [s]."""
+    control_interval: float = 0.05
+    """Between two control instants [s]."""
+    tolerance: float = 0.05
+    """Largest mean error, over the last third, of a law that holds the path [m]."""
+
+    def __post_init__(self) -> None:
+        """Check what has a range."""
+        x, y = self.current
+        object.__setattr__(self, "current", (finite("current[0]", x, "m/s"), finite("current[1]", y, "m/s")))
+        for name, unit in (("control_interval", "s"), ("tolerance", "m")):
+            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
+        object.__setattr__(self, "duration", long_enough("duration", self.duration, (self.swimmer.gait,), 5.0))
+
+    @property
+    def n_runs(self) -> int:
+        """How many runs it takes [-]."""
+        return len(self.laws)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DriftRun:
+    """What one law did in the current."""
+
+    law: Steering
+    """How it was steered."""
+    trial: Trial
+    """The run."""
+    error: CycleMean
+    """The cycle-mean cross-track error over time [s], [m]."""
+    mean_error: float
+    """Its mean over the last third of the run [m]."""
+    rms_error: float
+    """Its root mean square there: a swing about the path has little mean, and shows in this [m]."""
+    largest_error: float
+    """The largest of it on the way, with its sign [m]."""
+    final_error: float
+    """The last of it, around half a cycle before the end [m]."""
+    tolerance: float
+    """Largest mean error of a law that holds the path [m]."""
+
+    @property
+    def geometric_error(self) -> float:
+        """What line of sight keeps in steady drift, where it heads for its point ahead: Delta tan(sideslip) [m].
+
+        The integral takes this error off.
+        """
+        return self.law.guidance.look_ahead_distance * math.tan(self.trial.sideslip)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the mean error over the last third is within the tolerance."""
+        return abs(self.mean_error) < self.tolerance
+
+
+def drift_run(settings: DriftSettings, law: Steering, *, model: str, joints: str, offset_bandwidth: float) -> DriftRun:
+    """One law in the current.
+
+    Args:
+        settings: Who swims, in which current, for how long.
+        law: How it is steered.
+        model: See `laticauda.simulate.plant`.
+        joints: See `laticauda.simulate.plant`.
+        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+
+    Raises:
+        SimulationFailed: If the run blows up; the message says which.
+    """
+    swimmer = settings.swimmer
+    body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth, current=settings.current)
+    controller = law.controller(swimmer.gait, StraightLine(), settings.control_interval)
+    name = f"{swimmer.name}, in a current, {law.name}"
+    trial = run_named(name, body, controller, settings.duration)
+    assert trial.period is not None
+    measured = trial.time, trial.signals["cross_track_error"], trial.period
+    error = mean_error(*measured)
+    last = error.value[error.time >= 2.0 / 3.0 * trial.duration]
+    return DriftRun(
+        law=law,
+        trial=trial,
+        error=error,
+        mean_error=last_third_error(*measured),
+        rms_error=math.sqrt(float(np.mean(last * last))),
+        largest_error=float(error.value[abs(error.value).argmax()]),
+        final_error=float(error.value[-1]),
+        tolerance=settings.tolerance,
+    )

@@ -1,0 +1,181 @@
+"""The links study: what twice as many links bring in speed, and cost in power.
+
+The paper sets the gain by the fin beside that of a robot of twice the length. Here the links of one robot are repeated.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+from laticauda.errors import one_of, positive, whole
+from laticauda.gaits import Gait
+from laticauda.packaging import __version__
+from laticauda.paper.settings import Coefficients, paper_coefficients
+from laticauda.robot import load_robot
+from laticauda.simulate import swim
+from laticauda.studies.progress import Progress
+from laticauda.trial.contents import Setting
+
+KEPT = ("phase shift", "number of waves")
+"""What the longer robot has in common with the shorter one, besides amplitude and frequency."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinksSettings:
+    """What the links study runs; amplitude and frequency are those that the paper's sweeps hold."""
+
+    robot: str = "mamba"
+    """Whose link is repeated (`load_robot`)."""
+    n_links: tuple[int, int] = (10, 20)
+    """Numbers of links of the shorter and the longer robot [-]."""
+    gaits: tuple[str, ...] = ("lateral_undulation", "eel_like")
+    """Kinds of gait."""
+    amplitude: float = math.radians(30.0)
+    """alpha [rad]."""
+    frequency: float = math.radians(110.0)
+    """omega [rad/s]."""
+    phase_shift: float = math.radians(40.0)
+    """delta of the shorter robot [rad]."""
+    duration: float = 30.0
+    """Of every trial [s]."""
+    coefficients: Coefficients = field(default_factory=paper_coefficients)
+    """The water by gait; by default the paper's."""
+
+    def __post_init__(self) -> None:
+        """Check what has a range."""
+        if len(self.n_links) != 2 or self.n_links[0] >= self.n_links[1]:
+            raise ValueError(f"`n_links` must be two rising numbers, got {self.n_links}.")
+        for i, n in enumerate(self.n_links):
+            whole(f"n_links[{i}]", n, 2)
+        positive("duration", self.duration, "s")
+
+    def gait(self, kind: str, n_links: int, kept: str) -> Gait:
+        """The gait of one run.
+
+        Args:
+            kind: The gait's kind.
+            n_links: Of the robot.
+            kept: One of `KEPT`: with the same number of waves on the body, the phase shift of the longer robot is the
+                smaller, by the ratio of the numbers of links.
+        """
+        one_of("kept", kept, KEPT)
+        share = self.n_links[0] / n_links if kept == "number of waves" else 1.0
+        return Gait(
+            kind=kind,
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            phase_shift=share * self.phase_shift,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinksRun:
+    """One run of the links study."""
+
+    gait: Gait
+    """What the joints were asked for."""
+    n_links: int
+    """Of the robot [-]."""
+    length: float
+    """Of the robot [m]."""
+    forward_velocity: float
+    """Equation (5) [m/s]."""
+    mechanical_power: float
+    """Mean of sum |u phi'| [W]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Doubling:
+    """A robot and a longer one with the same gait."""
+
+    kept: str
+    """One of `KEPT`."""
+    shorter: LinksRun
+    """The robot with fewer links."""
+    longer: LinksRun
+    """The one with more."""
+
+    @property
+    def velocity_change(self) -> float:
+        """Of the longer robot against the shorter one [%]."""
+        return 100.0 * (self.longer.forward_velocity / self.shorter.forward_velocity - 1.0)
+
+    @property
+    def power_factor(self) -> float:
+        """Mechanical power of the longer robot over that of the shorter one [-]."""
+        return self.longer.mechanical_power / self.shorter.mechanical_power
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinksStudy:
+    """What the links study ran, and what came out."""
+
+    settings: LinksSettings
+    """What was run."""
+    how: Mapping[str, Setting]
+    """How every trial was computed."""
+    version: str
+    """Version of laticauda that ran it."""
+    doublings: tuple[Doubling, ...]
+    """By gait and, within, by what was kept."""
+
+
+def run_links(
+    settings: LinksSettings | None = None,
+    *,
+    model: str = "planar",
+    joints: str = "prescribed",
+    offset_bandwidth: float = 10.0,
+    progress: Progress | None = None,
+) -> LinksStudy:
+    """Run the links study: every gait with both numbers of links, straight and from rest.
+
+    Args:
+        settings: None takes 10 and 20 of Mamba's links at the setting that the paper's sweeps hold.
+        model: See `laticauda.simulate.plant`.
+        joints: See `laticauda.simulate.plant`.
+        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        progress: Called after every trial with the number of trials done, and of all.
+
+    Returns:
+        Speeds and powers.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        SimulationFailed: If a trial blows up.
+    """
+    settings = settings or LinksSettings()
+    how: dict[str, Setting] = {}
+    wanted = [*product(settings.gaits, KEPT)]
+    doublings: list[Doubling] = []
+    for kind, kept in wanted:
+        runs: list[LinksRun] = []
+        for n in settings.n_links:
+            gait = settings.gait(kind, n, kept)
+            robot = load_robot(settings.robot, n_links=n)
+            robot = replace(settings.coefficients.robot(robot, kind), name=f"{settings.robot} with {n} links")
+            trial = swim(
+                robot,
+                gait,
+                settings.duration,
+                environment=settings.coefficients.water(kind),
+                model=model,
+                joints=joints,
+                offset_bandwidth=offset_bandwidth,
+                throw=True,
+            )
+            how |= trial.settings
+            runs.append(
+                LinksRun(
+                    gait=gait,
+                    n_links=n,
+                    length=robot.length,
+                    forward_velocity=trial.forward_velocity,
+                    mechanical_power=trial.mechanical_power,
+                )
+            )
+        doublings.append(Doubling(kept=kept, shorter=runs[0], longer=runs[1]))
+        if progress is not None:
+            progress(2 * len(doublings), 2 * len(wanted))
+    return LinksStudy(settings=settings, how=how, version=__version__, doublings=tuple(doublings))

@@ -1,0 +1,116 @@
+"""What a reproduction runs: the settings of all its studies, and their results together."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from laticauda.gaits import GAIT_WORDS
+from laticauda.paper.beyond import BeyondSettings, BeyondStudy, run_beyond
+from laticauda.paper.claims.claim import Claim
+from laticauda.paper.claims.judge import claims
+from laticauda.paper.curved import CurvedSettings
+from laticauda.paper.drift import DriftSettings
+from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
+from laticauda.paper.following_settings import PathFollowingSettings, path_following_settings
+from laticauda.paper.links import LinksSettings, LinksStudy, run_links
+from laticauda.paper.parity import ParitySettings, ParityStudy, run_parity
+from laticauda.paper.path_following import PathFollowingStudy, run_path_following
+from laticauda.paper.settings import Coefficients, EfficiencySettings, efficiency_settings
+from laticauda.paper.side_trials import SideSettings, SideTrials, run_side_trials
+from laticauda.paper.stability import StabilitySettings, StabilityStudy, run_stability
+from laticauda.paper.swimmers import swimmers
+from laticauda.paper.turning import TurningSettings
+from laticauda.robot import Parameters
+
+RUNS: Mapping[str, Callable[..., Any]] = {
+    "path_following": run_path_following,
+    "efficiency": run_efficiency,
+    "stability": run_stability,
+    "beyond": run_beyond,
+    "side": run_side_trials,
+    "links": run_links,
+    "parity": run_parity,
+}
+"""What runs each study, by its name in `Experiments` and `Results`; the longest first, which fills workers best."""
+HALVES: Mapping[str, tuple[str, ...]] = {
+    "efficiency": ("efficiency", "links", "side", "parity"),
+    "path-following": ("path_following", "stability", "beyond"),
+}
+"""The studies that belong to each half of the paper."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiments:
+    """Settings of every study; by default the paper's where it has any."""
+
+    efficiency: EfficiencySettings = field(default_factory=efficiency_settings)
+    """Figs. 4 to 11 and Table 1."""
+    links: LinksSettings = field(default_factory=LinksSettings)
+    """Twice the links."""
+    side: SideSettings = field(default_factory=SideSettings)
+    """Single facts that claims of the paper rest on."""
+    path_following: PathFollowingSettings = field(default_factory=path_following_settings)
+    """Figs. 12 to 23 and Table 2."""
+    stability: StabilitySettings = field(default_factory=StabilitySettings)
+    """The loop with the mean heading, over look-ahead distance and gain."""
+    beyond: BeyondSettings = field(default_factory=BeyondSettings)
+    """What the paper did not try."""
+    parity: ParitySettings = field(default_factory=ParitySettings)
+    """Whether both models agree; only with the model spatial."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Results:
+    """What the studies found, under the names of `Experiments`; None for a study that was not run."""
+
+    efficiency: EfficiencyStudy | None = None
+    """Figs. 4 to 11 and Table 1."""
+    links: LinksStudy | None = None
+    """Twice the links."""
+    side: SideTrials | None = None
+    """Single facts that claims of the paper rest on."""
+    path_following: PathFollowingStudy | None = None
+    """Figs. 12 to 23 and Table 2."""
+    stability: StabilityStudy | None = None
+    """The loop with the mean heading, over look-ahead distance and gain."""
+    beyond: BeyondStudy | None = None
+    """What the paper did not try."""
+    parity: ParityStudy | None = None
+    """Whether both models agree."""
+
+    @property
+    def claims(self) -> tuple[Claim, ...]:
+        """The paper's claims, judged by what was run."""
+        return claims(self.efficiency, self.path_following, self.links, self.side, self.parity)
+
+
+def paper_experiments(parameters: Parameters | None = None) -> Experiments:
+    """The settings of a whole reproduction.
+
+    Args:
+        parameters: Coefficients to use instead of the paper's, and what they change about the robots; the efficiency
+            study keeps the paper's, with the robots as they are, beside them. None takes the paper's.
+    """
+    usual = Experiments()
+    if parameters is None:
+        return usual
+    given = Coefficients(
+        name=parameters.name,
+        title=parameters.title,
+        waters={gait: parameters.water(gait) for gait in GAIT_WORDS},
+        parameters=parameters,
+    )
+    own, drifting = swimmers(given), usual.beyond.drift.swimmer
+    (same,) = (one for one in own if (one.gait, one.robot) == (drifting.gait, drifting.robot))
+    return Experiments(
+        efficiency=replace(usual.efficiency, models=(given, *usual.efficiency.models)),
+        links=LinksSettings(coefficients=given),
+        side=SideSettings(coefficients=given),
+        path_following=replace(usual.path_following, coefficients=given),
+        stability=StabilitySettings(swimmers=own),
+        beyond=BeyondSettings(
+            drift=DriftSettings(swimmer=same),
+            curved=CurvedSettings(swimmers=own),
+            turning=TurningSettings(swimmers=own),
+        ),
+    )

@@ -1,0 +1,97 @@
+"""Open-loop turning: how fast, and how tightly, a constant offset of all joints turns the swimmer."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import positive, within
+from laticauda.interfaces import Command, OpenLoop
+from laticauda.paper.swimmers import Swimmer, how_made, in_water, run_named, swimmers
+from laticauda.trial.contents import Setting
+
+Numbers = Float[np.ndarray, " n_offsets"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurningSettings:
+    """Every offset, for every swimmer."""
+
+    offsets: tuple[float, ...] = tuple(math.radians(value) for value in range(2, 21, 2))
+    """phi_0, rising [rad]."""
+    duration: float = 60.0
+    """Of every run, which begins straight and at rest [s]."""
+    swimmers: tuple[Swimmer, ...] = field(default_factory=swimmers)
+    """Who swims: a curve each."""
+
+    def __post_init__(self) -> None:
+        """Check what has a range."""
+        offsets = tuple(positive(f"offsets[{i}]", value, "rad") for i, value in enumerate(self.offsets))
+        if not offsets or any(after <= before for before, after in pairwise(offsets)):
+            raise ValueError(f"`offsets` must hold at least one value [rad] and rise, got {self.offsets}.")
+        object.__setattr__(self, "offsets", offsets)
+        # A turning rate takes two cycles after the transient, which is 10 s or a third of the run.
+        longest = max((2.0 * math.pi / one.gait.frequency for one in self.swimmers), default=1.0)
+        least = max(10.0 + 2.0 * longest, 3.0 * longest)
+        object.__setattr__(self, "duration", within("duration", self.duration, least, 1e5, "s"))
+
+    @property
+    def n_runs(self) -> int:
+        """How many runs it takes [-]."""
+        return len(self.offsets) * len(self.swimmers)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TurningCurve:
+    """How one swimmer turned, by offset."""
+
+    swimmer: Swimmer
+    """Who swam."""
+    turning_rate: Numbers
+    """Slope of the cycle-mean heading over the steady part, positive to the left [rad/s]."""
+    path_speed: Numbers
+    """Length of the center of mass's path / time [m/s]."""
+    mechanical_power: Numbers
+    """Mean of sum |u phi'| [W]."""
+
+    @property
+    def radius(self) -> Numbers:
+        """Of the turn, path speed / |turning rate| [m]."""
+        return self.path_speed / np.abs(self.turning_rate)
+
+
+def turning_curve(
+    settings: TurningSettings,
+    swimmer: Swimmer,
+    done: Callable[[Mapping[str, Setting]], None],
+    *,
+    model: str,
+    joints: str,
+    offset_bandwidth: float,
+) -> TurningCurve:
+    """One swimmer at every offset.
+
+    Args:
+        settings: What is run.
+        swimmer: Who swims.
+        done: Called after every run with how it was computed.
+        model: See `laticauda.simulate.plant`.
+        joints: See `laticauda.simulate.plant`.
+        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+
+    Raises:
+        SimulationFailed: If a run blows up; the message says which.
+    """
+    body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth)
+    found: list[tuple[float, float, float]] = []
+    for offset in settings.offsets:
+        controller = OpenLoop(command=Command(gait=replace(swimmer.gait, offset=offset)))
+        name = f"{swimmer.name}, offset {math.degrees(offset):.3g} deg"
+        trial = run_named(name, body, controller, settings.duration)
+        found.append((trial.turning_rate, trial.path_speed, trial.mechanical_power))
+        done(how_made(trial))
+    rate, speed, power = np.array(found).T
+    return TurningCurve(swimmer=swimmer, turning_rate=rate, path_speed=speed, mechanical_power=power)

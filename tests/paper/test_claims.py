@@ -1,0 +1,228 @@
+import re
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from laticauda.paper import Claim, fin_gains, path_following_settings, run_links, run_side_trials
+from laticauda.paper.claims import Verdict, claims, misprints
+from laticauda.paper.claims.claim import percent, spread, verdict
+from laticauda.paper.claims.fin import table2_changes
+
+CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
+
+
+@pytest.fixture(scope="module")
+def links():
+    return run_links()
+
+
+@pytest.fixture(scope="module")
+def side():
+    return run_side_trials()
+
+
+@pytest.fixture(scope="module")
+def found(study, following, links, side) -> dict[str, Claim]:
+    return by_key(claims(study, following, links, side))
+
+
+def by_key(judged) -> dict[str, Claim]:
+    return {claim.key: claim for claim in judged}
+
+
+def doubled_first(curves: np.ndarray) -> np.ndarray:
+    """Curves of one more model, the same as the first."""
+    return np.concatenate([curves[:1], curves])
+
+
+def with_speeds(study, speed):
+    """The study as if the robot had swum at the speeds that `speed` gives for every case."""
+    return replace(study, cases=tuple(replace(case, measured_velocity=speed(case)) for case in study.cases))
+
+
+# ---- laws ----------------------------------------------------------------------------------------------------------
+
+
+def test_all_parts_must_be_met():
+    assert verdict(True, True) == "holds"
+    assert verdict(True, False) == "holds in part"
+    assert verdict(False, False) == "does not hold"
+
+
+def test_numbers_read_well():
+    assert percent(-3.7) == "\N{MINUS SIGN}4 %"
+    assert percent(-0.2) == "0 %"
+    assert spread([3.0, -1.0, 2.0]) == "\N{MINUS SIGN}1 to +3 %"
+
+
+def test_every_claim_says_where_what_and_by_which_rule(found):
+    assert len(found) == len(claims()) >= 30
+    for claim in found.values():
+        assert claim.verdict in get_args(Verdict)
+        assert claim.where and claim.theme
+        for text in (claim.paper, claim.found, claim.rule):
+            assert text.endswith(".")
+            assert not re.search(r"nan|inf\b|None|[{}]", text)
+
+
+def test_without_studies_what_needs_one_is_not_tested_and_says_which():
+    judged = by_key(claims())
+    assert judged["fin-speed-eel"].found == "Not run: the efficiency study."
+    assert judged["phase-optimum"].found == "Not run: the efficiency study, the side trials."
+    assert judged["path-converges"].found == "Not run: the path-following study."
+    assert judged["links-power"].found == "Not run: the links study."
+    assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {"not tested here"}
+    assert judged["fin-length"].verdict == "holds"
+
+
+def test_claims_about_simulations_say_which_joints(study, following, links, side, found):
+    alone = ("fin-little-power", "fin-length", "repeatable", "eel-drag", "same-as-vortex")
+    for claim in found.values():
+        assert ("prescribed joints" in claim.found) == (claim.key not in alone)
+    other = claims(replace(study, how={**study.how, "joints": "servo"}))
+    assert "servo joints" in by_key(other)["accurate"].found
+
+
+# ---- the studies decide --------------------------------------------------------------------------------------------
+
+
+def test_a_robot_that_swims_as_simulated_agrees_and_one_twice_as_fast_does_not(study):
+    same = by_key(claims(with_speeds(study, lambda case: case.forward_velocity[0])))
+    twice = by_key(claims(with_speeds(study, lambda case: 2.0 * case.forward_velocity[0])))
+    for key in ("agreement-lateral", "agreement-lateral-fin", "agreement-eel", "accurate"):
+        assert same[key].verdict == "holds"
+        assert twice[key].verdict == "does not hold"
+    assert "mean absolute error 0.0 %" in same["agreement-lateral"].found
+
+
+def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(study):
+    swum = with_speeds(study, lambda case: case.forward_velocity[1])
+    assert by_key(claims(swum))["vortex-closer"].verdict == "holds"
+
+    def with_own(case):
+        return replace(
+            case,
+            forward_velocity=(1.0, *case.forward_velocity),
+            mechanical_power=(1.0, *case.mechanical_power),
+        )
+
+    own = replace(study.settings.models[0], name="mine")
+    settings = replace(study.settings, models=(own, *study.settings.models))
+    curves = [replace(sweep, **{name: doubled_first(getattr(sweep, name)) for name in CURVES}) for sweep in swum.sweeps]
+    three = replace(swum, settings=settings, cases=tuple(map(with_own, swum.cases)), sweeps=tuple(curves))
+    assert by_key(claims(three))["vortex-closer"] == by_key(claims(swum))["vortex-closer"]
+    assert ", mine: mean absolute error" in by_key(claims(three))["accurate"].found
+    only = replace(study, settings=replace(settings, models=(own, study.settings.models[1])))
+    assert by_key(claims(only))["vortex-closer"].verdict == "not tested here"
+
+
+def test_a_fin_that_doubled_every_speed_would_nearly_double_it(study):
+    doubled = with_speeds(study, lambda case: 0.2 if case.group.has_fin else 0.1)
+    text = by_key(claims(doubled))["fin-nearly-double"].found
+    assert "Table 1: +100 to +100 %, median +100 %, 11 of 11 reach +90 %" in text
+
+
+def test_runs_that_end_off_the_path_have_not_converged(following):
+    def lost(case):
+        figures = {**case.run.figures, "convergence_time": None, "convergence_distance": None, "last_third_error": 0.5}
+        return replace(case, run=replace(case.run, figures=figures, last_third_rms=0.5))
+
+    judged = by_key(claims(following=replace(following, cases=tuple(map(lost, following.cases)))))
+    assert judged["path-converges"].verdict == "does not hold"
+    assert judged["path-same-controller"].verdict == "does not hold"
+    assert judged["path-about-zero"].verdict == "does not hold"
+    assert judged["path-converges"].found.count("0 of 12") == 1
+
+
+def test_a_limit_cycle_does_not_pass_as_following_the_path(following):
+    def swaying(case):
+        came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5}
+        return replace(case, run=replace(case.run, figures=came, last_third_rms=0.3))
+
+    judged = by_key(claims(following=replace(following, cases=tuple(map(swaying, following.cases)))))
+    assert judged["path-converges"].verdict == "holds in part"
+
+
+def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
+    def within(case, time):
+        figures = {**case.run.figures, "convergence_time": time, "convergence_distance": time}
+        return replace(case, run=replace(case.run, figures=figures))
+
+    def with_times(bare, fin):
+        cases = tuple(within(case, fin if case.group.has_fin else bare) for case in following.cases)
+        return by_key(claims(following=replace(following, cases=cases)))["path-faster-with-fin"]
+
+    assert with_times(2.0, 1.0).verdict == "holds"
+    assert with_times(1.0, 2.0).verdict == "does not hold"
+    assert with_times(None, 1.0).verdict == "holds"
+    assert "lateral undulation (not reached in all cases) without and 1.00 s with fin" in with_times(None, 1.0).found
+
+
+def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
+    def grown(doubling, speed, power):
+        short = doubling.shorter
+        long = replace(
+            doubling.longer,
+            forward_velocity=speed * short.forward_velocity,
+            mechanical_power=power * short.mechanical_power,
+        )
+        return replace(doubling, longer=long)
+
+    def with_links(speed, power):
+        changed = [grown(one, speed, power) if one.kept == "phase shift" else one for one in links.doublings]
+        return by_key(claims(links=replace(links, doublings=tuple(changed))))
+
+    assert with_links(1.1, 10.0)["links-speed"].verdict == "holds"
+    assert with_links(1.1, 10.0)["links-power"].verdict == "holds"
+    assert with_links(1.3, 3.0)["links-speed"].verdict == "does not hold"
+    assert with_links(1.3, 3.0)["links-power"].verdict == "does not hold"
+
+
+# ---- the paper's numbers -------------------------------------------------------------------------------------------
+
+
+def test_the_printed_gains_follow_from_table_1(found, study):
+    assert "Recomputed from Table 1: +47.03 to +82.95 % over 4 settings." in found["fin-speed-lateral"].found
+    assert "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings." in found["fin-speed-eel"].found
+    simulated = [gain.simulated_velocity[0] for gain in fin_gains(study) if gain.measured_velocity is not None]
+    assert f"{spread(simulated)}, median" in found["fin-nearly-double"].found
+
+
+def test_one_row_of_table_1_and_four_of_table_2_exceed_88_percent(found):
+    text = found["fin-more-than-88"].found
+    assert "Table 1, 1 of 9 (eel-like motion, with fin, case 2, +88.68 %); Table 2, 4 of 6 (+78 to +122 %)" in text
+    assert found["fin-more-than-88"].verdict == "holds in part"
+
+
+def test_the_tables_disagree_about_the_power(found):
+    assert "it falls in 5 of 7" in found["fin-power-falls"].found
+    assert "Table 2 +88.4 to +98.9 %" in found["fin-little-power"].found
+    assert found["fin-little-power"].verdict == "holds in part"
+
+
+def test_the_changes_of_table_2_are_those_printed_but_for_two_misprints():
+    groups = [group for group in path_following_settings().groups if group.has_fin]
+    printed = [
+        pair for group in groups for pair in zip(group.printed_velocity_change, group.printed_power_change, strict=True)
+    ]
+    off = [
+        (shown, round(value, 2))
+        for pair, values in zip(printed, table2_changes(), strict=True)
+        for shown, value in zip(pair, values, strict=True)
+        if shown is not None and abs(shown - value) > 0.02
+    ]
+    assert off == [(89.04, 89.11), (94.51, 94.91)]
+
+
+def test_misprints_are_listed_with_what_is_right():
+    listed = {(entry.where, entry.printed): entry.instead for entry in misprints()}
+    changes = {key: text for key, text in listed.items() if key[1].startswith("Change of")}
+    assert [(where, printed, text.split(",")[0]) for (where, printed), text in changes.items()] == [
+        ("Table 1, lateral undulation, with fin, case 3", "Change of power: +10.11 %.", "+4.79 %"),
+        ("Table 2, lateral undulation, with fin, case 1", "Change of power: +89.04 %.", "+89.11 %"),
+        ("Table 2, eel-like motion, with fin, case 2", "Change of power: +94.51 %.", "+94.91 %"),
+    ]
+    assert "3.6 m" in listed["2", "20 links of 0.18 m."]
+    assert all(text.endswith(".") for pair in listed for text in (pair[1], listed[pair]))

@@ -1,0 +1,86 @@
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.paper import Repeat
+from laticauda.paper.report.efficiency import efficiency_chapter, efficiency_figures
+from laticauda.reports.chapter import write_chapter
+from laticauda.reports.page import Paragraph
+from laticauda.reports.tables import Table
+
+
+def gait(alpha: float, omega: float, delta: float) -> lc.Gait:
+    return lc.lateral_undulation(amplitude=radians(alpha), frequency=radians(omega), phase_shift=radians(delta))
+
+
+REPEATS = (
+    # On all three sweeps, on none, beyond the range of one, and with the fin.
+    Repeat(gait=gait(30, 110, 40), has_fin=False, forward_velocity=(0.13, 0.14), mean_power=(100.0, None)),
+    Repeat(gait=gait(33, 97, 40), has_fin=False, forward_velocity=(0.11,), mean_power=(None,)),
+    Repeat(gait=gait(60, 110, 40), has_fin=False, forward_velocity=(0.12,), mean_power=(None,)),
+    Repeat(gait=gait(30, 130, 40), has_fin=True, forward_velocity=(0.2, 0.22), mean_power=(None, None)),
+)
+
+
+def texts(section) -> str:
+    return " ".join(part.text for part in section.parts if isinstance(part, Paragraph))
+
+
+def test_the_chapter_writes_data_tables_and_figures(study, tmp_path):
+    small = replace(study, settings=replace(study.settings, groups=study.settings.groups[:1]))
+    small = replace(small, cases=tuple(case for case in study.cases if case.group in small.settings.groups))
+    small = replace(small, sweeps=tuple(first_group(sweep) for sweep in study.sweeps))
+    chapter = efficiency_chapter(small)
+    assert chapter.n_figures == 2
+    files, section = write_chapter(chapter, tmp_path, lambda done: None)
+    assert sorted(files) == sorted(path.name for path in tmp_path.iterdir())
+    assert {"efficiency.nc", "table1.csv", "figure-04.png", "figure-08.pdf"} < set(files)
+    assert "repeats.csv" not in files
+    assert section.name == "efficiency"
+
+
+def first_group(sweep):
+    names = ("forward_velocity", "steady_velocity", "mechanical_power")
+    return replace(sweep, **{name: getattr(sweep, name)[:, :1] for name in names})
+
+
+def test_repeated_trials_are_drawn_where_they_belong(study):
+    sheets = {name: figure for name, _, figure in efficiency_figures(study, REPEATS)}
+    assert [greens(ax) for ax in sheets["figure-04"].axes] == [[0.13, 0.14]] * 3
+    assert [greens(ax) for ax in sheets["figure-05"].axes] == [[], [0.2, 0.22], []]
+    assert [greens(ax) for ax in sheets["figure-06"].axes] == [[]] * 3
+    labels = [text.get_text() for text in sheets["figure-04"].legends[0].get_texts()]
+    assert labels[-2:] == ["repeated trials, beside their setting", "their mean and standard deviation"]
+    plain = next(efficiency_figures(study))[2]
+    assert len(plain.legends[0].get_texts()) == len(labels) - 2
+
+
+def greens(ax) -> list[float]:
+    """Values of the repeated trials on some axes, drawn to the right of their setting."""
+    from laticauda.paper.figures.efficiency import REPEATS as COLOR
+
+    drawn = [line for line in ax.lines if line.get_color() == COLOR and line.get_markerfacecolor() == "none"]
+    return sorted(float(value) for line in drawn for value in line.get_ydata())
+
+
+def test_the_report_counts_repeated_trials_and_tells_their_mean(study):
+    chapter = efficiency_chapter(study, REPEATS)
+    section = chapter.section({})
+    assert "6 trials of 4 settings were given. 2 of the settings lie on a sweep" in texts(section)
+    table = next(part for part in section.parts if isinstance(part, Table) and part.name == "repeats")
+    assert table in chapter.tables
+    group, *_, trials, mean, deviation, power, power_deviation = table.rows[0]
+    assert (group, trials, power, power_deviation) == ("lateral undulation, without fin", 2, 100.0, None)
+    assert (mean, deviation) == (pytest.approx(0.135), pytest.approx(np.std([0.13, 0.14], ddof=1)))
+    assert "Repeated" not in texts(efficiency_chapter(study).section({}))
+
+
+def test_coefficients_that_are_no_preset_are_described_too(study):
+    own = replace(study.settings.models[0], waters={"eel_like": replace(lc.load_water("paper-eel"), name="mine")})
+    changed = replace(study, settings=replace(study.settings, models=(own, study.settings.models[1])))
+    section = efficiency_chapter(changed).section({})
+    said = " ".join(text for part in section.parts for text in getattr(part, "texts", ()))
+    assert "mine (C_f 0.17, C_D 1.75, C_A 1.5" in said

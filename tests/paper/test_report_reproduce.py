@@ -1,0 +1,138 @@
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+from laticauda.paper import BeyondSettings, Experiments, SideSettings, StabilitySettings, paper_experiments, reproduce
+from laticauda.paper.report.experiments import HALVES, RUNS
+from laticauda.paper.report.reproduce import CHAPTERS
+from laticauda.reports.chapter import Chapter
+from laticauda.robot import Parameters, load_robot, load_water
+
+module = sys.modules[reproduce.__module__]
+
+
+@pytest.fixture(scope="session")
+def small() -> Experiments:
+    """Every study, cut down to seconds."""
+    whole = paper_experiments()
+    fast = BeyondSettings()
+    sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
+    return Experiments(
+        efficiency=replace(whole.efficiency, sweeps=sweeps, models=whole.efficiency.models[:1]),
+        side=replace(SideSettings(), phase_shifts=sweeps[2], duration=10.0),
+        path_following=replace(
+            whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,)
+        ),
+        stability=StabilitySettings(look_ahead_distances=(0.18, 1.62), gains=(0.4,), raw_gains=(), duration=20.0),
+        beyond=replace(
+            fast,
+            drift=replace(fast.drift, duration=24.0),
+            curved=replace(fast.curved, swimmers=fast.curved.swimmers[:2]),
+            turning=replace(fast.turning, offsets=fast.turning.offsets[::5]),
+        ),
+    )
+
+
+def with_one_figure(chapter: Callable[..., Chapter]) -> Callable[..., Chapter]:
+    """A chapter that draws its first figure only; what the others look like is tested with each chapter."""
+
+    def short(*args, **kwargs):
+        whole = chapter(*args, **kwargs)
+        return replace(whole, n_figures=1, figures=lambda: islice(whole.figures(), 1))
+
+    return short
+
+
+def told_to(told: list):
+    return lambda *what: told.append(what)
+
+
+@pytest.mark.slow
+def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "CHAPTERS", {name: with_one_figure(chapter) for name, chapter in CHAPTERS.items()})
+    told: list = []
+    done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
+    assert sorted(done.files) == sorted(file.name for file in done.folder.iterdir())
+    assert {"figure-04.png", "figure-04.pdf", "stability.png"} < set(done.files)
+    assert {"report.html", "efficiency.nc", "path_following.nc", "table1.csv", "table2.csv", "claims.csv"} < set(
+        done.files
+    )
+    assert {what for what, _, _ in told} >= {"efficiency", "path following", "stability: figures", "links", "side"}
+    assert all(0 < count <= total for _, count, total in told)
+
+    report = (done.folder / "report.html").read_text(encoding="utf-8")
+    assert report.count("data:image/png;base64,") == sum(name.endswith(".png") for name in done.files)
+    # Nothing is loaded from anywhere, and nothing runs.
+    assert not re.search(r"https?:|<script|<link|url\(|@import", report)
+    assert all(source.startswith("data:") for source in re.findall(r'src="([^"]{0,20})', report))
+    parts = re.findall(r'<section id="([\w-]+)"', report)
+    assert parts == ["claims", "efficiency", "path-following", "stability", "beyond"]
+
+
+@pytest.mark.slow
+def test_two_workers_write_what_one_writes_and_a_used_folder_keeps_what_else_is_in_it(small, tmp_path: Path):
+    (tmp_path / "mine.txt").write_text("kept")
+    (tmp_path / "report.html").write_text("old")
+    alone = reproduce(tmp_path / "alone", small, only="efficiency")
+    told: list = []
+    both = reproduce(tmp_path, small, only="efficiency", workers=2, progress=told_to(told))
+    assert both.files == alone.files
+    for name in ("table1.csv", "claims.csv", "sweeps.csv", "report.html"):
+        assert (tmp_path / name).read_text(encoding="utf-8") == (alone.folder / name).read_text(encoding="utf-8")
+    assert (tmp_path / "mine.txt").read_text() == "kept"
+    assert {what for what, _, _ in told} >= {"efficiency", "links", "side"}
+
+
+def test_every_study_has_a_runner_and_a_half_of_the_paper():
+    names = set(Experiments.__dataclass_fields__)
+    assert set(RUNS) == names
+    assert sorted(name for half in HALVES.values() for name in half) == sorted(names)
+
+
+def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
+    monkeypatch.setattr(module, "CHAPTERS", {})
+    monkeypatch.setattr(module, "claims_chapter", lambda found: module.Chapter(section=lambda pictures: None))
+    monkeypatch.setattr(module, "Results", lambda **found: type("Found", (), {"claims": (), "found": found}))
+    done = reproduce(tmp_path, small, only="path-following")
+    assert set(done.results.found) == {"path_following", "stability", "beyond"}
+
+
+def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):
+    hopeless = replace(small.efficiency, duration=1.0)
+    with pytest.raises(ValueError, match=r"`time` must span at least 12\.77 s"):
+        reproduce(tmp_path, replace(small, efficiency=hopeless), only="efficiency", workers=2)
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(module, "_run", lambda *args: pytest.fail("it ran"))
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ValueError, match="`folder` must be a folder, got the file"):
+        reproduce(tmp_path / "file")
+    with pytest.raises(ValueError, match=r"`folder` must be a folder that can be written, got .*: not a directory"):
+        reproduce(tmp_path / "file" / "folder")
+    with pytest.raises(ValueError, match="`only` must be one of `efficiency`, `path-following`, got 'eficiency'"):
+        reproduce(tmp_path, only="eficiency")
+    with pytest.raises(ValueError, match="`workers` must be a whole number >= 1, got 0"):
+        reproduce(tmp_path, workers=0)
+
+
+def test_other_coefficients_reach_every_study():
+    water = load_water("published-2015")
+    changes = {"actuator": {"tracking": 0.5}}
+    mine = paper_experiments(Parameters(name="mine", title="my numbers", every_gait=water, changes=changes))
+    mamba = load_robot("mamba")
+    assert [model.name for model in mine.efficiency.models] == ["mine", "analytical-set", "vortex-set"]
+    for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
+        assert coefficients.name == "mine"
+        assert coefficients.robot(mamba, "eel_like").joints[0].actuator.tracking == 0.5
+    assert mine.efficiency.models[1].robot(mamba, "eel_like") is mamba  # the paper's stays beside it as it is
+    swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)
+    swimmers = (*swimmers, *mine.beyond.turning.swimmers)
+    assert {swimmer.water for swimmer in swimmers} == {replace(water, name="mine")}
+    assert {swimmer.body.joints[0].actuator.tracking for swimmer in swimmers} == {0.5}

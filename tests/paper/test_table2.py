@@ -1,0 +1,91 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from laticauda.paper import fin_changes, following_scores, meter_costs, null_predictions, simulated
+
+
+def test_a_study_that_meets_every_measurement_has_no_error(following):
+    cases = tuple(
+        replace(case, run=replace(case.run, forward_velocity=case.measured.forward_velocity))
+        for case in following.cases
+    )
+    perfect = replace(following, cases=cases)
+    assert simulated(perfect)[0].overall == 0.0
+    assert simulated(perfect)[0].by_group == (0.0,) * 4
+
+
+def test_the_overall_error_is_the_mean_of_those_of_the_groups(following):
+    for score in following_scores(following):
+        assert score.overall == pytest.approx(np.mean(score.by_group))
+        assert len(score.speeds) == 12
+
+
+def test_every_way_is_there_once_and_the_chosen_one_comes_first(following):
+    assert [score.name for score in simulated(following)] == [
+        "prescribed joints, 10 rad/s, raw heading",
+        "prescribed joints, 4 rad/s, raw heading",
+        "prescribed joints, 10 rad/s, cycle-mean heading",
+    ]
+    assert simulated(following)[0].speeds == tuple(case.run.forward_velocity for case in following.cases)
+    assert all(score.n_fitted is None for score in simulated(following))
+
+
+def test_a_stride_from_table_1_predicts_table_2_to_11_percent_with_4_numbers(following):
+    errors = {score.name: (score.n_fitted, score.overall) for score in null_predictions(following)}
+    assert errors["mean stride per group"] == (4, pytest.approx(11.3, abs=0.05))
+    assert errors["constant stride per group"] == (4, pytest.approx(11.7, abs=0.05))
+    assert errors["constant stride + fin + eel"] == (3, pytest.approx(12.8, abs=0.05))
+    assert errors["constant per group"][1] > 30.0
+
+
+def test_nothing_of_table_2_goes_into_the_null_models(following):
+    faster = replace(
+        following,
+        cases=tuple(replace(case, measured=replace(case.measured, forward_velocity=2.0)) for case in following.cases),
+    )
+    for usual, other in zip(null_predictions(following), null_predictions(faster), strict=True):
+        assert usual.speeds == other.speeds
+        assert usual.overall != other.overall
+
+
+def test_the_fin_changes_follow_from_the_speeds_and_powers(following):
+    changes = fin_changes(following)
+    assert len(changes) == 6
+    for change in changes:
+        before, after = change.without, change.with_fin
+        assert (before.group.gait, before.measured.case) == (after.group.gait, after.measured.case)
+        assert (before.group.has_fin, after.group.has_fin) == (False, True)
+        for found, old, new in (
+            (change.measured_velocity, before.measured.forward_velocity, after.measured.forward_velocity),
+            (change.measured_power, before.measured.mean_power, after.measured.mean_power),
+            (change.simulated_velocity, before.run.forward_velocity, after.run.forward_velocity),
+            (change.simulated_power, before.run.mechanical_power, after.run.mechanical_power),
+        ):
+            assert old * (1.0 + found / 100.0) == pytest.approx(new)
+        low, high = change.band_velocity
+        assert low <= change.simulated_velocity <= high
+
+
+def test_the_paper_prints_two_changes_that_do_not_follow_from_its_table(following):
+    wrong = [
+        (change.with_fin.figure, change.misprints, change.printed_power, change.measured_power)
+        for change in fin_changes(following)
+        if change.misprints
+    ]
+    assert wrong == [
+        (15, ("power",), 89.04, pytest.approx(89.11, abs=0.005)),
+        (22, ("power",), 94.51, pytest.approx(94.91, abs=0.005)),
+    ]
+
+
+def test_a_meter_of_eel_like_motion_costs_no_less_with_the_fin(following):
+    costs = {cost.group: cost for cost in meter_costs(following)}
+    assert costs["eel-like motion, without fin"].measured_mean == pytest.approx(574, abs=0.5)
+    assert costs["eel-like motion, with fin"].measured_mean == pytest.approx(590.7, abs=0.5)
+    for cost in costs.values():
+        assert cost.simulated_mean == pytest.approx(np.mean(cost.simulated))
+    first = following.cases[0]
+    power, speed = first.run.mechanical_power, first.run.forward_velocity
+    assert costs[first.group.name].simulated[0] == pytest.approx(power / speed)
