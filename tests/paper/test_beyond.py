@@ -11,10 +11,10 @@ from laticauda.paper import (
     CurvedSettings,
     DriftSettings,
     TurningSettings,
-    beyond_dataset,
     run_beyond,
     write_beyond_netcdf,
 )
+from laticauda.paper.beyond_dataset import beyond_dataset
 from laticauda.paper.curved import curved_run
 from laticauda.paper.drift import drift_laws, drift_run
 from laticauda.paper.swimmers import swimmers

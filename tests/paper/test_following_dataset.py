@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import xarray
 
-from laticauda.paper import following_dataset, path_following_settings, run_path_following, write_following_netcdf
+from laticauda.paper import path_following_settings, run_path_following, write_following_netcdf
+from laticauda.paper.following_dataset import following_dataset
 from laticauda.trial import following as figures
 
 

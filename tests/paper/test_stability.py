@@ -5,15 +5,9 @@ import pytest
 import xarray
 
 import laticauda as lc
-from laticauda.paper import (
-    BEHAVIORS,
-    Loops,
-    StabilitySettings,
-    run_stability,
-    stability_dataset,
-    write_stability_netcdf,
-)
+from laticauda.paper import BEHAVIORS, Loops, StabilitySettings, run_stability, write_stability_netcdf
 from laticauda.paper.stability import behavior
+from laticauda.paper.stability_dataset import stability_dataset
 from laticauda.paper.swimmers import swimmers
 from laticauda.trial.following import mean_error
 

@@ -3,7 +3,6 @@ import io
 
 import pytest
 
-from laticauda.paper.report.efficiency_tables import efficiency_tables
 from laticauda.reports.tables import Column, Table, shown
 
 
@@ -29,20 +28,3 @@ def test_what_is_rounded_to_zero_has_no_sign():
 def test_a_row_with_too_few_cells_is_refused():
     with pytest.raises(ValueError, match=r"`rows\[0\]` must have 1 cells, one per column, got 2"):
         Table(name="t", caption="", columns=(Column(name="a"),), rows=((1, 2),))
-
-
-def test_the_tables_of_the_study_have_all_their_rows(study):
-    rows = {table.name: len(table.rows) for table in efficiency_tables(study)}
-    points = sum(sweep.forward_velocity.size for sweep in study.sweeps)
-    assert rows == {"table1": 22, "table1-maxima": 12, "fin-gain": 11, "errors": 6, "sweeps": points}
-
-
-def test_table_1_as_a_file_is_table_1(study):
-    table = efficiency_tables(study)[0]
-    first, *_ = csv.DictReader(io.StringIO(table.csv))
-    assert (first["amplitude [deg]"], first["frequency [deg/s]"], first["phase shift [deg]"]) == ("30", "130", "40")
-    assert first["measured: v [m/s]"] == "0.1514"
-    assert float(first["analytical-set: v [m/s]"]) == pytest.approx(study.cases[0].forward_velocity[0])
-    assert float(first["analytical-set: error [%]"]) == pytest.approx(
-        100 * (study.cases[0].forward_velocity[0] / 0.1514 - 1)
-    )
