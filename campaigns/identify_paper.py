@@ -32,7 +32,7 @@ from laticauda.paper.following_settings import path_following_settings
 from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.robot import Robot, Water
 from laticauda.simulate import plant, run
-from laticauda.simulate.parameters import changed
+from laticauda.simulate.numbers import changed
 from laticauda.trial import Trial
 from laticauda.trial.null_models import NULL_MODELS, Row, design, fit, group_name, left_out, mape, predict
 

@@ -214,7 +214,7 @@ def text(name: str, value: object) -> str:
 
 
 def label(name: str, value: object) -> str:
-    """Return `value` if it can serve as a name: a text that is not blank and stays on one line."""
+    """Return `value` if it can serve as a name: one line that is not blank; arguments as for `finite`."""
     word = text(name, value)
     if not word.strip() or not word.isprintable():
         raise BadArgument(name, f"must be a text on one line that is not blank, got {word!r}")

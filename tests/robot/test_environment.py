@@ -97,5 +97,5 @@ def test_the_waters_have_the_published_coefficients(name, coefficients):
 def test_help_shows_every_field_of_water_with_its_unit():
     shown = pydoc.render_doc(Water, renderer=pydoc.plaintext)
     for field in fields(Water):
-        assert re.search(rf"^ \|      {field.name}: \w", shown, re.MULTILINE), field.name
+        assert re.search(rf"^ \|      {field.name}: [\w`]", shown, re.MULTILINE), field.name
     assert "density: rho [kg/m^3], > 0; default 1000.0." in shown

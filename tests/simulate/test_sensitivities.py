@@ -5,7 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import Tether, load_robot, load_water
-from laticauda.simulate.parameters import changed
+from laticauda.simulate.numbers import changed
 from laticauda.simulate.sensitivities import UNITS, sensitivities
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)

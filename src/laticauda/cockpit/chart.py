@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.cockpit.settings import Setting
-from laticauda.simulate.parameters import changed, look_up, parameters, value_of
+from laticauda.simulate.numbers import changed, look_up, parameters, value_of
 
 # What is in radians is shown in degrees.
 SHOWN = {"rad": "deg", "rad/s": "deg/s"}

@@ -1,11 +1,11 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
 
-from laticauda.errors import finite, instance, not_negative, one_of, whole
+from laticauda.errors import BadArgument, finite, one_of, whole
+from laticauda.quantities import option, quantity, value
 
 Envelope = Callable[[int, int], float]
 
@@ -19,7 +19,7 @@ GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like 
 """What tables and figures call the kinds that have a name of their own."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Wave:
     """A second wave, of the pitch joints or of a driven fin: alpha sin(omega t + (k-1) delta + phase) + phi_0.
 
@@ -30,26 +30,22 @@ class Wave:
         ValueError: If a field is out of its range.
     """
 
-    amplitude: float
-    """alpha, not negative [rad]."""
-    frequency: float
-    """omega, not negative [rad/s]."""
-    phase_shift: float = 0.0
-    """delta between neighboring pitch joints; negative swims tail first [rad]."""
-    phase: float = 0.0
-    """How far it is ahead of the yaw wave, for equal frequencies, at the tail-most joint of each [rad]."""
-    offset: float = 0.0
-    """phi_0 of every pitch joint, positive turns down; or of the fin, positive bends the body to the left [rad]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "amplitude", not_negative("amplitude", self.amplitude, "rad"))
-        object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
-        for name in ("phase_shift", "phase", "offset"):
-            object.__setattr__(self, name, finite(name, getattr(self, name), "rad"))
+    amplitude: float = quantity("rad", "alpha, not negative", ge=0.0)
+    frequency: float = quantity("rad/s", "omega, not negative", ge=0.0)
+    phase_shift: float = quantity(
+        "rad", "delta between neighboring pitch joints; negative swims tail first", default=0.0
+    )
+    phase: float = quantity(
+        "rad", "How far it is ahead of the yaw wave, for equal frequencies, at the tail-most joint of each", default=0.0
+    )
+    offset: float = quantity(
+        "rad",
+        "phi_0 of every pitch joint, positive turns down; or of the fin, positive bends the body to the left",
+        default=0.0,
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Gait:
     """A traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
@@ -61,39 +57,34 @@ class Gait:
         ValueError: If a field is out of its range, or `envelope` and `kind` do not fit together.
     """
 
-    kind: str = "lateral_undulation"
-    """lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)) or custom; hyphens are as good as underscores [-]."""
-    amplitude: float
-    """alpha, not negative [rad]."""
-    frequency: float
-    """omega, not negative, an angular frequency as in the paper [rad/s]."""
-    phase_shift: float
-    """delta between neighboring joints; negative swims tail first [rad]."""
-    offset: float = 0.0
-    """phi_0 of every joint; positive turns left [rad]."""
-    envelope: tuple[float, ...] | None = None
-    """g of every joint, tail first, for kind custom; None otherwise [-]."""
-    pitch: Wave | None = None
-    """What the pitch joints do; None: they stay straight. The planar model has none."""
-    fin: Wave | None = None
-    """What a driven fin does; None: it stays straight. Steering does not move it."""
+    kind: str = option(
+        "lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)) or custom; hyphens are as good as underscores",
+        default="lateral_undulation",
+    )
+    amplitude: float = quantity("rad", "alpha, not negative", ge=0.0)
+    frequency: float = quantity("rad/s", "omega, not negative, an angular frequency as in the paper", ge=0.0)
+    phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first")
+    offset: float = quantity("rad", "phi_0 of every joint; positive turns left", default=0.0)
+    envelope: tuple[float, ...] | None = quantity(
+        "", "g of every joint, tail first, for kind custom; None otherwise", default=None
+    )
+    pitch: Wave | None = option(
+        "What the pitch joints do; None: they stay straight. The planar model has none", default=None
+    )
+    fin: Wave | None = option(
+        "What a driven fin does; None: it stays straight. Steering does not move it", default=None
+    )
 
     def __post_init__(self) -> None:
         """Check every field once."""
         kind = self.kind.replace("-", "_") if isinstance(self.kind, str) else self.kind  # pyright: ignore
         object.__setattr__(self, "kind", one_of("kind", kind, GAIT_KINDS))
-        object.__setattr__(self, "amplitude", not_negative("amplitude", self.amplitude, "rad"))
-        object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
-        object.__setattr__(self, "phase_shift", finite("phase_shift", self.phase_shift, "rad"))
-        object.__setattr__(self, "offset", finite("offset", self.offset, "rad"))
-        instance("pitch", self.pitch, Wave, type(None))
-        instance("fin", self.fin, Wave, type(None))
         if self.fin is not None and self.fin.phase_shift != 0.0:
-            raise ValueError(f"`fin.phase_shift` must be 0: a fin has one joint, got {self.fin.phase_shift} rad.")
+            raise BadArgument("fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad")
         if (self.envelope is None) == (self.kind == "custom"):
-            raise ValueError(
-                f"`envelope` must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, "
-                f"got {self.envelope}."
+            raise BadArgument(
+                "envelope",
+                f"must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, got {self.envelope}",
             )
         if self.envelope is not None:
             object.__setattr__(self, "envelope", _numbers(self.envelope))
@@ -111,7 +102,7 @@ class Gait:
             return _named_envelope(self.kind, n_links)
         if len(self.envelope) != n_links - 1:
             need = f"one value per joint, {n_links - 1} for {n_links} links"
-            raise ValueError(f"`envelope` must have {need}, got {len(self.envelope)}.")
+            raise BadArgument("envelope", f"must have {need}, got {len(self.envelope)}")
         return self.envelope
 
 
@@ -224,7 +215,7 @@ def custom_gait(
     """
     if callable(envelope):
         if n_links is None:
-            raise ValueError("`n_links` must be given when `envelope` is a function g(i, n), got None.")
+            raise BadArgument("n_links", "must be given when `envelope` is a function g(i, n), got None")
         n = whole("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
@@ -244,6 +235,6 @@ def custom_gait(
 def _numbers(envelope: object) -> tuple[float, ...]:
     """The values of an envelope as finite floats."""
     if isinstance(envelope, str) or not isinstance(envelope, Iterable):
-        raise ValueError(f"`envelope` must be a sequence of numbers or a function g(i, n), got {envelope!r}.")
+        raise BadArgument("envelope", f"must be a sequence of numbers or a function g(i, n), got {envelope!r}")
     values = cast("Iterable[object]", envelope)
     return tuple(finite(f"envelope[{i}]", value) for i, value in enumerate(values))

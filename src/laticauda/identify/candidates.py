@@ -23,7 +23,7 @@ from laticauda.identify.settling import Setting, with_tied
 from laticauda.identify.unknowns import SIDE, Settled
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot, Water
-from laticauda.simulate.parameters import changed, parameters
+from laticauda.simulate.numbers import changed, parameters
 from laticauda.simulate.runner import Progress
 from laticauda.trial.metrics import towing_drag
 

@@ -12,7 +12,7 @@ from laticauda.identify.settling import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS, JOINT_LAWS
-from laticauda.simulate.parameters import changed, parameters
+from laticauda.simulate.numbers import changed, parameters
 
 Changes = dict[str, dict[str, Any]]
 Values = Mapping[str, float]

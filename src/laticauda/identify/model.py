@@ -23,7 +23,7 @@ from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import batch_of, collected, runs_of
-from laticauda.simulate.parameters import changed
+from laticauda.simulate.numbers import changed
 from laticauda.simulate.runner import Progress
 from laticauda.simulate.sensitivities import UNITS
 from laticauda.trial import metrics

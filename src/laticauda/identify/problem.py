@@ -14,7 +14,7 @@ from laticauda.identify.settling import Setting, applies, let_the_special_win, s
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, as_unknowns
 from laticauda.robot import Robot
 from laticauda.scenarios import default_water, preset_water
-from laticauda.simulate.parameters import Parameter, changed, parameters
+from laticauda.simulate.numbers import Parameter, changed, parameters
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,7 @@ from laticauda.errors import nearest
 from laticauda.gaits import Gait
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, size_of
 from laticauda.robot import Environment, Robot
-from laticauda.simulate.parameters import Parameter, changed, look_up, value_of
+from laticauda.simulate.numbers import Parameter, changed, look_up, value_of
 
 RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
 _HALVINGS = 60

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from laticauda.errors import finite, one_of, positive
-from laticauda.simulate.parameters import Parameter
+from laticauda.simulate.numbers import Parameter
 
 SCALES = ("log", "linear")
 SIDE: dict[str, Parameter] = {

@@ -9,7 +9,7 @@ import numpy as np
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.simulate import swim_many
-from laticauda.simulate.parameters import place
+from laticauda.simulate.numbers import place
 from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured

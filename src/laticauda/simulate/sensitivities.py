@@ -13,7 +13,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Scenario
-from laticauda.simulate.parameters import Parameter, changed, look_up, parameters, value_of
+from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
 from laticauda.simulate.runner import Progress
 
 UNITS = {
@@ -96,7 +96,7 @@ def sensitivities(
         gaits: See `swim_many`.
         duration: See `swim_many` [s].
         names: Of the parameters, with dots: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
-            `robot.module.mass` (of all modules alike); see `laticauda.simulate.parameters`.
+            `robot.module.mass` (of all modules alike); see `laticauda.simulate.numbers`.
         environments: See `swim_many`.
         starts: See `swim_many`.
         sample_interval: See `swim_many` [s].

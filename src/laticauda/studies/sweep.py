@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.errors import instance, whole
 from laticauda.packaging import __version__
-from laticauda.simulate.parameters import check_whole
+from laticauda.simulate.numbers import check_whole
 from laticauda.studies.regions import Regions, cut
 from laticauda.studies.sampling import Grid, Points, Rows, Samples
 from laticauda.studies.trials import Setup, check_ranges

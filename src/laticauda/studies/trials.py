@@ -14,7 +14,7 @@ from laticauda.gaits import Gait
 from laticauda.robot import Environment, Ground, Robot, Water, load_water
 from laticauda.scenarios import default_water
 from laticauda.simulate import plant, swim_many
-from laticauda.simulate.parameters import Parameter, changed, check_whole, look_up, parameters, place
+from laticauda.simulate.numbers import Parameter, changed, check_whole, look_up, parameters, place
 
 Table = Float[np.ndarray, "n_points n_names"]
 Column = Shaped[np.ndarray, " n_points"]

@@ -5,7 +5,7 @@ import pytest
 import laticauda as lc
 from laticauda.robot import Water
 from laticauda.simulate import parameters
-from laticauda.simulate.parameters import changed, look_up, value_of
+from laticauda.simulate.numbers import changed, look_up, value_of
 
 FIN = replace(lc.load_robot("mamba-fin").caudal_fin, flexural_rigidity=2.0)
 ROBOT = replace(lc.load_robot("mamba-fin"), caudal_fin=FIN)
