@@ -172,6 +172,16 @@ def value(kind: Kind) -> Kind:
     return made
 
 
+def one_among(*choices: str) -> Check:
+    """The check of a text that is one of `choices`, where a hyphen is as good as an underscore."""
+
+    def check(name: str, given: Any) -> str:
+        plain = given.replace("-", "_") if isinstance(given, str) else given
+        return plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
+
+    return check
+
+
 @functools.cache
 def quantities_of(kind: type) -> Mapping[str, Quantity]:
     """The declared numbers of a class by field."""
@@ -221,7 +231,7 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
         count = None if inner[-1] is Ellipsis else len(inner)
         return functools.partial(_several, _check_of(inner[0], declared), _things(inner[0], count, declared), count)
     if get_origin(hint) is Literal:
-        return functools.partial(_choice, get_args(hint))
+        return one_among(*get_args(hint))
     if declared is not None:
         return functools.partial(_whole, declared) if hint is int else declared.checked
     if hint in (bool, str):
@@ -245,11 +255,6 @@ def _instance_of(kinds: tuple[type, ...]) -> Check:
         return given
 
     return check
-
-
-def _choice(choices: tuple[str, ...], name: str, given: Any) -> str:
-    plain = given.replace("-", "_") if isinstance(given, str) else given
-    return plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
 
 
 def _whole(declared: Quantity, name: str, given: Any) -> int:

@@ -4,6 +4,7 @@ import pytest
 
 from laticauda.cli import flags
 from laticauda.cli.groups import WaterChanges
+from laticauda.quantities import texts_of
 from laticauda.robot import Ground, Water, load_ground, load_water
 
 
@@ -13,9 +14,9 @@ def test_every_field_of_water_but_its_name_is_an_option():
     assert offered == wanted | {"no_linear_drag", "no_quadratic_drag"}
 
 
-def test_the_help_of_an_option_is_the_docstring_of_its_field(run):
+def test_the_help_of_an_option_is_what_its_field_is(run):
     text = " ".join(run("swim --help").out.replace("│", " ").split())
-    for name, said in flags.field_docs(Water).items():
+    for name, said in texts_of(Water).items():
         assert name == "name" or " ".join(said.split()) in text
 
 

@@ -10,7 +10,7 @@ import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from laticauda.cli.messages import flag
-from laticauda.fields import field_docs
+from laticauda.quantities import hints_of, quantities_of, texts_of
 
 
 def _option(
@@ -73,12 +73,15 @@ def changes(kind: type, omit: Sequence[str], otherwise: str) -> type[Any]:
     A field that is true or false becomes two options, ``--name`` and ``--no-name``.
 
     Args:
-        kind: The dataclass; the docstrings of its fields are the options' help.
+        kind: The dataclass; the texts of its fields are the options' help.
         omit: Names of fields that are no options.
         otherwise: What the help says about an option that is left out.
     """
-    documented = field_docs(kind)
-    hints = typing.get_type_hints(kind)
+    hints, numbers = hints_of(kind), quantities_of(kind)
+    documented = {
+        name: f"{text} [{numbers[name].unit or '-'}]." if name in numbers else f"{text}."
+        for name, text in texts_of(kind).items()
+    }
     fields: list[tuple[str, Any, Any]] = []
     for field in dataclasses.fields(kind):
         if field.name in omit:

@@ -11,8 +11,8 @@ from laticauda.cockpit.settings import Setting, with_fin
 from laticauda.cockpit.turns import Asked, Turns
 from laticauda.control import StraightLine
 from laticauda.errors import LaticaudaError, within
-from laticauda.fields import field_docs, split_unit
 from laticauda.gaits import GAIT_KINDS, Gait
+from laticauda.quantities import texts_of
 from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
 
 # Label, field of `Gait`, limits and step, in degrees and degrees per second: the paper's sweeps and some more.
@@ -207,8 +207,8 @@ def _fin_of(robot: Robot) -> str:
 
 
 def _hint(kind: type, field: str, unit: str = "") -> str:
-    """What the field's docstring says, in the unit of the page."""
-    title, _ = split_unit(field_docs(kind)[field])
+    """What the field's declaration says, in the unit of the page."""
+    title = texts_of(kind)[field]
     return f"{title} [{unit}]" if unit else title
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import cast
 
-from laticauda.errors import BadArgument, finite, one_of, whole
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, finite, whole
+from laticauda.quantities import one_among, option, quantity, value
 
 Envelope = Callable[[int, int], float]
 
@@ -30,19 +30,11 @@ class Wave:
         ValueError: If a field is out of its range.
     """
 
-    amplitude: float = quantity("rad", "alpha, not negative", ge=0.0)
-    frequency: float = quantity("rad/s", "omega, not negative", ge=0.0)
-    phase_shift: float = quantity(
-        "rad", "delta between neighboring pitch joints; negative swims tail first", default=0.0
-    )
-    phase: float = quantity(
-        "rad", "How far it is ahead of the yaw wave, for equal frequencies, at the tail-most joint of each", default=0.0
-    )
-    offset: float = quantity(
-        "rad",
-        "phi_0 of every pitch joint, positive turns down; or of the fin, positive bends the body to the left",
-        default=0.0,
-    )
+    amplitude: float = quantity("rad", "alpha", ge=0.0)
+    frequency: float = quantity("rad/s", "omega", ge=0.0)
+    phase_shift: float = quantity("rad", "delta between neighboring pitch joints", default=0.0)
+    phase: float = quantity("rad", "How far it is ahead of the yaw wave, tail-most joints", default=0.0)
+    offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", default=0.0)
 
 
 @value
@@ -51,34 +43,24 @@ class Gait:
 
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
-    and the amplitude starts smoothly: see `Generator`.
+    and the amplitude starts smoothly: see `Generator`. Its kind is lateral_undulation (g = 1), eel_like
+    (g = (n-i)/(n+1)) or custom, for which the envelope is given.
 
     Raises:
         ValueError: If a field is out of its range, or `envelope` and `kind` do not fit together.
     """
 
-    kind: str = option(
-        "lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)) or custom; hyphens are as good as underscores",
-        default="lateral_undulation",
-    )
-    amplitude: float = quantity("rad", "alpha, not negative", ge=0.0)
-    frequency: float = quantity("rad/s", "omega, not negative, an angular frequency as in the paper", ge=0.0)
+    kind: str = option("Of its envelope", default="lateral_undulation", check=one_among(*GAIT_KINDS))
+    amplitude: float = quantity("rad", "alpha", ge=0.0)
+    frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first")
     offset: float = quantity("rad", "phi_0 of every joint; positive turns left", default=0.0)
-    envelope: tuple[float, ...] | None = quantity(
-        "", "g of every joint, tail first, for kind custom; None otherwise", default=None
-    )
-    pitch: Wave | None = option(
-        "What the pitch joints do; None: they stay straight. The planar model has none", default=None
-    )
-    fin: Wave | None = option(
-        "What a driven fin does; None: it stays straight. Steering does not move it", default=None
-    )
+    envelope: tuple[float, ...] | None = quantity("", "g of every joint, tail first, for kind custom", default=None)
+    pitch: Wave | None = option("What the pitch joints do; None: they stay straight", default=None)
+    fin: Wave | None = option("What a driven fin does; None: it stays straight", default=None)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        kind = self.kind.replace("-", "_") if isinstance(self.kind, str) else self.kind  # pyright: ignore
-        object.__setattr__(self, "kind", one_of("kind", kind, GAIT_KINDS))
+        """Check what goes together."""
         if self.fin is not None and self.fin.phase_shift != 0.0:
             raise BadArgument("fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad")
         if (self.envelope is None) == (self.kind == "custom"):
@@ -86,8 +68,6 @@ class Gait:
                 "envelope",
                 f"must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, got {self.envelope}",
             )
-        if self.envelope is not None:
-            object.__setattr__(self, "envelope", _numbers(self.envelope))
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
         """The envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.

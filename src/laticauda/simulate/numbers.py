@@ -17,8 +17,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.fields import field_docs, split_unit
 from laticauda.gaits import Gait
+from laticauda.quantities import hints_of, quantities_of, texts_of
 from laticauda.robot import Environment, Robot, Water
 
 Changes = dict[str, Any]
@@ -160,11 +160,11 @@ def _all_applied(things: Sequence[Any], wanted: Changes) -> tuple[Any, ...]:
 def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
     """The numbers in a dataclass, and in what it holds."""
     kind = cast("type[object]", type(thing))
-    hints, docs = _hints(kind), field_docs(kind)
+    hints, texts, numbers = _hints(kind), texts_of(kind), quantities_of(kind)
     for field in fields(thing):
         value = getattr(thing, field.name)
-        title, unit = split_unit(docs.get(field.name, ""))
-        name = f"{prefix}.{field.name}"
+        name, title = f"{prefix}.{field.name}", texts[field.name]
+        unit = numbers[field.name].unit if field.name in numbers else ""
         if hints[field.name] in (float, int):
             yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] is int)
         elif hints[field.name] == tuple[float, float]:
@@ -179,7 +179,7 @@ def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
 @functools.cache
 def _hints(kind: type) -> dict[str, Any]:
     """The types of a dataclass's fields; a number that may be None is a number."""
-    return {name: _without_none(hint) for name, hint in typing.get_type_hints(kind).items()}
+    return {name: _without_none(hint) for name, hint in hints_of(kind).items()}
 
 
 def _without_none(hint: Any) -> Any:
