@@ -277,7 +277,7 @@ def _several(item: Check | None, things: str, count: int | None, name: str, give
 def _things(kind: Any, count: int | None, declared: Quantity | None) -> str:
     """What a tuple holds, in words."""
     if declared is not None and get_origin(kind) is None:
-        amount = "" if count is None else f"{_COUNTS.get(count, count)} "
+        amount = "a list of " if count is None else f"{_COUNTS.get(count, count)} "
         return f"{amount}numbers{f' in {declared.unit}' if declared.unit else ''}"
     return "a list of texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
 
