@@ -30,8 +30,8 @@ from math import radians
 import numpy as np
 
 import laticauda as lc
-from laticauda.studies import Problem, hypervolume, optimize
-from laticauda.studies.problem import evaluate, losses
+from laticauda.studies import Optimization, hypervolume, optimize
+from laticauda.studies.optimization import evaluate, losses
 
 SEEDS = range(1, 6)
 TIMES = 10
@@ -42,11 +42,11 @@ BOUNDS = {
 }
 
 
-def random_search(problem: Problem, budget: int, seed: int) -> np.ndarray:
+def random_search(optimization: Optimization, budget: int, seed: int) -> np.ndarray:
     """Losses of points that are even in the box."""
-    low, high = problem.box()
-    table = problem.points(np.random.default_rng(seed).uniform(low, high, (budget, low.size)))
-    return losses(problem.objectives, evaluate(problem, table))
+    low, high = optimization.box()
+    table = optimization.points(np.random.default_rng(seed).uniform(low, high, (budget, low.size)))
+    return losses(optimization.objectives, evaluate(optimization, table))
 
 
 def main() -> None:
@@ -60,16 +60,16 @@ def main() -> None:
     ratios, taken = [], {}
     for kind in ("lateral_undulation", "eel_like"):
         gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        problem = Problem(robot=robot, gait=gait, bounds=BOUNDS)
-        evaluate(problem, np.array([[0.5, 2.0, 0.7]]))  # warm
+        optimization = Optimization(scenario=lc.scenario(robot, gait), bounds=BOUNDS)
+        evaluate(optimization, np.array([[0.5, 2.0, 0.7]]))  # warm
         runs = []
         for seed in SEEDS:
             start = time.perf_counter()
-            front = optimize(problem, budget=budget, seed=seed)
+            front = optimize(optimization, budget=budget, seed=seed)
             middle = time.perf_counter()
-            by_chance = random_search(problem, TIMES * budget, seed)
+            by_chance = random_search(optimization, TIMES * budget, seed)
             end = time.perf_counter()
-            runs.append((seed, losses(problem.objectives, front.figures), by_chance, middle - start, end - middle))
+            runs.append((seed, losses(optimization.objectives, front.figures), by_chance, middle - start, end - middle))
         reference = (0.0, max(float(found[:, 1].max()) for _, found, *_ in runs))
         for seed, found, by_chance, *times in runs:
             sought, equal, many = (hypervolume(x, reference) for x in (found, by_chance[:budget], by_chance))

@@ -126,7 +126,8 @@ class Candidate:
             if robot.caudal_fin is not None:
                 robot = replace(robot, caudal_fin=replace(robot.caudal_fin, **{**FIN, **self.fin, **bendable}))
             own = plain if has_fin else {name: value for name, value in plain.items() if "caudal_fin" not in name}
-            robots[has_fin], _, changed_water = changed(robot, ROWS[0].gait, water, own)
+            other = changed(lc.Scenario(robot=robot, motion=ROWS[0].gait, environment=water), own)
+            robots[has_fin], changed_water = other.robot, other.environment
         return Model(robots=robots, water=changed_water, joints=self.joints, limit=values.get(LIMIT))
 
 

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.studies import SPEED_POWER, Front, Problem, optimize
+from laticauda.studies import SPEED_POWER, Front, Optimization, optimize
 
 PATIENCE = 120.0  # [s]
 POPULATION = 12
@@ -34,15 +34,13 @@ KINDS = {"front": SPEED_POWER, "speed": ("forward_velocity",)}
 def run(folder: Path | None, budget: int, kind: str = "front", say: bool = False) -> Front:
     """An optimization of short trials, also over the number of links, or the rest of it."""
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    problem = Problem(
-        robot=lc.load_robot("mamba"),
-        gait=gait,
-        duration=2.0,
+    sought = Optimization(
+        scenario=lc.scenario("mamba", gait, 2.0),
         bounds={"gait.amplitude": (0.2, 2.0), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 9)},
         objectives=KINDS[kind],
     )
     tell = (lambda done, total: print(done, flush=True)) if say else None
-    return optimize(problem, folder, budget=budget, population=POPULATION, seed=5, progress=tell)
+    return optimize(sought, folder, budget=budget, population=POPULATION, seed=5, progress=tell)
 
 
 def contents(front: Front) -> dict[str, bytes]:

@@ -55,7 +55,7 @@ def sweep(n: int, kind: str = "grid") -> Sweep:
         ),
     }
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    return Sweep(robot=lc.load_robot("mamba"), gait=gait, duration=2.0, points=points[kind])
+    return Sweep(scenario=lc.scenario("mamba", gait, 2.0), points=points[kind])
 
 
 def contents(folder: Path) -> dict[str, bytes]:

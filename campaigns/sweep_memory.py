@@ -33,8 +33,8 @@ def child(n: int) -> None:
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     ranges = {"gait.amplitude": (0.2, 0.9), "gait.frequency": (1.0, 3.0), "gait.phase_shift": (0.2, 1.0)}
     points = Samples(ranges=ranges, n_points=n)
-    sweep = Sweep(robot=lc.load_robot("mamba"), gait=gait, duration=DURATION, points=points)
-    swim_many(sweep.robot, [gait] * 16, DURATION)  # compiled, if it was not
+    sweep = Sweep(scenario=lc.scenario("mamba", gait, DURATION), points=points)
+    swim_many([sweep.scenario] * 16)  # compiled, if it was not
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         run_sweep(sweep, Path(folder, "a"))

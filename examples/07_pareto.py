@@ -10,7 +10,7 @@ from math import radians
 import numpy as np
 
 import laticauda as lc
-from laticauda.studies import Problem, optimize
+from laticauda.studies import Optimization, optimize
 
 bounds = {
     "gait.amplitude": (radians(10), radians(50)),
@@ -20,8 +20,7 @@ bounds = {
 gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 
 for name in ("mamba", "mamba-fin"):
-    problem = Problem(robot=lc.load_robot(name), gait=gait, bounds=bounds)
-    front = optimize(problem, budget=400, population=40, seed=1)
+    front = optimize(Optimization(scenario=lc.scenario(name, gait), bounds=bounds), budget=400, population=40, seed=1)
     print(name)
     for i in front.spread(5):
         alpha, omega, delta = np.degrees(front.values[i])

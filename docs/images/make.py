@@ -31,7 +31,7 @@ from laticauda.paper.measured import (
 )
 from laticauda.pictures.render import still
 from laticauda.reports.front import front_figure
-from laticauda.studies import Grid, Problem, Sweep, optimize, run_sweep
+from laticauda.studies import Grid, Optimization, Sweep, optimize, run_sweep
 from laticauda.trial.null_models import mape
 
 FOLDER = Path(__file__).parent
@@ -130,7 +130,7 @@ def fronts() -> Figure:
     found = []
     for kind in ("lateral_undulation", "eel_like"):
         gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        found.append(optimize(Problem(robot=lc.load_robot("mamba"), gait=gait, bounds=bounds), seed=1))
+        found.append(optimize(Optimization(scenario=lc.scenario("mamba", gait), bounds=bounds), seed=1))
     return front_figure(found)
 
 
@@ -234,7 +234,7 @@ def cockpit(folder: Path) -> None:
             "gait.frequency": np.radians(np.linspace(40, 180, 8)),
             "gait.phase_shift": np.radians([30, 40, 60]),
         }
-        run_sweep(Sweep(robot=robot, gait=gait, duration=20.0, points=Grid(values=values)), grid)
+        run_sweep(Sweep(scenario=lc.scenario(robot, gait, 20.0), points=Grid(values=values)), grid)
         seen.cockpit.load(grid)
         seen.open("Map")
         seen.look((0.1, -2.6, 0.8), 0.45)

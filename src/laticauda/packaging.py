@@ -22,6 +22,7 @@ def lazy_exports(*own: str) -> _Exports:
 
         __getattr__, __dir__, __all__ = lazy_exports()
 
+    A function in a module of its own name is imported outside of that block, at once: the module would take its place.
     The import statements are read from the compiled `__init__`, which is there in a zip file and a frozen program too.
 
     Args:
@@ -38,7 +39,8 @@ def lazy_exports(*own: str) -> _Exports:
         elif instruction.opname == "IMPORT_FROM":
             homes[instruction.argval] = home
     package, there = caller.f_globals["__name__"], set(caller.f_globals)
-    names = sorted((homes.keys() - there).union(own))
+    imported = {name for name, home in homes.items() if name not in there or home.startswith(f"{package}.")}
+    names = sorted(imported.union(own) - {lazy_exports.__name__})
 
     def get(name: str) -> Any:
         if name not in homes or name in there:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.studies import optimize, problem
+from laticauda.studies import Optimization, optimization, optimize
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -39,13 +39,10 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
     words = "--vary amplitude-deg=10:60 robot.caudal-fin.length=0.2:0.5 --objective cost-of-transport"
     done = run(f"optimize --robot mamba-fin --gait eel-like {words} {SHORT} --json --joint-rate-limit-deg-s 100")
     assert done.status == 0
+    gait = lc.eel_like(amplitude=np.radians(30), frequency=float(np.radians(130)), phase_shift=float(np.radians(40)))
     front = optimize(
-        problem.Problem(
-            robot=lc.load_robot("mamba-fin"),
-            gait=lc.eel_like(
-                amplitude=np.radians(30), frequency=float(np.radians(130)), phase_shift=float(np.radians(40))
-            ),
-            duration=1.0,
+        Optimization(
+            scenario=lc.scenario("mamba-fin", gait, 1.0),
             bounds={
                 "gait.amplitude": (np.radians(1.0) * 10, np.radians(1.0) * 60),
                 "robot.caudal_fin.length": (0.2, 0.5),
@@ -76,7 +73,7 @@ def test_both_gaits_go_into_one_figure(run, folder: Path):
 
 
 def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
-    swim_points, calls = problem.swim_points, []
+    swim_points, calls = optimization.swim_points, []
 
     def stop(*args):
         calls.append(args)
@@ -85,7 +82,7 @@ def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch
         return swim_points(*args)
 
     with monkeypatch.context() as context:
-        context.setattr(problem, "swim_points", stop)
+        context.setattr(optimization, "swim_points", stop)
         done = run(f"optimize {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to go on.\n"

@@ -15,11 +15,8 @@ from laticauda.cli import vary
 from laticauda.simulate import parameters
 from laticauda.studies import open_sweep, trials
 
-KNOWN = parameters(
-    lc.load_robot("mamba-fin"),
-    lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
-    lc.load_water("paper-lateral"),
-)
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+KNOWN = parameters(lc.scenario("mamba-fin", GAIT))
 SHORT = "--duration 1 --output a"
 POINTS = "--vary amplitude-deg=10:50:3 normal-drag=1,2"
 

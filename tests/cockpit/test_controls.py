@@ -199,7 +199,7 @@ def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cock
     cockpit.frame()
     assert cockpit._runs._ghost.robot == lc.load_trial(_replayed(tmp_path / "run.mcap")).robot.planar()
     values = {"gait.amplitude": (0.3, 0.5), "gait.frequency": (1.0, 2.0)}
-    run_sweep(Sweep(robot=lc.load_robot("mamba"), gait=GAIT, duration=2.0, points=Grid(values=values)), tmp_path / "s")
+    run_sweep(Sweep(scenario=lc.scenario("mamba", GAIT, 2.0), points=Grid(values=values)), tmp_path / "s")
     open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
     page = Page()
     file = SimpleNamespace(name="s.nc", content=(tmp_path / "s.nc").read_bytes())

@@ -21,7 +21,7 @@ GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 SETTING = Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT)
 AMPLITUDES, DRAGS, FREQUENCIES = (0.3, 0.5, 0.6), (1.0, 1.75), (1.5, 2.0, 2.25, 2.5)
 VALUES = {"gait.amplitude": AMPLITUDES, "water.normal_drag": DRAGS, "gait.frequency": FREQUENCIES}
-SHARED = {"robot": SETTING.robot, "gait": GAIT, "duration": 3.0}
+SHARED = {"scenario": lc.scenario(SETTING.robot, GAIT, 3.0)}
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_what_is_clicked_swims_as_the_sweep_says(folder):
     sweep = opened(folder)
     chart = sweep.chart("forward_velocity", "gait.frequency", "gait.amplitude", {"water.normal_drag": 0})
     after = with_values(replace(SETTING, current=(0.0, 0.0)), chart.nearest(0.0, 0.0))
-    trial = lc.swim(after.robot, after.gait, SHARED["duration"], environment=after.environment)
+    trial = lc.swim(after.robot, after.gait, SHARED["scenario"].duration, environment=after.environment)
     assert after.environment.normal_drag == DRAGS[0]
     assert chart.values[0, 0] == pytest.approx(trial.forward_velocity, rel=1e-6)
     assert chart.place_of(after) == pytest.approx((math.degrees(1.5), math.degrees(0.3)))

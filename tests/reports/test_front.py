@@ -7,19 +7,18 @@ import pytest
 import laticauda as lc
 from laticauda.paper import efficiency_settings
 from laticauda.reports.front import front_figure, measured_points, write_front, write_front_figure
-from laticauda.studies import Front, Problem, optimize
+from laticauda.studies import Front, Optimization, optimize
 
-PROBLEM = Problem(
-    robot=lc.load_robot("mamba"),
-    gait=lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7),
-    duration=2.0,
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+SOUGHT = Optimization(
+    scenario=lc.scenario("mamba", GAIT, 2.0),
     bounds={"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 12)},
 )
 
 
 @pytest.fixture(scope="module")
 def found() -> Front:
-    return optimize(PROBLEM, budget=48, population=12, seed=1)
+    return optimize(SOUGHT, budget=48, population=12, seed=1)
 
 
 def test_the_folder_gets_the_numbers_and_the_figure(found: Front, tmp_path: Path):
@@ -29,7 +28,7 @@ def test_the_folder_gets_the_numbers_and_the_figure(found: Front, tmp_path: Path
 
 
 def test_without_a_front_there_is_no_figure(tmp_path: Path):
-    single = optimize(replace(PROBLEM, objectives="forward_velocity"), budget=12, population=12)
+    single = optimize(replace(SOUGHT, objectives="forward_velocity"), budget=12, population=12)
     assert write_front_figure([single], tmp_path) == []
     assert not list(tmp_path.iterdir())
 
@@ -50,18 +49,19 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
         one for one in efficiency_settings().groups if (one.gait, one.robot) == ("lateral_undulation", "mamba")
     )
     assert len(points) == len(group.cases)
-    trial = lc.swim(PROBLEM.robot, group.cases[2], 2.0)
+    trial = lc.swim(SOUGHT.scenario.robot, group.cases[2], 2.0)
     assert points[2] == pytest.approx([trial.mechanical_power, trial.forward_velocity], rel=1e-10)
 
 
 def test_another_robot_has_none_of_them(found: Front):
-    other = replace(found, problem=replace(PROBLEM, robot=replace(PROBLEM.robot, name="eel")))
+    eel = replace(SOUGHT.scenario, robot=replace(SOUGHT.scenario.robot, name="eel"))
+    other = replace(found, optimization=replace(SOUGHT, scenario=eel))
     assert measured_points(other).shape == (0, 2)
 
 
 def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
     eel = lc.eel_like(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    other = optimize(replace(PROBLEM, gait=eel, environment=lc.load_water("paper-eel")), budget=24, population=12)
+    other = optimize(replace(SOUGHT, scenario=lc.scenario("mamba", eel, 2.0)), budget=24, population=12)
     assert front_figure([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
     both = front_figure([found, other]).get_suptitle()
     assert both.endswith("72 trials of 2 s, each gait with its own water: paper-lateral and paper-eel")

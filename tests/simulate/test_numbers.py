@@ -11,7 +11,8 @@ FIN = replace(lc.load_robot("mamba-fin").caudal_fin, flexural_rigidity=2.0)
 ROBOT = replace(lc.load_robot("mamba-fin"), caudal_fin=FIN)
 WATER = lc.load_water("paper-lateral")
 GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-KNOWN = parameters(ROBOT, GAIT, WATER)
+SCENARIO = lc.Scenario(robot=ROBOT, motion=GAIT, environment=WATER)
+KNOWN = parameters(SCENARIO)
 
 
 def test_every_number_of_the_water_can_be_swept():
@@ -36,16 +37,16 @@ def test_every_parameter_can_be_set_and_comes_out_where_it_belongs():
     for name, parameter in KNOWN.items():
         if name == "robot.n_links":
             continue
-        before = _value(ROBOT, GAIT, WATER, name)
+        before = _value(SCENARIO, name)
         wanted = (1.0 if before is None else before) + (1 if parameter.is_whole else 1e-3)
-        after = changed(ROBOT, GAIT, WATER, {name: wanted})
-        assert _value(*after, name) == wanted
-        assert _value(*changed(*after, {name: before}), name) == before if before is not None else True
+        after = changed(SCENARIO, {name: wanted})
+        assert _value(after, name) == wanted
+        assert _value(changed(after, {name: before}), name) == before if before is not None else True
 
 
-def _value(robot, gait, water, name):
+def _value(scenario, name):
     root, *way = name.split(".")
-    thing = {"robot": robot, "gait": gait, "water": water}[root]
+    thing = {"robot": scenario.robot, "gait": scenario.gait, "water": scenario.environment}[root]
     for step in way:
         if step in ("module", "joint"):
             several = getattr(thing, step + "s")
@@ -60,19 +61,19 @@ def _value(robot, gait, water, name):
 
 def test_values_that_bound_each_other_are_set_at_once():
     values = {"robot.caudal_fin.length": 0.1, "robot.caudal_fin.opening_length": 0.05}
-    robot, _, _ = changed(ROBOT, GAIT, WATER, values)
+    robot = changed(SCENARIO, values).robot
     assert (robot.caudal_fin.length, robot.caudal_fin.opening_length) == (0.1, 0.05)
 
 
 def test_both_ends_of_a_pair_can_be_set():
-    _, _, water = changed(ROBOT, GAIT, WATER, {"water.current_x": 0.1, "water.current_y": -0.2})
-    assert water == replace(WATER, current=(0.1, -0.2))
+    other = changed(SCENARIO, {"water.current_x": 0.1, "water.current_y": -0.2})
+    assert other.environment == replace(WATER, current=(0.1, -0.2))
 
 
 def test_the_number_of_links_and_what_they_are_like_can_be_set_together():
-    robot, gait, water = changed(ROBOT, GAIT, WATER, {"robot.n_links": 5.0, "robot.module.mass": 2.0})
-    assert [module.mass for module in robot.modules] == [2.0] * 5
-    assert gait is GAIT and water is WATER
+    other = changed(SCENARIO, {"robot.n_links": 5.0, "robot.module.mass": 2.0})
+    assert [module.mass for module in other.robot.modules] == [2.0] * 5
+    assert other.motion is GAIT and other.environment is WATER
 
 
 def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
@@ -88,23 +89,24 @@ def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
 
 
 def test_a_fin_can_be_swept_only_by_a_robot_that_has_one():
-    bare = parameters(lc.load_robot("mamba"), GAIT, WATER)
+    bare = parameters(replace(SCENARIO, robot=lc.load_robot("mamba")))
     assert {name for name in KNOWN if name not in bare} == {name for name in KNOWN if "caudal_fin" in name}
 
 
 def test_on_the_ground_its_friction_can_be_swept():
-    known = parameters(ROBOT, GAIT, lc.load_ground("viscous"))
+    known = parameters(replace(SCENARIO, environment=lc.load_ground("viscous")))
     assert known["ground.normal"].title.startswith("Coefficient across a link")
     with pytest.raises(ValueError, match="numbers of gait, ground or robot"):
         look_up("water.normal_drag", known)
 
 
 def test_one_of_several_modules_goes_by_its_number_from_the_tail():
-    robot, name = lc.load_robot("mamba"), "robot.module[3].normal_drag"
-    assert name in parameters(robot, GAIT, WATER, each=True) and name not in parameters(robot, GAIT, WATER)
-    other, _, _ = changed(robot, GAIT, WATER, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1})
+    scenario, name = replace(SCENARIO, robot=lc.load_robot("mamba")), "robot.module[3].normal_drag"
+    assert name in parameters(scenario, each=True) and name not in parameters(scenario)
+    after = changed(scenario, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1})
+    other = after.robot
     assert [module.normal_drag for module in other.modules] == [2.5 if i == 3 else None for i in range(9)]
     assert {module.mass for module in other.modules} == {0.7}
     assert [joint.stiffness for joint in other.joints] == [0.1] + [0.0] * 7
-    assert value_of(name, other, GAIT, WATER) == 2.5
-    assert value_of(name, robot, GAIT, WATER) == WATER.normal_drag
+    assert value_of(name, after) == 2.5
+    assert value_of(name, scenario) == WATER.normal_drag

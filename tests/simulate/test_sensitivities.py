@@ -37,12 +37,12 @@ def by_differences(robot, gait, water, names, **settings):
     Small steps: |u phi'| and |v| v have kinks, and a difference is of no use once one of them passes a time step.
     """
     steps = 2.0 ** -np.arange(19, 22)
-    points = []
+    scenario, points = lc.scenario(robot, gait, environment=water, **settings), []
     for name in names:
         value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[0, 0]
-        points += [(*changed(robot, gait, water, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)]
-    robots, gaits, waters, values = zip(*points, strict=True)
-    many = lc.swim_many(robots, gaits, 30.0, environments=waters, **settings)
+        points += [(changed(scenario, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)]
+    scenarios, values = zip(*points, strict=True)
+    many = lc.swim_many(scenarios)
     end = dict(zip("xy", many.center_of_mass.T, strict=True))
     columns = [end[figure] if figure in end else getattr(many, figure) for figure in UNITS]
     y = np.reshape(columns, (len(UNITS), len(names), 3, 2))
@@ -85,8 +85,8 @@ def test_driven_joints_have_derivatives_to_their_actuators_too(joints):
     name = {"pd": "robot.joint.actuator.proportional_gain", "servo": "robot.joint.actuator.stall_torque"}[joints]
     found = sensitivities(robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002)
     value, step = found.point[0, 0], 1e-5
-    around = [changed(robot, GAIT, WATER, {name: value * (1 + s)})[0] for s in (step, -step)]
-    many = lc.swim_many(around, GAIT, 1.0, environments=WATER, joints=joints, dt=0.002)
+    scenario = lc.scenario(robot, GAIT, 1.0, environment=WATER, joints=joints, dt=0.002)
+    many = lc.swim_many([changed(scenario, {name: value * (1 + s)}) for s in (step, -step)])
     for figure in ("forward_velocity", "net_power", "mean_power", "heading"):
         ahead, behind = getattr(many, figure)
         expected = (ahead - behind) / (2 * step * value)
@@ -111,8 +111,8 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
     found = sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
     step = 2.0**-16
     for k, name in enumerate(names):
-        trials = [changed(robot, GAIT, water, {name: j * step}) for j in range(3)]
-        speed = [lc.swim(*t[:2], environment=t[2], dt=0.05).forward_velocity for t in trials]
+        scenario = lc.scenario(robot, GAIT, environment=water, dt=0.05)
+        speed = [lc.swim(changed(scenario, {name: j * step})).forward_velocity for j in range(3)]
         slope = (-1.5 * speed[0] + 2.0 * speed[1] - 0.5 * speed[2]) / step
         assert found.jacobian[0, 0, k] == pytest.approx(slope, rel=1e-6)
         assert slope < -1e-4 or name != names[0]

@@ -15,4 +15,6 @@ DRAG = [1.0, 1.5, 2.0, 2.5]
 def small(**changes: Any) -> Sweep:
     """Twelve trials of one second."""
     points = Grid(values={"gait.amplitude": AMPLITUDE, "water.normal_drag": DRAG})
-    return Sweep(**{"robot": lc.load_robot("mamba"), "gait": GAIT, "duration": 1.0, "points": points, **changes})
+    given = {"robot": "mamba", "motion": GAIT, "duration": 1.0, **changes}
+    points = given.pop("points", points)
+    return Sweep(scenario=lc.scenario(**given), points=points)

@@ -116,7 +116,7 @@ def test_it_is_not_waited_for_when_no_worker_is_left(tmp_path: Path, monkeypatch
 
 def test_workers_of_another_version_are_refused():
     with pytest.raises(ClusterFailed, match=r"the workers must have laticauda 0\.0\.0 as this process has, got "):
-        cluster._swim("0.0.0", small().setup, (), None)
+        cluster._swim("0.0.0", small().scenario, (), None)
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:1"])

@@ -6,12 +6,11 @@ import pytest
 import xarray
 
 import laticauda as lc
-from laticauda.studies import Front, Problem, hypervolume, unbeaten
+from laticauda.studies import Front, Optimization, hypervolume, unbeaten
 from laticauda.studies.trials import QUANTITIES
 
-PROBLEM = Problem(
-    robot=lc.load_robot("mamba-fin"),
-    gait=lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+SOUGHT = Optimization(
+    scenario=lc.scenario("mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
     bounds={"gait.amplitude": (0.2, 0.9), "robot.caudal_fin.length": (0.2, 0.5), "robot.n_links": (8, 10)},
 )
 
@@ -22,7 +21,7 @@ def a_front(n: int) -> Front:
     figures = {name: np.full(n, 0.5) for name in QUANTITIES if name != "succeeded"}
     figures |= {"forward_velocity": power**0.5, "mechanical_power": 10.0 * power}
     values = np.stack((np.linspace(0.2, 0.9, n), np.linspace(0.2, 0.5, n), np.full(n, 9.0)), axis=1)
-    return Front(problem=PROBLEM, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1)
+    return Front(optimization=SOUGHT, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1)
 
 
 @pytest.mark.parametrize("levels", [4, 1000])
@@ -66,7 +65,8 @@ def test_chosen_points_lie_evenly_along_the_front_with_its_ends():
 
 
 def test_a_point_is_a_robot_and_a_gait():
-    robot, gait, _ = a_front(8).things(7)
+    scenario = a_front(8).scenario(7)
+    robot, gait = scenario.robot, scenario.gait
     assert (robot.n_links, robot.caudal_fin.length, gait.amplitude) == (9, 0.5, 0.9)
 
 

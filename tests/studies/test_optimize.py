@@ -11,22 +11,19 @@ from campaign_scripts import campaign
 
 import laticauda as lc
 from laticauda.errors import StorageFailed
-from laticauda.studies import Front, Problem, hypervolume, optimize
-from laticauda.studies.problem import evaluate, losses
+from laticauda.studies import Front, Optimization, hypervolume, optimize
+from laticauda.studies.optimization import evaluate, losses
 from laticauda.studies.search import Search
 
 kills = campaign("optimize_kills")
 BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}
-PROBLEM = Problem(
-    robot=lc.load_robot("mamba"),
-    gait=lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7),
-    duration=2.0,
-    bounds=BOUNDS,
-)
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+SCENARIO = lc.scenario("mamba", GAIT, 2.0)
+SOUGHT = Optimization(scenario=SCENARIO, bounds=BOUNDS)
 
 
-def small(problem: Problem = PROBLEM, folder: Path | None = None, **how) -> Front:
-    return optimize(problem, folder, **{"budget": 60, "population": 12, "seed": 2, **how})
+def small(sought: Optimization = SOUGHT, folder: Path | None = None, **how) -> Front:
+    return optimize(sought, folder, **{"budget": 60, "population": 12, "seed": 2, **how})
 
 
 def same(a: Front, b: Front) -> bool:
@@ -35,7 +32,7 @@ def same(a: Front, b: Front) -> bool:
 
 def test_no_point_of_the_front_beats_another_one_and_all_are_within_the_bounds():
     front = small()
-    found = losses(front.problem.objectives, front.figures)
+    found = losses(front.optimization.objectives, front.figures)
     assert len(front) > 3
     assert np.all(np.diff(found[:, 1]) > 0.0) and np.all(np.diff(found[:, 0]) < 0.0)
     for column, (low, high) in zip(front.values.T, BOUNDS.values(), strict=True):
@@ -44,29 +41,29 @@ def test_no_point_of_the_front_beats_another_one_and_all_are_within_the_bounds()
 
 def test_the_figures_of_a_point_are_those_of_its_trial():
     front = small()
-    trial = lc.swim(PROBLEM.robot, front.gait(-1 % len(front)), 2.0)
+    trial = lc.swim(SCENARIO.robot, front.gait(-1 % len(front)), 2.0)
     assert front.figures["forward_velocity"][-1] == pytest.approx(trial.forward_velocity, rel=1e-10)
     assert front.figures["mechanical_power"][-1] == pytest.approx(trial.mechanical_power, rel=1e-10)
 
 
 def test_the_search_is_worth_more_than_as_many_random_points():
     front = small(budget=240, population=24)
-    low, high = PROBLEM.box()
+    low, high = SOUGHT.box()
     by_chance = losses(
-        PROBLEM.objectives, evaluate(PROBLEM, np.random.default_rng(0).uniform(low, high, (240, low.size)))
+        SOUGHT.objectives, evaluate(SOUGHT, np.random.default_rng(0).uniform(low, high, (240, low.size)))
     )
-    found = losses(PROBLEM.objectives, front.figures)
+    found = losses(SOUGHT.objectives, front.figures)
     reference = (0.0, float(found[:, 1].max()))
     assert hypervolume(found, reference) > hypervolume(by_chance, reference)
 
 
 def test_for_one_objective_it_finds_the_maximum_of_a_grid_or_better():
-    problem = replace(PROBLEM, objectives="forward_velocity")
-    front = small(problem, budget=320, population=16)
+    sought = replace(SOUGHT, objectives="forward_velocity")
+    front = small(sought, budget=320, population=16)
     axes = np.meshgrid(*(np.linspace(*ends, 12) for ends in BOUNDS.values()))
     table = np.stack([axis.ravel() for axis in axes], axis=1)
     assert len(front) == 1
-    assert front.figures["forward_velocity"][0] >= evaluate(problem, table)["forward_velocity"].max()
+    assert front.figures["forward_velocity"][0] >= evaluate(sought, table)["forward_velocity"].max()
 
 
 @pytest.mark.parametrize("n_objectives", [1, 2])
@@ -92,21 +89,21 @@ def test_the_same_seed_gives_the_same_bits_and_another_one_does_not():
 
 @pytest.mark.parametrize("objectives", [("forward_velocity", "mechanical_power"), ("cost_of_transport",)])
 def test_one_that_stops_anywhere_goes_on_to_the_same_bits(tmp_path: Path, objectives: tuple[str, ...]):
-    problem = replace(PROBLEM, objectives=objectives)
-    whole = small(problem)
+    sought = replace(SOUGHT, objectives=objectives)
+    whole = small(sought)
 
     def stop(done: int, total: int) -> None:
         if done >= 24:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        small(problem, tmp_path / "a", progress=stop)
+        small(sought, tmp_path / "a", progress=stop)
     seen: list[int] = []
-    assert same(small(problem, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert same(small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
     assert seen == [24, 36, 48, 60]
     # Once more there is nothing to do.
     seen.clear()
-    assert same(small(problem, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert same(small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
     assert seen == [60]
 
 
@@ -124,33 +121,34 @@ def test_one_that_is_killed_comes_out_the_same_bit_for_bit(tmp_path: Path):
 
 
 def test_whole_numbers_stay_whole():
-    problem = replace(PROBLEM, bounds={**BOUNDS, "robot.n_links": (4, 6)})
-    front = small(problem)
+    sought = replace(SOUGHT, bounds={**BOUNDS, "robot.n_links": (4, 6)})
+    front = small(sought)
     assert set(front.values[:, 2]) <= {4.0, 5.0, 6.0}
-    low, high = problem.box()
-    assert problem.points(np.array([low, high]))[:, 2].tolist() == [4.0, 6.0]
+    low, high = sought.box()
+    assert sought.points(np.array([low, high]))[:, 2].tolist() == [4.0, 6.0]
 
 
 def test_where_nothing_is_feasible_the_front_is_empty():
     robot = lc.load_robot("mamba")
     stiff = replace(robot, joints=tuple(replace(joint, limit=radians(1)) for joint in robot.joints))
-    front = small(replace(PROBLEM, robot=stiff))
+    front = small(replace(SOUGHT, scenario=replace(SCENARIO, robot=stiff)))
     assert (len(front), front.n_trials, front.n_infeasible) == (0, 60, 60)
     # Two seconds are too short for a steady velocity.
-    assert len(small(replace(PROBLEM, objectives="steady_velocity"))) == 0
+    assert len(small(replace(SOUGHT, objectives="steady_velocity"))) == 0
 
 
 def test_a_folder_of_another_optimization_is_refused_with_the_difference(tmp_path: Path):
     small(folder=tmp_path / "a")
     before = (tmp_path / "a" / "checkpoint.npz").read_bytes()
-    other = replace(PROBLEM, bounds={**BOUNDS, "gait.amplitude": (0.2, 0.8)})
-    for problem, how, message in (
+    longer = replace(SOUGHT, scenario=replace(SCENARIO, duration=3.0))
+    other = replace(SOUGHT, bounds={**BOUNDS, "gait.amplitude": (0.2, 0.8)})
+    for sought, how, message in (
         (other, {}, "bounds.gait.amplitude[1] is 0.9 there and 0.8 here"),
-        (PROBLEM, {"seed": 7}, "seed is 2 there and 7 here"),
-        (replace(PROBLEM, duration=3.0), {"population": 20}, "duration is 2.0 there and 3.0 here; population is 12"),
+        (SOUGHT, {"seed": 7}, "seed is 2 there and 7 here"),
+        (longer, {"population": 20}, "duration is 2.0 there and 3.0 here; population is 12"),
     ):
         with pytest.raises(ValueError, match="`folder` must be empty, or hold this opt.*" + re.escape(message)):
-            small(problem, tmp_path / "a", **how)
+            small(sought, tmp_path / "a", **how)
     assert (tmp_path / "a" / "checkpoint.npz").read_bytes() == before
 
 

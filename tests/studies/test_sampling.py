@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from laticauda.studies import Grid, Rows, Samples
-from laticauda.studies.regions import cut, extent
+from laticauda.studies.sweep import cut, extent
 
 BOX = {"gait.amplitude": (0.2, 0.8), "robot.n_links": (5.0, 8.0), "water.normal_drag": (1.0, 2.0)}
 

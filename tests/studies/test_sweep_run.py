@@ -26,7 +26,7 @@ def test_every_point_is_the_trial_of_its_parameters(tmp_path: Path):
     for i, amplitude in enumerate(AMPLITUDE):
         for j, drag in enumerate(DRAG):
             water = replace(lc.load_water("paper-lateral"), normal_drag=drag)
-            trial = lc.swim(sweep.robot, replace(GAIT, amplitude=amplitude), 1.0, environment=water)
+            trial = lc.swim(sweep.scenario.robot, replace(GAIT, amplitude=amplitude), 1.0, environment=water)
             point = found.isel({"gait.amplitude": i, "water.normal_drag": j})
             for name in ("forward_velocity", "mechanical_power", "net_power", "cost_of_transport"):
                 assert float(point[name]) == pytest.approx(getattr(trial, name), rel=1e-9)
@@ -146,7 +146,7 @@ def test_the_folder_of_another_sweep_is_refused_with_the_difference(tmp_path: Pa
     before = bits(tmp_path / "a")
     for other, difference in (
         (small(duration=2.0), "duration is 1.0 there and 2.0 here"),
-        (small(gait=replace(GAIT, offset=0.1)), "gait.offset is 0.0 there and 0.1 here"),
+        (small(motion=replace(GAIT, offset=0.1)), "motion.offset is nothing there and 0.1 here"),
         (small(robot=lc.load_robot("mamba-fin")), "robot.name is mamba there and mamba-fin here; robot.caudal_fin is"),
         (
             small(points=Grid(values={"gait.amplitude": [0.3, 0.5, 0.8], "water.normal_drag": DRAG})),

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -25,8 +25,9 @@ from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import aligned, number, read_in
 
 if TYPE_CHECKING:
+    from laticauda.scenarios import Scenario
     from laticauda.simulate import Parameter
-    from laticauda.studies import Front, Problem
+    from laticauda.studies import Front, Optimization
 
 FOLDER = "optimum"
 VARY = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
@@ -110,18 +111,20 @@ class Optimize:
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        setup = self._setup(self.gait)
+        scenario = self._scenario(self.gait)
         if self.search.names:
-            print(vary.listed(setup.known()))
+            from laticauda.simulate import parameters
+
+            print(vary.listed(parameters(scenario)))
             return 0
         from laticauda.reports.front import write_front, write_front_figure
 
-        problems = self._problems(setup)
+        wanted = self._optimizations(scenario)
         folder = Path(FOLDER if self.result.output is None else self.result.output)
-        folders = [folder / problem.gait.kind for problem in problems] if self.search.both_gaits else [folder]
+        folders = [folder / one.scenario.gait.kind for one in wanted] if self.search.both_gaits else [folder]
         fronts: list[Front] = []
-        for problem, place in zip(problems, folders, strict=True):
-            front = self._run(problem, place)
+        for one, place in zip(wanted, folders, strict=True):
+            front = self._run(one, place)
             if front is None:
                 return 130
             write_front(front, place)
@@ -131,48 +134,48 @@ class Optimize:
         print(show(fronts, folders, pictures))
         return 0 if all(len(front) for front in fronts) else 1
 
-    def _setup(self, flags: GaitFlags) -> Any:
+    def _scenario(self, flags: GaitFlags) -> "Scenario":
         """What all trials share."""
-        from laticauda.studies.trials import Setup
+        from laticauda.scenarios import scenario
 
         gait = flags.chosen()
         environment, _ = self.environment.chosen(gait, self.coefficients)
-        settings = self.environment.model_settings(self.model)
-        how: dict[str, Any] = {name: value for name, value in settings.items() if name != "model"}
+        settings: dict[str, Any] = self.environment.model_settings(self.model)
         duration = DURATION if self.work.duration is None else self.work.duration
         robot = self.environment.equipped(self.robot.chosen(), gait)
-        return Setup(robot=robot, gait=gait, environment=environment, duration=duration, **how)
+        return scenario(robot, gait, duration, environment=environment, **settings)
 
-    def _problems(self, setup: Any) -> "list[Problem]":
+    def _optimizations(self, scenario: "Scenario") -> "list[Optimization]":
         """What is asked for; one more for the paper's other gait if that is."""
-        from laticauda.studies import SPEED_POWER, Problem
+        from laticauda.simulate import parameters
+        from laticauda.studies import SPEED_POWER, Optimization
 
-        setups = [setup]
+        scenarios = [scenario]
         if self.search.both_gaits:
-            if setup.gait.kind not in OTHER_GAIT:
+            if scenario.gait.kind not in OTHER_GAIT:
                 raise ValueError("`both_gaits` must not be given with the gait custom: they are the paper's two.")
-            setups.append(self._setup(replace(self.gait, gait=OTHER_GAIT[setup.gait.kind])))
+            scenarios.append(self._scenario(replace(self.gait, gait=OTHER_GAIT[scenario.gait.kind])))
         wanted = self.search.objective or (BOTH,)
         objectives = SPEED_POWER if wanted == (BOTH,) else tuple(_objective(name) for name in wanted)
         limit = self.search.joint_rate_limit_deg_s
         words = [word for group in self.search.vary for word in group] or list(VARY)
         return [
-            Problem(
-                **cast("dict[str, Any]", vars(one)),
-                bounds=vary.ranges(words, one.known(), vary.RANGE_FORM),
+            Optimization(
+                scenario=one,
+                bounds=vary.ranges(words, parameters(one), vary.RANGE_FORM),
                 objectives=objectives,
                 joint_rate_limit=None if limit is None else radians(limit, 0.0),
                 least_velocity=self.search.least_velocity,
             )
-            for one in setups
+            for one in scenarios
         ]
 
-    def _run(self, problem: "Problem", folder: Path) -> "Front | None":
+    def _run(self, optimization: "Optimization", folder: Path) -> "Front | None":
         """Do the work that is left; None if the user stopped it."""
         from laticauda.simulate import needs_compiling
         from laticauda.studies import optimize
 
-        if needs_compiling(problem.where):
+        if needs_compiling(optimization.scenario.environment):
             print(COMPILING, file=sys.stderr, flush=True)
         how: dict[str, Any] = {name: getattr(self.search, name) for name in ("budget", "population", "seed")}
         bar, reached = trials_bar(), [0, 0]
@@ -183,7 +186,7 @@ class Optimize:
 
         try:
             return optimize(
-                problem,
+                optimization,
                 folder,
                 progress=show,
                 threads=self.work.threads,
@@ -208,32 +211,31 @@ def _objective(word: str) -> str:
 
 def _as_json(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Sequence[Path]) -> str:
     """What was run, and some points of every front, in SI units."""
+    from laticauda.studies.trials import attributes_of
+
     found = [
         {
             "status": _status(front),
-            "objectives": list(front.problem.objectives),
+            "objectives": list(front.optimization.objectives),
             "n_trials": front.n_trials,
             "n_infeasible": front.n_infeasible,
             "seed": front.seed,
             "output": str(folder),
-            "robot": front.problem.robot.name,
-            "gait": front.problem.gait.kind,
-            "environment": front.problem.where.name,
-            "duration": front.problem.duration,
-            "joints": front.problem.joints,
-            "version": front.problem.definition()["laticauda"],
+            **attributes_of(front.optimization.scenario),
             "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
             "n_points": len(front),
             "points": [_point(front, i) for i in front.spread(N_SHOWN)],
         }
         for front, folder in zip(fronts, folders, strict=True)
     ]
+    for one in found:
+        one["version"] = one.pop("laticauda")
     return json.dumps(found[0] if len(found) == 1 else {"gaits": found}, indent=2, allow_nan=False)
 
 
 def _point(front: "Front", i: int) -> dict[str, float | None]:
     figures = {name: float(column[i]) for name, column in front.figures.items() if name != "succeeded"}
-    point = dict(zip(front.problem.names, front.values[i].tolist(), strict=True)) | figures
+    point = dict(zip(front.optimization.names, front.values[i].tolist(), strict=True)) | figures
     return {name: value if value == value else None for name, value in point.items()}
 
 
@@ -251,11 +253,12 @@ def _as_text(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Seque
 
 
 def _table(front: "Front") -> str:
+    from laticauda.simulate import parameters
     from laticauda.studies.trials import QUANTITIES
 
-    known = front.problem.known()
-    columns: list[Parameter] = [known[name] for name in front.problem.names]
-    figures = list(dict.fromkeys([*front.problem.objectives, *SHOWN]))
+    known = parameters(front.optimization.scenario)
+    columns: list[Parameter] = [known[name] for name in front.optimization.names]
+    figures = list(dict.fromkeys([*front.optimization.objectives, *SHOWN]))
     head = [vary.spelled(parameter) for parameter in columns]
     head += [f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures]
     rows = [head]
@@ -266,15 +269,15 @@ def _table(front: "Front") -> str:
 
 
 def _status(front: "Front") -> str:
-    problem = front.problem
-    words = " against ".join(name.replace("_", " ") for name in problem.objectives)
+    optimization, swims = front.optimization, front.optimization.scenario
+    words = " against ".join(name.replace("_", " ") for name in optimization.objectives)
     tried = f"{front.n_trials} points tried"
     if front.n_infeasible:
         tried += f", {front.n_infeasible} of them not feasible"
-    what = f"{problem.gait.kind.replace('_', '-')}, robot {problem.robot.name}, {words}: {tried}"
+    what = f"{swims.gait.kind.replace('_', '-')}, robot {swims.robot.name}, {words}: {tried}"
     if not len(front):
         return (
             f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller --dt may help), that "
             "are too slow, or too short for the objective."
         )
-    return f"{what}, {len(front)} on the front." if len(problem.objectives) > 1 else f"{what}; the best is:"
+    return f"{what}, {len(front)} on the front." if len(optimization.objectives) > 1 else f"{what}; the best is:"

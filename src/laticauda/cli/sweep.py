@@ -7,7 +7,7 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -19,6 +19,7 @@ from laticauda.cli.swim import COMPILING, DURATION
 from laticauda.cli.tables import MISSING, aligned, number, read_in
 
 if TYPE_CHECKING:
+    from laticauda.scenarios import Scenario
     from laticauda.simulate import Parameter
     from laticauda.studies import Sweep
 
@@ -91,15 +92,16 @@ class SweepCommand:
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        setup = self._setup()
+        from laticauda.simulate import parameters
+
+        scenario = self._scenario()
+        known = parameters(scenario)
         if self.points.names:
-            print(vary.listed(setup.known()))
+            print(vary.listed(known))
             return 0
         from laticauda.studies import Sweep, count_failed
 
-        points = self._points(setup.known())
-        shared = cast("dict[str, Any]", vars(setup))
-        sweep = Sweep(**shared, points=points)
+        sweep = Sweep(scenario=scenario, points=self._points(known))
         folder = FOLDER if self.result.output is None else self.result.output
         reached = [0]
         try:
@@ -120,17 +122,16 @@ class SweepCommand:
         )
         return 1 if n_failed == sweep.n_trials else 0
 
-    def _setup(self) -> Any:
+    def _scenario(self) -> "Scenario":
         """What all trials share."""
-        from laticauda.studies.trials import Setup
+        from laticauda.scenarios import scenario
 
         gait = self.gait.chosen()
         environment, _ = self.environment.chosen(gait, self.coefficients)
-        settings = self.environment.model_settings(self.model)
-        how: dict[str, Any] = {name: value for name, value in settings.items() if name != "model"}
+        settings: dict[str, Any] = self.environment.model_settings(self.model)
         duration = DURATION if self.work.duration is None else self.work.duration
         robot = self.environment.equipped(self.robot.chosen(), gait)
-        return Setup(robot=robot, gait=gait, environment=environment, duration=duration, **how)
+        return scenario(robot, gait, duration, environment=environment, **settings)
 
     def _points(self, known: "dict[str, Parameter]") -> Any:
         """Which points are asked for."""
@@ -184,14 +185,17 @@ def _client(address: str | None) -> Generator[Any]:
 def _warn_of_compiling(sweep: "Sweep") -> None:
     from laticauda.simulate import needs_compiling
 
-    if needs_compiling(sweep.where):
+    if needs_compiling(sweep.scenario.environment):
         print(COMPILING, file=sys.stderr, flush=True)
 
 
 def _as_json(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
     """What was run, how many failed, and the best points."""
     from laticauda.studies import best
+    from laticauda.studies.trials import attributes_of
 
+    about = attributes_of(sweep.scenario)
+    version = about.pop("laticauda")
     points = [
         {name: value if value == value else None for name, value in x.items()} for x in best(folder, wanted, N_BEST)
     ]
@@ -202,22 +206,19 @@ def _as_json(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
         "best_in": wanted,
         "best": points,
         "output": folder,
-        "robot": sweep.robot.name,
-        "gait": sweep.gait.kind,
-        "environment": sweep.where.name,
-        "duration": sweep.duration,
-        "joints": sweep.joints,
-        "version": sweep.definition()["laticauda"],
+        **about,
+        "version": version,
     }
     return json.dumps(found, indent=2, allow_nan=False)
 
 
 def _as_text(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
     """The best points as a table, and where the results are."""
+    from laticauda.simulate import parameters
     from laticauda.studies import best
     from laticauda.studies.trials import QUANTITIES
 
-    known = sweep.known()
+    known = parameters(sweep.scenario)
     columns = [known[name] for name in sweep.points.names]
     figures = list(dict.fromkeys([*SHOWN, wanted]))
     head = [vary.spelled(parameter) for parameter in columns]

@@ -8,6 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.cockpit.settings import Setting
+from laticauda.robot import Water
+from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed, look_up, parameters, value_of
 
 # What is in radians is shown in degrees.
@@ -43,7 +45,7 @@ class Axis:
     def of(self, setting: Setting) -> float | None:
         """What a setting has of it, as shown; None if it has no such number."""
         try:
-            return self.shown(value_of(self.name, setting.robot, setting.gait, setting.environment))
+            return self.shown(value_of(self.name, _scenario(setting)))
         except (ValueError, AttributeError, TypeError):  # no fin, for instance, whose length it would be
             return None
 
@@ -106,11 +108,15 @@ def with_values(setting: Setting, values: Mapping[str, float]) -> Setting:
     """
     water = setting.environment
     if not all(name.startswith("gait.") for name in values):
-        known = parameters(setting.robot, setting.gait, water, each=True)
+        known = parameters(_scenario(setting), each=True)
         for name in values:
             look_up(name, known, "sweep")
-    robot, gait, environment = changed(setting.robot, setting.gait, water, values)
-    after = replace(setting, robot=robot, gait=gait)
-    if environment == water:
+    swims = changed(_scenario(setting), values)
+    after = replace(setting, robot=swims.robot, gait=swims.gait)
+    if not isinstance(swims.environment, Water) or swims.environment == water:
         return after
-    return replace(after, water=environment, current=environment.current)  # pyright: ignore
+    return replace(after, water=swims.environment, current=swims.environment.current)
+
+
+def _scenario(setting: Setting) -> Scenario:
+    return Scenario(robot=setting.robot, motion=setting.gait, environment=setting.environment)

@@ -19,10 +19,11 @@ from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem
 from laticauda.identify.searching import slopes_of
-from laticauda.identify.settling import Setting, with_tied
+from laticauda.identify.settling import with_tied
 from laticauda.identify.unknowns import SIDE, Settled
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot, Water
+from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed, parameters
 from laticauda.simulate.runner import Progress
 from laticauda.trial.metrics import towing_drag
@@ -226,7 +227,7 @@ def _coasted(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
 
 def _problem_of(put: Problem, measurements: Sequence[Measurement]) -> Problem:
     """The same unknowns, seen by other measurements."""
-    settings = [Setting(*_of(measurement)) for measurement in measurements]
+    settings = [_scenario(measurement) for measurement in measurements]
     moves = np.array([[_moves(unknown.scope, unknown.parameter.name, s) for unknown in put.unknowns] for s in settings])
     _special(moves, put)
     return replace(
@@ -238,16 +239,16 @@ def _problem_of(put: Problem, measurements: Sequence[Measurement]) -> Problem:
     )
 
 
-def _of(measurement: Measurement) -> tuple[Robot, Gait, Environment]:
+def _scenario(measurement: Measurement) -> Scenario:
     assert measurement.robot is not None
     assert measurement.environment is not None
-    return measurement.robot, measurement.gait, measurement.environment
+    return Scenario(robot=measurement.robot, motion=measurement.gait, environment=measurement.environment)
 
 
-def _moves(scope: str, name: str, setting: Setting) -> bool:
+def _moves(scope: str, name: str, setting: Scenario) -> bool:
     """Whether a trial depends on an unknown; those of single old measurements are none of its own."""
     return scope in ("", setting.gait.kind) and (
-        name in parameters(*setting, each=True) if name not in SIDE else scope == ""
+        name in parameters(setting, each=True) if name not in SIDE else scope == ""
     )
 
 
@@ -276,12 +277,12 @@ def _towed(put: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.
     return _force(setting, one.tow.speed, {}), found
 
 
-def _force(setting: Setting, speed: float, values: Mapping[str, float]) -> float:
-    robot, _, environment = changed(*setting, values)
-    if not isinstance(environment, Water):
+def _force(setting: Scenario, speed: float, values: Mapping[str, float]) -> float:
+    swims = changed(setting, values)
+    if not isinstance(swims.environment, Water):
         raise ValueError("`candidates` must be in water for a tow, got ground.")
-    tether = getattr(robot.tether, "drag", 0.0) * speed**2
-    return towing_drag(robot, environment, speed) + tether
+    tether = getattr(swims.robot.tether, "drag", 0.0) * speed**2
+    return towing_drag(swims.robot, swims.environment, speed) + tether
 
 
 def _placeholders(robot: Robot, sensors: Mapping[str, float], duration: float, interval: float) -> dict[str, Any]:

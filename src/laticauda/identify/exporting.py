@@ -12,6 +12,7 @@ from laticauda.identify.settling import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS, JOINT_LAWS
+from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed, parameters
 
 Changes = dict[str, dict[str, Any]]
@@ -39,10 +40,11 @@ def applied(
         environment: What to change, likewise.
         gait_kind: Whose own numbers win over the general ones; "": the general ones only.
     """
-    known = parameters(robot, _STILL, environment, each=True)
+    scenario = Scenario(robot=robot, motion=_STILL, environment=environment)
+    known = parameters(scenario, each=True)
     wanted = {name: value for name, value in _for_gait(problem, values, gait_kind).items() if name in known}
-    new_robot, _, new_environment = changed(robot, _STILL, environment, wanted)
-    return new_robot, new_environment
+    after = changed(scenario, wanted)
+    return after.robot, after.environment
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Parameters:

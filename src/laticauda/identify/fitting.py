@@ -88,7 +88,7 @@ def fit(
         >>> found["water.tangential_friction"].is_identified
         True
     """
-    one_of("model", model, MODELS)
+    one_of("model", model, tuple(MODELS))
     method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
     options: dict[str, Any] = {
         "joints": joints,

@@ -15,12 +15,13 @@ from jaxtyping import Float
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.seeing import SAMPLE_INTERVAL, Raw, Values, interpolated, moved_start, seen, starts_of
-from laticauda.identify.settling import Setting, with_tied
+from laticauda.identify.settling import with_tied
 from laticauda.identify.twin import by_differences
 from laticauda.identify.unknowns import SIDE
 from laticauda.interfaces import Start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
+from laticauda.scenarios import Scenario
 from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import batch_of, collected, runs_of
 from laticauda.simulate.numbers import changed
@@ -68,7 +69,7 @@ def _by_duration(problem: Problem, members: Sequence[int]) -> dict[float, list[i
     return found
 
 
-def _runs(problem: Problem, settings: Sequence[Setting], starts: Sequence[Start], members: Sequence[int]) -> list[Run]:
+def _runs(problem: Problem, settings: Sequence[Scenario], starts: Sequence[Start], members: Sequence[int]) -> list[Run]:
     chosen = [settings[i] for i in members]
     scenarios = batch_of(
         [setting.robot for setting in chosen],
@@ -80,7 +81,7 @@ def _runs(problem: Problem, settings: Sequence[Setting], starts: Sequence[Start]
     return runs_of(scenarios)
 
 
-def _simulated(problem: Problem, settings: Sequence[Setting], values: Values) -> tuple[list[Raw], dict[str, str]]:
+def _simulated(problem: Problem, settings: Sequence[Scenario], values: Values) -> tuple[list[Raw], dict[str, str]]:
     """What every measurement's run gives."""
     starts = starts_of(problem, values)
     everyone = range(len(settings))
@@ -109,7 +110,7 @@ def _simulated(problem: Problem, settings: Sequence[Setting], values: Values) ->
     return raw, failures
 
 
-def _slopes(problem: Problem, settings: Sequence[Setting], values: Values, raw: Sequence[Raw]) -> np.ndarray:
+def _slopes(problem: Problem, settings: Sequence[Scenario], values: Values, raw: Sequence[Raw]) -> np.ndarray:
     """The Jacobian, pair by pair of a measurement and an unknown."""
     jacobian = np.zeros((problem.owner.size, len(problem.unknowns)))
     rows_of = [np.flatnonzero(problem.owner == i) for i in range(len(settings))]
@@ -145,30 +146,30 @@ def _slopes(problem: Problem, settings: Sequence[Setting], values: Values, raw: 
     return jacobian
 
 
-def _all_runs(problem: Problem, settings: Sequence[Setting], starts: Sequence[Start]) -> list[Run]:
+def _all_runs(problem: Problem, settings: Sequence[Scenario], starts: Sequence[Start]) -> list[Run]:
     """The run of every measurement; runs of equal robot and water share their plant."""
     return _runs(problem, settings, starts, range(len(settings)))
 
 
-def _number(problem: Problem, setting: Setting, start: Start, i: int, k: int, values: Values) -> Number:
+def _number(problem: Problem, setting: Scenario, start: Start, i: int, k: int, values: Values) -> Number:
     """One unknown of one measurement, for `slopes`."""
     name, value = problem.unknowns[k].parameter.name, float(values[k])
     if name in SIDE:
         return Number(
             name=f"{name} of {problem.measurements[i].name}",
-            trial=setting,
+            scenario=setting,
             value=value,
             change=lambda _: setting,
             start=lambda other: moved_start(start, name, other - value),
         )
     return Number(
-        name=name, trial=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied)
+        name=name, scenario=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied)
     )
 
 
-def _changed(setting: Setting, name: str, tied: Mapping[str, float], value: float) -> Any:
+def _changed(setting: Scenario, name: str, tied: Mapping[str, float], value: float) -> Any:
     # Where the search has come to, what is tied is in proportion already.
-    return changed(*setting, with_tied(setting, name, value, tied))
+    return changed(setting, with_tied(setting, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:

@@ -10,10 +10,10 @@ from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import instance
 from laticauda.identify.measurements import Measurement, group_of
-from laticauda.identify.settling import Setting, applies, let_the_special_win, settled, split_name, with_tied
+from laticauda.identify.settling import applies, let_the_special_win, settled, split_name, with_tied
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, as_unknowns
 from laticauda.robot import Robot
-from laticauda.scenarios import default_water, preset_water
+from laticauda.scenarios import Scenario, default_water, preset_water
 from laticauda.simulate.numbers import Parameter, changed, parameters
 
 
@@ -25,7 +25,7 @@ class Problem:
     """What was measured."""
     unknowns: tuple[Settled, ...]
     """What is looked for."""
-    settings: tuple[Setting, ...]
+    settings: tuple[Scenario, ...]
     """By measurement: what it is simulated with, apart from what is identified."""
     groups: tuple[str, ...]
     """By measurement: the name of its group."""
@@ -86,10 +86,10 @@ class Problem:
             moves=self.moves[list(members)],
         )
 
-    def apply(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Setting, ...]:
+    def apply(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
         """What each measurement is simulated with at these values; what is alike stays one object."""
-        made: dict[object, Setting] = {}
-        found: list[Setting] = []
+        made: dict[object, Scenario] = {}
+        found: list[Scenario] = []
         for i, setting in enumerate(self.settings):
             wanted: dict[str, float] = {}
             for k, unknown in enumerate(self.unknowns):
@@ -97,8 +97,8 @@ class Problem:
                     wanted |= with_tied(setting, unknown.parameter.name, float(values[k]), unknown.tied)
             key = id(setting.robot), id(setting.environment), tuple(wanted.items())
             if key not in made:
-                made[key] = Setting(*changed(*setting, wanted))
-            found.append(made[key]._replace(gait=setting.gait))
+                made[key] = changed(setting, wanted)
+            found.append(replace(made[key], motion=setting.motion))
         return tuple(found)
 
     def side(self, i: int, values: np.ndarray) -> dict[str, Any]:
@@ -160,13 +160,13 @@ def problem(
     )
 
 
-def _known(settings: Sequence[Setting]) -> list[dict[str, Parameter]]:
+def _known(settings: Sequence[Scenario]) -> list[dict[str, Parameter]]:
     """The numbers that each measurement has, by name; the same dictionary for what is alike."""
     made: dict[object, dict[str, Parameter]] = {}
     for setting in settings:
         key = id(setting.robot), id(setting.environment)
         if key not in made:
-            made[key] = parameters(*setting, each=True) | SIDE
+            made[key] = parameters(setting, each=True) | SIDE
     return [made[id(setting.robot), id(setting.environment)] for setting in settings]
 
 
@@ -187,12 +187,12 @@ def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
     return tuple(measurements)
 
 
-def _setting(measurement: Measurement, robot: Robot | None) -> Setting:
+def _setting(measurement: Measurement, robot: Robot | None) -> Scenario:
     body = measurement.robot or robot
     if body is None:
         raise ValueError(f"`robot` must be given, because the measurement `{measurement.name}` does not say what swam.")
     environment = measurement.environment or preset_water(default_water(measurement.gait))
-    return Setting(body, measurement.gait, environment)
+    return Scenario(robot=body, motion=measurement.gait, environment=environment)
 
 
 def _check_one_body(names: Sequence[str], robots: Sequence[Robot], robot: Robot | None) -> None:

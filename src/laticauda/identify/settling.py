@@ -2,26 +2,16 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from laticauda.errors import nearest
-from laticauda.gaits import Gait
 from laticauda.identify.unknowns import SIDE, Settled, Unknown, size_of
-from laticauda.robot import Environment, Robot
+from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, changed, look_up, value_of
 
 RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
 _HALVINGS = 60
-
-
-class Setting(NamedTuple):
-    """What a measurement is simulated with."""
-
-    robot: Robot
-    gait: Gait
-    environment: Environment
 
 
 def split_name(
@@ -83,7 +73,7 @@ def settled(
     unknown: Unknown,
     scope: str,
     name: str,
-    settings: Sequence[Setting],
+    settings: Sequence[Scenario],
     known: Sequence[Mapping[str, Parameter]],
     applies: np.ndarray,
 ) -> Settled:
@@ -102,7 +92,7 @@ def settled(
     _check_tied(unknown, name, settings, known, applies)
     start = unknown.start
     if start is None:
-        start = 0.0 if name in SIDE else value_of(name, *setting, argument="parameters")
+        start = 0.0 if name in SIDE else value_of(name, setting, argument="parameters")
         start = start if unknown.lower is None else max(start, unknown.lower)
         start = start if unknown.upper is None else min(start, unknown.upper)
     is_allowed = _rule(name, setting, unknown.tied)
@@ -130,7 +120,7 @@ def settled(
     )
 
 
-def with_tied(setting: Setting, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
+def with_tied(setting: Scenario, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
     """The value of an unknown, and of all that follow it.
 
     Args:
@@ -141,15 +131,15 @@ def with_tied(setting: Setting, name: str, value: float, tied: Mapping[str, floa
     """
     if not tied:
         return {name: value}
-    factor = value / value_of(name, *setting)
-    others = {other: value_of(other, *setting) * factor**power for other, power in tied.items()}
+    factor = value / value_of(name, setting)
+    others = {other: value_of(other, setting) * factor**power for other, power in tied.items()}
     return {name: value, **others}
 
 
 def _check_tied(
     unknown: Unknown,
     name: str,
-    settings: Sequence[Setting],
+    settings: Sequence[Scenario],
     known: Sequence[Mapping[str, Parameter]],
     applies: np.ndarray,
 ) -> None:
@@ -163,17 +153,17 @@ def _check_tied(
         for other in unknown.tied:
             if other not in numbers or other == name or other in SIDE or numbers[other].is_whole:
                 raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
-        if name in SIDE or value_of(name, *setting, argument="parameters") <= 0.0:
+        if name in SIDE or value_of(name, setting, argument="parameters") <= 0.0:
             raise ValueError(f"{where} must follow a number that is greater than 0.")
 
 
-def _rule(name: str, setting: Setting, tied: Mapping[str, float]) -> Callable[[float, str], None]:
+def _rule(name: str, setting: Scenario, tied: Mapping[str, float]) -> Callable[[float, str], None]:
     """What raises a ValueError if a value is out of the range of its field."""
 
     def check(value: float, words: str) -> None:
         if name not in SIDE:
             try:
-                changed(*setting, with_tied(setting, name, value, tied))
+                changed(setting, with_tied(setting, name, value, tied))
             except (ValueError, ArithmeticError) as err:
                 raise ValueError(f"{words}: {err}") from None
 

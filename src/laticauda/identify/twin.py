@@ -37,7 +37,8 @@ def _in_space(problem: Problem, values: Values) -> tuple[np.ndarray, dict[str, s
     for i, setting in enumerate(problem.apply(values)):
         measurement = problem.measurements[i]
         trial = swim(
-            *setting[:2],
+            setting.robot,
+            setting.gait,
             measurement.duration,
             environment=setting.environment,
             model="spatial",

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.simulate import swim_many
-from laticauda.simulate.numbers import place
+from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured
@@ -68,34 +69,34 @@ def front_figure(fronts: Sequence[Front]) -> "Figure":
     """
     from laticauda.figures.front import front_sheet
 
-    problem = fronts[0].problem
-    first, last = problem.objectives
+    sought = fronts[0].optimization
+    first, last = sought.objectives
     trials = sum(front.n_trials for front in fronts)
     return front_sheet(
         [_line(front) for front in fronts],
-        f"{_words(first).capitalize()} against {_words(last)}: robot {problem.robot.name}",
-        f"{len(problem.names)} parameters free, {trials} trials of {problem.duration:g} s, {_waters(fronts)}",
+        f"{_words(first).capitalize()} against {_words(last)}: robot {sought.scenario.robot.name}",
+        f"{len(sought.names)} parameters free, {trials} trials of {sought.scenario.duration:g} s, {_waters(fronts)}",
         xlabel=_label(last),
         ylabel=_label(first),
     )
 
 
 def _waters(fronts: Sequence[Front]) -> str:
-    names = list(dict.fromkeys(front.problem.where.name for front in fronts))
-    word = place(fronts[0].problem.where)
+    names = list(dict.fromkeys(front.optimization.scenario.environment.name for front in fronts))
+    word = place(fronts[0].optimization.scenario.environment)
     return f"{word} {names[0]}" if len(names) == 1 else f"each gait with its own {word}: {' and '.join(names)}"
 
 
 def _line(front: Front) -> "FrontLine":
     from laticauda.figures.front import FrontLine, Mark
 
-    y, x = (front.figures[name] for name in front.problem.objectives)
+    y, x = (front.figures[name] for name in front.optimization.objectives)
     marks: list[Mark] = []
     # The slowest end is left out: nobody swims there, and all fronts meet there.
     for i in front.spread(N_MARKS + 1)[1:]:
-        robot, gait, _ = front.things(i)
-        marks.append(Mark(x=float(x[i]), y=float(y[i]), text=_numbers(front, i), robot=robot, gait=gait))
-    words = GAIT_WORDS.get(front.problem.gait.kind, "custom gait")
+        swims, text = front.scenario(i), _numbers(front, i)
+        marks.append(Mark(x=float(x[i]), y=float(y[i]), text=text, robot=swims.robot, gait=swims.gait))
+    words = GAIT_WORDS.get(front.optimization.scenario.gait.kind, "custom gait")
     sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(front)))
     return FrontLine(
         label=words,
@@ -113,36 +114,28 @@ def measured_points(front: Front) -> np.ndarray:
     Args:
         front: What `optimize` returned.
     """
-    problem = front.problem
+    base = front.optimization.scenario
     gaits = [trial.gait for trial in _measured(front)]
     if not gaits:
         return np.empty((0, 2))
-    swims = swim_many(
-        problem.robot,
-        gaits,
-        problem.duration,
-        environments=problem.where,
-        joints=problem.joints,
-        dt=problem.dt,
-        offset_bandwidth=problem.offset_bandwidth,
-        ramp=problem.ramp,
-    )
-    first, last = problem.objectives
+    swims = swim_many([replace(base, motion=gait) for gait in gaits])
+    first, last = front.optimization.objectives
     points = np.stack((getattr(swims, last), getattr(swims, first)), axis=1)
     return points[np.isfinite(points).all(axis=1)]
 
 
 def _measured(front: Front) -> list[MeasuredTrial]:
     """The published trials of this robot with this kind of gait."""
-    wanted = front.problem.gait.kind, front.problem.robot.name
+    base = front.optimization.scenario
+    wanted = base.gait.kind, base.robot.name
     return [trial for one in all_measured() for trial in one.trials() if (trial.gait.kind, trial.robot) == wanted]
 
 
 def _numbers(front: Front, i: int) -> str:
     """What the parameters of a point are, in a line or more."""
-    known = front.problem.known()
+    known = parameters(front.optimization.scenario)
     words: list[tuple[str, str]] = []
-    for name, value in zip(front.problem.names, front.values[i], strict=True):
+    for name, value in zip(front.optimization.names, front.values[i], strict=True):
         unit, angle = known[name].unit, known[name].unit.startswith("rad")
         number = f"{math.degrees(value):.0f}°{unit.removeprefix('rad')}" if angle else f"{value:.3g} {unit}".strip()
         words.append((_words(name.split(".", 1)[1]).replace(".", " ").removeprefix("caudal "), number))

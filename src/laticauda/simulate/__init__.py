@@ -3,13 +3,13 @@
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
+from laticauda.simulate.sensitivities import Sensitivities as Sensitivities, sensitivities as sensitivities
 
 if TYPE_CHECKING:
     from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.simulate.numbers import Parameter as Parameter, parameters as parameters
     from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant, plant_of as plant_of
     from laticauda.simulate.runner import resume as resume, run as run
-    from laticauda.simulate.sensitivities import Sensitivities as Sensitivities, sensitivities as sensitivities
     from laticauda.simulate.swimming import swim as swim
 
 __getattr__, __dir__, __all__ = lazy_exports()

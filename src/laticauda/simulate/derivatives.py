@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.planar.batch import STEP, Run
 from laticauda.planar.model import PlanarPlant
-from laticauda.robot import Environment, Robot
+from laticauda.scenarios import Scenario
 from laticauda.simulate.many import Look, collected
 from laticauda.simulate.runner import Progress
 from laticauda.trial import metrics
@@ -30,21 +29,19 @@ _LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows 
 # A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
 _SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
-Trial = tuple[Robot, Gait, Environment]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Number:
-    """A number of a trial's robot, gait or environment that may change."""
+    """A number of a scenario's robot, gait or environment that may change."""
 
     name: str
     """What messages call it."""
-    trial: Trial
-    """The trial that it belongs to."""
+    scenario: Scenario
+    """Whose number it is."""
     value: float
     """What it is there."""
-    change: Callable[[float], Trial]
-    """The trial with another value: what it is not part of stays the same object; a ValueError if out of range."""
+    change: Callable[[float], Scenario]
+    """The scenario with another value: what it is not part of stays the same object; a ValueError if out of range."""
     start: Callable[[float], Start] | None = None
     """Where the run begins with another value; None: where it did."""
 
@@ -103,7 +100,7 @@ def slopes(
     extra_plants: dict[int, PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name
-        of_gait = number.start is not None or number.change(number.value)[1] is not number.trial[1]
+        of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
         entry = known.get(key) or _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
         if not of_gait:  # the same for all gaits
             known[key] = entry
@@ -150,12 +147,12 @@ def _entry(run: Run, number: Number, differences: Sequence[Mapping[int, float]])
 def _changed(run: Run, number: Number, by: float) -> _Entry:
     """What a run's figures are made of when its number is another."""
     plant = run.plant
-    robot, gait, environment = number.change(number.value + by)
+    after, before = number.change(number.value + by), number.scenario
     start = run.start if number.start is None else number.start(number.value + by)
-    if robot is not number.trial[0] or environment is not number.trial[2]:
-        plant = replace(plant, robot=robot, environment=environment)
+    if after.robot is not before.robot or after.environment is not before.environment:
+        plant = replace(plant, robot=after.robot, environment=after.environment)
     return _Entry(
-        rows=replace(run, plant=plant, command=Command(gait=gait), start=start).rows,
+        rows=replace(run, plant=plant, command=Command(gait=after.gait), start=start).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
         has_extras=plant.layout.has_extras,
     )

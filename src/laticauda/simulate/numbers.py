@@ -17,9 +17,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.gaits import Gait
 from laticauda.quantities import hints_of, quantities_of, texts_of
-from laticauda.robot import Environment, Robot, Water
+from laticauda.robot import Environment, Water
+from laticauda.scenarios import Scenario
 
 Changes = dict[str, Any]
 
@@ -43,18 +43,17 @@ class Parameter:
     """Whether it counts something, and must be a whole number."""
 
 
-def parameters(robot: Robot, gait: Gait, environment: Environment, *, each: bool = False) -> dict[str, Parameter]:
+def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
     """What can be swept, by name.
 
     A fin, a thruster or a tether's drag can be swept if the robot has one; coefficients that are None until now can.
 
     Args:
-        robot: What swims.
-        gait: What the joints are asked for.
-        environment: Where it swims; its names begin with `water` or `ground`.
+        scenario: Whose; the names of its environment's numbers begin with `water` or `ground`.
         each: Whether the numbers of every single module and joint are listed too.
     """
-    found = [*_numbers(gait, "gait"), *_numbers(environment, place(environment))]
+    robot, environment = scenario.robot, scenario.environment
+    found = [*_numbers(scenario.gait, "gait"), *_numbers(environment, place(environment))]
     found.append(Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True))
     found += _numbers(robot, "robot")
     if each:
@@ -90,15 +89,11 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
     )
 
 
-def changed(
-    robot: Robot, gait: Gait, environment: Environment, values: Mapping[str, float]
-) -> tuple[Robot, Gait, Environment]:
-    """Robot, gait and environment with other values; what does not change stays the same object.
+def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
+    """A scenario with other values of its numbers; what does not change stays the same object.
 
     Args:
-        robot: What swims.
-        gait: What the joints are asked for.
-        environment: Where it swims.
+        scenario: As it is.
         values: By name of the parameter, all of them known.
 
     Raises:
@@ -111,13 +106,16 @@ def changed(
         for step in way:
             inner = inner.setdefault(step, {})
         inner[last] = value
-    body = dict(wanted.get("robot", {}))
+    if not wanted:
+        return scenario
+    robot, environment, body = scenario.robot, scenario.environment, dict(wanted.get("robot", {}))
     if "n_links" in body:
         robot = robot.with_links(int(body.pop("n_links")))
-    return (
-        _applied(robot, body),
-        _applied(gait, wanted.get("gait", {})),
-        _applied(environment, wanted.get(place(environment), {})),
+    return replace(
+        scenario,
+        robot=_applied(robot, body),
+        motion=_applied(scenario.gait, wanted["gait"]) if "gait" in wanted else scenario.motion,
+        environment=_applied(environment, wanted.get(place(environment), {})),
     )
 
 
@@ -209,21 +207,20 @@ def check_whole(parameter: Parameter, values: Any) -> None:
         raise ValueError(f"`{parameter.name}` must be a whole number, got {fractions[0]}.")
 
 
-def value_of(name: str, robot: Robot, gait: Gait, environment: Environment, argument: str = "names") -> float:
-    """What a parameter is in a trial.
+def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
+    """What a parameter is in a scenario.
 
     Args:
         name: Its name, with dots.
-        robot: What swims.
-        gait: What the joints are asked for.
-        environment: Where it swims.
+        scenario: Whose number it is.
         argument: Whose names they are, for messages.
 
     Raises:
         ValueError: If it is not the same in all modules or joints that it stands for, or is None.
     """
     root, *way = name.split(".")
-    things: list[Any] = [{"robot": robot, "gait": gait}.get(root, environment)]
+    environment = scenario.environment
+    things: list[Any] = [{"robot": scenario.robot, "gait": scenario.gait}.get(root, environment)]
     for step in way:
         things = [part for thing in things for part in _parts(thing, step)]
     # A module's or fin's own coefficient that is None is the water's.

@@ -125,13 +125,12 @@ def sensitivities(
         raise ValueError(f"`names` must hold at least one name of a parameter, got {names!r}.")
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
     runs = runs_of(scenarios)
-    trials = [(one.robot, one.gait, one.environment) for one in scenarios]
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
-    chosen = [_chosen(names, *trial) for trial in trials]
-    point = [[value_of(parameter.name, *trial) for parameter in chosen[0]] for trial in trials]
+    chosen = [_chosen(names, one) for one in scenarios]
+    point = [[value_of(parameter.name, one) for parameter in chosen[0]] for one in scenarios]
     numbers = [
-        Number(name=parameter.name, trial=trial, value=value, change=functools.partial(_moved, trial, parameter.name))
-        for trial, known, values in zip(trials, chosen, point, strict=True)
+        Number(name=parameter.name, scenario=one, value=value, change=functools.partial(_moved, one, parameter.name))
+        for one, known, values in zip(scenarios, chosen, point, strict=True)
         for parameter, value in zip(known, values, strict=True)
     ]
     pairs = [run for run in runs for _ in names]
@@ -150,13 +149,13 @@ def sensitivities(
     )
 
 
-def _chosen(names: Sequence[str], robot: Robot, gait: Gait, environment: Environment) -> tuple[Parameter, ...]:
+def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
     """The parameters of these names.
 
     Raises:
         ValueError: If there is none of that name, or it counts something.
     """
-    known = parameters(robot, gait, environment)
+    known = parameters(scenario)
     try:
         found = tuple(look_up(name, known) for name in names)
     except ValueError as err:
@@ -167,6 +166,6 @@ def _chosen(names: Sequence[str], robot: Robot, gait: Gait, environment: Environ
     return found
 
 
-def _moved(trial: tuple[Robot, Gait, Environment], name: str, value: float) -> tuple[Robot, Gait, Environment]:
-    """The trial with another value of one parameter."""
-    return changed(*trial, {name: value})
+def _moved(scenario: Scenario, name: str, value: float) -> Scenario:
+    """The scenario with another value of one parameter."""
+    return changed(scenario, {name: value})

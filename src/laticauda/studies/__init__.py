@@ -1,19 +1,18 @@
 """Many trials: sweeps and searches, and what they say together."""
 
-from laticauda.studies.best import best, count_failed
 from laticauda.studies.front import Front, hypervolume, unbeaten
+from laticauda.studies.optimization import OBJECTIVES, SPEED_POWER, Optimization
 from laticauda.studies.optimize import optimize
-from laticauda.studies.problem import OBJECTIVES, SPEED_POWER, Problem
 from laticauda.studies.sampling import Grid, Rows, Samples
 from laticauda.studies.sweep import Sweep
-from laticauda.studies.sweep_run import open_sweep, run_sweep
+from laticauda.studies.sweep_run import best, count_failed, open_sweep, run_sweep
 
 __all__ = [
     "OBJECTIVES",
     "SPEED_POWER",
     "Front",
     "Grid",
-    "Problem",
+    "Optimization",
     "Rows",
     "Samples",
     "Sweep",

@@ -1,8 +1,8 @@
 """The memory of an optimization: one file with every point that was tried, and what it came to.
 
-A search is determined by its seed and by what it is told, and a trial by its point. So the points and their figures are
-all that must be kept: a search that was stopped is asked the same again, is told from the file what it was told before,
-and goes on as if nothing had happened, to the same bits. Nothing in the file is executed when it is read.
+A search is determined by its seed and by the figures that it is given, and a trial by its point. So the points and
+their figures are all that must be kept: a search that was stopped is asked the same again, is given from the file what
+it was given before, and goes on as if nothing had happened, to the same bits. Nothing in the file is executed.
 
 The file is written beside its place and moved there, so it is always that of a whole generation.
 """
@@ -11,22 +11,20 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import zipfile
-from collections.abc import Generator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from laticauda.studies.ownership import NEW, list_of_differences
-from laticauda.studies.problem import VIOLATION
-from laticauda.studies.store import locked, spoken
+from laticauda.files import write
+from laticauda.studies.folder import check_same, storage
+from laticauda.studies.optimization import VIOLATION
 from laticauda.studies.trials import QUANTITIES, Column, Table
 
-CHECKPOINT = "checkpoint.npz"
+CHECKPOINT, JOB = "checkpoint.npz", "optimization"
 DEFINITION, POINTS = "definition", "points"
 COLUMNS = (*QUANTITIES, VIOLATION)
 
@@ -61,11 +59,7 @@ class Checkpoint:
                 points, columns = file[POINTS], {name: file[name] for name in COLUMNS}
         except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"`folder` must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}.") from error
-        listed = list_of_differences(stored, json.loads(json.dumps(self.definition)))
-        if listed:
-            raise ValueError(
-                f"`folder` must be empty, or hold this optimization, got {self.folder} with another one: {listed}."
-            )
+        check_same(self.folder, JOB, stored, self.definition)
         if points.ndim != 2 or any(len(column) != len(points) for column in columns.values()):
             raise ValueError(f"`folder` must hold a whole `{CHECKPOINT}`, got {self.folder}.")
         self.points, self.found = [points], [columns]
@@ -104,37 +98,6 @@ class Checkpoint:
         if self.folder is None:
             return
         table, columns = self.all()
-        with spoken(self.folder, f"{before} trials are stored"):
-            new = self.folder / (CHECKPOINT + NEW)
-            arrays = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: table, **columns}
-            with new.open("wb") as file:
-                np.savez(file, allow_pickle=False, **cast("Any", arrays))
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(new, self.folder / CHECKPOINT)
-
-
-@contextmanager
-def own(folder: Path | None) -> Generator[None]:
-    """Have a folder for oneself; it is made if need be.
-
-    Args:
-        folder: Where the files go; None for nowhere.
-
-    Raises:
-        ValueError: If it is a file, holds files of somebody else, or another process writes to it.
-        StorageFailed: If it cannot be made.
-    """
-    if folder is None:
-        yield
-        return
-    if folder.exists() and not folder.is_dir():
-        raise ValueError(f"`folder` must be a folder, got the file {folder}.")
-    with spoken(folder, "0 trials are stored"):
-        folder.mkdir(parents=True, exist_ok=True)
-    if not (folder / CHECKPOINT).exists():
-        others = sorted(file.name for file in folder.iterdir() if file.name != CHECKPOINT + NEW)
-        if others:
-            raise ValueError(f"`folder` must be empty, or hold this optimization, got {folder} with {others[0]}.")
-    with locked(folder):
-        yield
+        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: table, **columns}
+        with storage(self.folder, f"{before} trials are stored"):
+            write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))

@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 from laticauda.errors import ClusterFailed, LaticaudaError
 from laticauda.extras import optional_import
 from laticauda.packaging import __version__
-from laticauda.studies.trials import Setup, swim_points
+from laticauda.scenarios import Scenario
+from laticauda.studies.trials import swim_points
 
 if TYPE_CHECKING:
     from laticauda.studies.trials import Column, Table
@@ -56,12 +57,14 @@ def connect(address: str) -> Any:
         raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and can it be reached?") from error
 
 
-def swim_on(client: Any, setup: Setup, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]) -> Iterator[Found]:
+def swim_on(
+    client: Any, scenario: Scenario, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]
+) -> Iterator[Found]:
     """Let the workers of a cluster swim the points of some regions.
 
     Args:
         client: A `dask.distributed.Client`.
-        setup: What all trials share.
+        scenario: What all trials share.
         names: Of the parameters.
         tables: Number and points of every region; taken as the work goes on.
 
@@ -79,7 +82,7 @@ def swim_on(client: Any, setup: Setup, names: tuple[str, ...], tables: Iterator[
 
     def submit(index: int, table: Table, deaths: int = 0) -> None:
         key = f"sweep-{index}-{time.time_ns()}"  # never that of another call
-        future = client.submit(_swim, __version__, setup, names, table, pure=False, key=key)
+        future = client.submit(_swim, __version__, scenario, names, table, pure=False, key=key)
         under_way[future] = (index, table, deaths)
         future.add_done_callback(finished.put)
 
@@ -143,11 +146,11 @@ class _Health:
         return n_threads
 
 
-def _swim(version: str, setup: Setup, names: tuple[str, ...], table: Table) -> dict[str, Column]:
+def _swim(version: str, scenario: Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
     """Runs on a worker, one thread per task: the worker has as many tasks as threads."""
     if version != __version__:
         raise ClusterFailed(f"the workers must have laticauda {version} as this process has, got {__version__}.")
-    return swim_points(setup, names, table, threads=1)
+    return swim_points(scenario, names, table, threads=1)
 
 
 def _distributed() -> Any:

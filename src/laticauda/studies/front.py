@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import os
+import csv
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.files import write
 from laticauda.gaits import Gait
-from laticauda.robot import Environment, Robot
-from laticauda.studies.problem import Problem
-from laticauda.studies.trials import QUANTITIES, Column, Table, things
+from laticauda.scenarios import Scenario
+from laticauda.simulate.numbers import parameters
+from laticauda.studies.optimization import Optimization
+from laticauda.studies.trials import FIGURES, QUANTITIES, Column, Table, attributes_of, scenarios_at
 
 if TYPE_CHECKING:
     import xarray
@@ -30,16 +33,16 @@ class Front:
     They are in rising order of the last objective. There is none if no point was feasible.
     """
 
-    problem: Problem
+    optimization: Optimization
     """What was optimized."""
     values: Table
-    """Of the parameters, a row per point, a column per name of `problem.names` (SI, radians)."""
+    """Of the parameters, a row per point, a column per name of `optimization.names` (SI, radians)."""
     figures: Mapping[str, Column]
     """By name, a value per point of every quantity of a sweep."""
     n_trials: int
     """How many points were tried."""
     n_infeasible: int
-    """How many of them were not feasible; see `Problem`."""
+    """How many of them were not feasible; see `Optimization`."""
     seed: int
     """Of the search."""
 
@@ -47,14 +50,14 @@ class Front:
         """Number of points."""
         return len(self.values)
 
-    def things(self, point: int) -> tuple[Robot, Gait, Environment]:
-        """Robot, gait and environment of a point.
+    def scenario(self, point: int) -> Scenario:
+        """The scenario of a point.
 
         Args:
             point: Its number.
         """
-        robots, gaits, environments = things(self.problem, self.problem.names, self.values[point : point + 1])
-        return robots[0], gaits[0], environments[0]
+        sought = self.optimization
+        return scenarios_at(sought.scenario, sought.names, self.values[[point]])[0]
 
     def gait(self, point: int) -> Gait:
         """The gait of a point.
@@ -62,7 +65,7 @@ class Front:
         Args:
             point: Its number.
         """
-        return self.things(point)[1]
+        return self.scenario(point).gait
 
     def spread(self, count: int) -> list[int]:
         """Numbers of points that lie evenly along the front, its ends included.
@@ -72,7 +75,9 @@ class Front:
         """
         if len(self) <= count:
             return list(range(len(self)))
-        scaled = np.stack([self.figures[name] / np.ptp(self.figures[name]) for name in self.problem.objectives], axis=1)
+        scaled = np.stack(
+            [self.figures[name] / np.ptp(self.figures[name]) for name in self.optimization.objectives], axis=1
+        )
         way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1))))
         wanted = np.linspace(0.0, float(way[-1]), count)
         return sorted({int(np.argmin(np.abs(way - at))) for at in wanted})
@@ -81,27 +86,21 @@ class Front:
         """The front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
         import xarray
 
-        known = self.problem.known()
+        known = parameters(self.optimization.scenario)
         coordinates = {
             name: (POINT, column, {"long_name": known[name].title, "units": known[name].unit or "1"})
-            for name, column in zip(self.problem.names, self.values.T, strict=True)
+            for name, column in zip(self.optimization.names, self.values.T, strict=True)
         }
         variables = {
-            name: (POINT, self.figures[name], {"long_name": title} | ({"units": unit} if unit else {}))
-            for name, (unit, title) in QUANTITIES.items()
-            if name != "succeeded"
+            name: (POINT, self.figures[name], {"long_name": QUANTITIES[name][1], "units": QUANTITIES[name][0]})
+            for name in FIGURES
         }
         attributes = {
-            "title": f"Best in {' and '.join(self.problem.objectives)}",
-            "robot": self.problem.robot.name,
-            "gait": self.problem.gait.kind,
-            "environment": self.problem.where.name,
-            "duration": self.problem.duration,
-            "joints": self.problem.joints,
+            "title": f"Best in {' and '.join(self.optimization.objectives)}",
+            **attributes_of(self.optimization.scenario),
             "n_trials": self.n_trials,
             "n_infeasible": self.n_infeasible,
             "seed": self.seed,
-            "laticauda": self.problem.definition()["laticauda"],
         }
         return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
 
@@ -111,9 +110,8 @@ class Front:
         Args:
             path: The file; an older one of that name is replaced.
         """
-        new = Path(f"{path}.new")
-        self.to_dataset().to_netcdf(new, engine="netcdf4")  # pyright: ignore[reportUnknownMemberType]
-        os.replace(new, path)
+        found: Any = self.to_dataset()
+        write(path, lambda new: found.to_netcdf(new, engine="netcdf4"))
 
     def write_csv(self, path: str | Path) -> None:
         """Write the front to a CSV file: a row per point, SI units, angles in radians.
@@ -121,19 +119,15 @@ class Front:
         Args:
             path: The file; an older one of that name is replaced.
         """
-        import csv
-
-        known = self.problem.known()
-        head = [f"{name} [{known[name].unit or '-'}]" for name in self.problem.names]
-        kept = [(name, unit) for name, (unit, _) in QUANTITIES.items() if name != "succeeded"]
-        head += [f"{name} [{'-' if unit == '1' else unit}]" for name, unit in kept]
-        columns = [*self.values.T, *(self.figures[name] for name, _ in kept)]
-        new = Path(f"{path}.new")
-        with new.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(head)
-            writer.writerows(np.stack(columns, axis=1).tolist())
-        os.replace(new, path)
+        known = parameters(self.optimization.scenario)
+        head = [f"{name} [{known[name].unit or '-'}]" for name in self.optimization.names]
+        head += [f"{name} [{QUANTITIES[name][0].replace('1', '-')}]" for name in FIGURES]
+        columns = [*self.values.T, *(self.figures[name] for name in FIGURES)]
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow(head)
+        writer.writerows(np.stack(columns, axis=1).tolist())
+        write(path, text.getvalue())
 
 
 def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
 from laticauda.errors import instance, whole
-from laticauda.studies.checkpoint import CHECKPOINT, Checkpoint, own
+from laticauda.studies.checkpoint import CHECKPOINT, JOB, Checkpoint
+from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, unbeaten
-from laticauda.studies.problem import VIOLATION, Problem, evaluate, losses
+from laticauda.studies.optimization import VIOLATION, Optimization, evaluate, losses
 from laticauda.studies.progress import Progress
 from laticauda.studies.search import LEAST_POPULATION, POPULATION, Search, versions
 from laticauda.studies.trials import Column, Table
@@ -18,7 +20,7 @@ BUDGET = 4000
 
 
 def optimize(
-    problem: Problem,
+    optimization: Optimization,
     folder: str | Path | None = None,
     *,
     budget: int = BUDGET,
@@ -34,7 +36,7 @@ def optimize(
     called again with a greater budget.
 
     Args:
-        problem: What may change, and what is to be great or small.
+        optimization: What may change, and what is to be great or small.
         folder: Where the checkpoint goes; made if need be. It must be empty, or hold this very optimization. None
             keeps nothing.
         budget: How many points to try.
@@ -52,63 +54,63 @@ def optimize(
         StorageFailed: If the checkpoint cannot be written. Nothing that was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
-    instance("problem", problem, Problem)
+    instance("optimization", optimization, Optimization)
     population = whole(
-        "population", POPULATION[len(problem.objectives)] if population is None else population, LEAST_POPULATION
+        "population", POPULATION[len(optimization.objectives)] if population is None else population, LEAST_POPULATION
     )
     whole("budget", budget, population)
     whole("seed", seed, 0)
     if threads is not None:
         whole("threads", threads, 1)
-    low, high = problem.box()
-    search = Search(low, high, n_objectives=len(problem.objectives), population=population, seed=seed)
+    low, high = optimization.box()
+    search = Search(low, high, n_objectives=len(optimization.objectives), population=population, seed=seed)
     path = None if folder is None else Path(folder)
-    definition = {**problem.definition(), "population": population, "seed": seed, **versions()}
-    memory = Checkpoint(definition=definition, n_names=len(problem.names), folder=path)
-    with own(path):
+    definition = as_stored({**optimization.definition(), "population": population, "seed": seed, **versions()})
+    memory = Checkpoint(definition=definition, n_names=len(optimization.names), folder=path)
+    with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
-        _search(problem, search, memory, budget, progress or _say_nothing, threads)
+        _search(optimization, search, memory, budget, progress or _say_nothing, threads)
     sought, found = memory.all(budget)
-    return _front(problem, problem.points(sought), found, seed)
+    return _front(optimization, optimization.points(sought), found, seed)
 
 
 def _search(
-    problem: Problem, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
+    optimization: Optimization, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
 ) -> None:
     """Let the search try points until the budget is spent; those that are remembered do not swim again."""
-    remembered, told = memory.all()
+    remembered, figures_before = memory.all()
     n_done = 0
     progress(min(len(remembered), budget), budget)
     while n_done < budget:
-        asked = search.ask()
-        n_points = min(len(asked), budget - n_done)
+        generation = search.ask()
+        n_points = min(len(generation), budget - n_done)
         if n_points == 0:
             return
-        stop = n_done + len(asked)
-        known, figures = remembered[n_done:stop], {name: column[n_done:stop] for name, column in told.items()}
-        if not np.array_equal(known, asked[: len(known)]):
+        stop = n_done + len(generation)
+        known, figures = remembered[n_done:stop], {name: column[n_done:stop] for name, column in figures_before.items()}
+        if not np.array_equal(known, generation[: len(known)]):
             raise ValueError(
                 f"`folder` must hold a `{CHECKPOINT}` that this computer can repeat, got {memory.folder}, where the "
                 f"search went another way after {n_done} trials; it may be from another kind of computer."
             )
-        new = asked[len(known) : n_points]
+        new = generation[len(known) : n_points]
         if len(new):
-            fresh = evaluate(problem, problem.points(new), threads)
+            fresh = evaluate(optimization, optimization.points(new), threads)
             memory.add(new, fresh)
             figures = {name: np.concatenate((column, fresh[name])) for name, column in figures.items()}
             progress(memory.n_points, budget)
         n_done += n_points
         if n_done < budget:
-            search.tell(losses(problem.objectives, figures), figures[VIOLATION])
+            search.tell(losses(optimization.objectives, figures), figures[VIOLATION])
 
 
-def _front(problem: Problem, table: Table, found: dict[str, Column], seed: int) -> Front:
+def _front(optimization: Optimization, table: Table, found: dict[str, Column], seed: int) -> Front:
     feasible = found[VIOLATION] == 0.0
-    values = losses(problem.objectives, found)
+    values = losses(optimization.objectives, found)
     best = np.flatnonzero(feasible)[unbeaten(values[feasible])]
-    best = best[np.argsort(found[problem.objectives[-1]][best], kind="stable")]
+    best = best[np.argsort(found[optimization.objectives[-1]][best], kind="stable")]
     return Front(
-        problem=problem,
+        optimization=optimization,
         values=table[best],
         figures={name: column[best] for name, column in found.items() if name != VIOLATION},
         n_trials=len(table),

@@ -5,8 +5,8 @@ at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price, 
 derivatives and no scale for the parameters, keeps to the bounds, and its generations are batches for the kernel. Its
 numbers do not adapt: pymoo's adaptation draws from a generator that cannot be seeded.
 
-A search is determined by its bounds, its seed and what it is told: so one that was stopped is brought back by asking it
-the same again, and telling it what it was told before. Nothing of its state is stored.
+A search is determined by its bounds, its seed and the answers that it is given: so one that was stopped is brought back
+by asking it the same again, and giving it the answers that it had before. Nothing of its state is stored.
 """
 
 from typing import Any
@@ -25,7 +25,7 @@ LEAST_POPULATION = 4  # differential evolution combines four of them
 
 
 class Search:
-    """A seeded search, between its questions and the answers it is told.
+    """A seeded search, between its questions and the answers to them.
 
     Args:
         low: Least value of every parameter.
@@ -52,14 +52,14 @@ class Search:
         self._algorithm = _algorithm(n_objectives, population)
         forever = _pymoo("core.termination").NoTermination()
         self._algorithm.setup(self._problem, termination=forever, seed=seed, verbose=False)
-        self._asked: Any = None
+        self._generation: Any = None
 
     def ask(self) -> Table:
         """The next generation; no rows if the search has no new points to try."""
-        self._asked = self._algorithm.ask()
-        if self._asked is None or len(self._asked) == 0:
+        self._generation = self._algorithm.ask()
+        if self._generation is None or len(self._generation) == 0:
             return np.empty((0, self._problem.n_var))
-        return np.array(self._asked.get("X"), dtype=float)
+        return np.array(self._generation.get("X"), dtype=float)
 
     def tell(
         self, losses: Float[np.ndarray, "n_points n_objectives"], violation: Float[np.ndarray, " n_points"]
@@ -70,11 +70,11 @@ class Search:
             losses: Smaller is better; of points that are not feasible any finite number.
             violation: 0 for points that are feasible, else how far they are from that.
         """
-        self._asked.set("F", losses)
-        self._asked.set("G", violation[:, np.newaxis])
-        for individual in self._asked:
+        self._generation.set("F", losses)
+        self._generation.set("G", violation[:, np.newaxis])
+        for individual in self._generation:
             individual.evaluated.update(("F", "G"))
-        self._algorithm.tell(infills=self._asked)
+        self._algorithm.tell(infills=self._generation)
 
 
 def versions() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The folder of a sweep, and the one door to zarr.
+"""The folder of a sweep: its results in zarr, region by region.
 
     sweep.json      what is swept: a folder belongs to one sweep
     results.zarr    the Dataset; a region of the sweep is one chunk of every array, hence one file
@@ -12,25 +12,24 @@ bits. (This holds for killed programs; after a power failure the file system has
 
 from __future__ import annotations
 
-import errno
-import os
+import json
 import shutil
-from collections.abc import Generator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
-from laticauda.errors import StorageFailed
 from laticauda.extras import optional_import
-from laticauda.studies.ownership import NEW, check_place, claim, regions_of
-from laticauda.studies.regions import Regions, extent
+from laticauda.files import read_text, write
+from laticauda.simulate.numbers import parameters
+from laticauda.studies.folder import as_stored, check_same, owned, storage
 from laticauda.studies.sampling import Grid
-from laticauda.studies.sweep import Sweep
-from laticauda.studies.trials import QUANTITIES
+from laticauda.studies.sweep import Regions, Sweep, extent
+from laticauda.studies.trials import QUANTITIES, attributes_of
 
 if TYPE_CHECKING:
     from typing import Self
@@ -39,7 +38,8 @@ if TYPE_CHECKING:
 
     from laticauda.studies.trials import Column, Table
 
-RESULTS, DONE = "results.zarr", "regions.done"
+DEFINITION, RESULTS, DONE = "sweep.json", "results.zarr", "regions.done"
+BLOCK = "region"
 
 
 @dataclass(kw_only=True, eq=False)
@@ -77,15 +77,11 @@ class Store:
             ValueError: If it holds something else, results that may not be there, or another process writes to it.
             StorageFailed: If it cannot be made.
         """
-        zarr = _zarr()
-        path = Path(folder)
-        check_place(path)
-        stored_so_far = "0 trials are stored"  # of a new folder, the only one that is written to here
+        zarr, path = _zarr(), Path(folder)
         with ExitStack() as stack:
-            with spoken(path, stored_so_far):
-                path.mkdir(parents=True, exist_ok=True)
-                stack.enter_context(locked(path))
-                regions = claim(path, sweep, region_size)
+            stack.enter_context(owned(path, "sweep", DEFINITION))
+            with storage(path, "0 trials are stored"):  # of a new folder, the only one that is written to here
+                regions = _claim(path, sweep, region_size)
                 if not (path / DONE).exists():
                     _make(zarr, path, sweep, regions)
                 marks = stack.enter_context((path / DONE).open("r+b", buffering=0))
@@ -131,7 +127,7 @@ class Store:
         """
         block = self.regions.at(index)
         columns = {**found, **dict(zip(self.sweep.points.names, table.T, strict=True))}
-        with spoken(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
+        with storage(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
             for name, array in self.arrays.items():
                 array[block] = columns[name].reshape(extent(block))
             self.marks.seek(index)
@@ -155,13 +151,54 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
 
+def _claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
+    """Say in the folder what it is for, or compare; how its sweep is cut."""
+    wanted, stored = as_stored(sweep.definition()), _definition(path)
+    if stored is None:
+        regions = sweep.regions(region_size)
+        text = json.dumps({**wanted, "shape": regions.shape, BLOCK: regions.block}, indent=1)
+        write(path / DEFINITION, text + "\n")
+        return regions
+    regions = Regions(shape=tuple(stored.pop("shape")), block=tuple(stored.pop(BLOCK)))
+    check_same(path, "sweep", stored, wanted)
+    return regions
+
+
+def regions_of(folder: str | Path) -> Regions:
+    """How the stored results are cut, to read them piece by piece.
+
+    Args:
+        folder: That of a sweep.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    found = _definition(Path(folder))
+    if found is None:
+        raise ValueError(f"`folder` must hold the results of a sweep, got {folder}.")
+    return Regions(shape=tuple(found["shape"]), block=tuple(found[BLOCK]))
+
+
+def _definition(path: Path) -> dict[str, Any] | None:
+    file = path / DEFINITION
+    if not file.is_file():
+        return None
+    try:
+        found = json.loads(read_text(file))
+    except ValueError as error:
+        raise ValueError(f"`folder` must hold a readable `{DEFINITION}`, got {path}: {error}.") from error
+    if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
+        raise ValueError(f"`folder` must hold a `{DEFINITION}` of a sweep, got {path} with another one.")
+    return cast("dict[str, Any]", found)
+
+
 def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
     """The arrays that have a chunk per region: unit, title and what stands in it before."""
     found: dict[str, tuple[str, str, Any]] = {
         name: (unit, title, False if name == "succeeded" else np.nan) for name, (unit, title) in QUANTITIES.items()
     }
     if not isinstance(sweep.points, Grid):
-        known = sweep.known()
+        known = parameters(sweep.scenario)
         found |= {name: (known[name].unit, known[name].title, np.nan) for name in sweep.points.names}
     return found
 
@@ -169,14 +206,7 @@ def _by_region(sweep: Sweep) -> dict[str, tuple[str, str, Any]]:
 def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
     """Make the empty arrays, and last the marks: without them the folder counts as not yet made."""
     shutil.rmtree(path / RESULTS, ignore_errors=True)
-    setup = {"robot": sweep.robot.name, "gait": sweep.gait.kind, "environment": sweep.where.name}
-    attributes: dict[str, Any] = {
-        "title": "Sweep",
-        **setup,
-        "duration": sweep.duration,
-        "joints": sweep.joints,
-        "laticauda": sweep.definition()["laticauda"],
-    }
+    attributes: dict[str, Any] = {"title": "Sweep", **attributes_of(sweep.scenario)}
     if not isinstance(sweep.points, Grid):
         attributes["coordinates"] = " ".join(sweep.points.names)
     group = zarr.open_group(str(path / RESULTS), mode="w", attributes=attributes)
@@ -191,68 +221,11 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
             attributes={"long_name": title} | ({"units": unit} if unit else {}),
         )
     if isinstance(sweep.points, Grid):
-        known = sweep.known()
+        known = parameters(sweep.scenario)
         for name, values in sweep.points.values.items():
             about = {"long_name": known[name].title, "units": known[name].unit or "1"}
             group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=about)
-    with (path / (DONE + NEW)).open("wb") as file:
-        file.write(bytes(regions.count))
-        file.flush()
-        os.fsync(file.fileno())  # the disk has room for the marks, and says so now
-    os.replace(path / (DONE + NEW), path / DONE)
-
-
-@contextmanager
-def spoken(path: Path, left: str) -> Generator[None]:
-    """Turn what the system says about a folder into a sentence with advice.
-
-    Args:
-        path: The folder.
-        left: What is stored there by now, in words.
-
-    Raises:
-        StorageFailed: In place of an OSError.
-    """
-    try:
-        yield
-    except StorageFailed:
-        raise
-    except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-        reason = "the disk is full" if full else (error.strerror or str(error)).lower()
-        advice = "make room" if full else "put that right"
-        raise StorageFailed(
-            f"{path}: {reason}. Nothing that was stored is lost: {left}; {advice} and run the same again to go on."
-        ) from error
-
-
-@contextmanager
-def locked(path: Path) -> Generator[None]:
-    """Keep a second process from doing the same work; the lock goes with the process, however it ends.
-
-    Args:
-        path: The folder.
-
-    Raises:
-        ValueError: If another process has it.
-    """
-    try:
-        import fcntl
-    except ImportError:  # pragma: no cover - Windows: both would write the same bits
-        yield
-        return
-    folder = os.open(path, os.O_RDONLY)
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        os.close(folder)
-        raise ValueError(f"`folder` must be one that no other process writes to now, got {path}.") from error
-    except OSError:
-        pass  # a file system without locks
-    try:
-        yield
-    finally:
-        os.close(folder)
+    write(path / DONE, bytes(regions.count))  # the disk has room for the marks, and says so now
 
 
 def _zarr() -> Any:

@@ -5,13 +5,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.studies import Problem
-from laticauda.studies import problem as module
+from laticauda.studies import Optimization
+from laticauda.studies import optimization as module
 from laticauda.studies.trials import QUANTITIES
 
-PROBLEM = Problem(
-    robot=lc.load_robot("mamba-fin"),
-    gait=lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+SOUGHT = Optimization(
+    scenario=lc.scenario("mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
     bounds={"gait.amplitude": (0.2, 0.9), "robot.caudal_fin.length": (0.2, 0.5), "robot.n_links": (8, 10)},
 )
 
@@ -20,15 +19,16 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     robot = lc.load_robot("mamba")
     tight = replace(robot, joints=tuple(replace(joint, limit=radians(30)) for joint in robot.joints))
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7, offset=radians(5))
-    problem = Problem(
-        robot=tight, gait=gait, duration=1.0, bounds={"gait.amplitude": (0.1, 1.0), "gait.frequency": (1.0, 4.0)},
+    sought = Optimization(
+        scenario=lc.scenario(tight, gait, 1.0),
+        bounds={"gait.amplitude": (0.1, 1.0), "gait.frequency": (1.0, 4.0)},
         joint_rate_limit=1.0,
-    )  # fmt: skip
+    )
     swum = []
     monkeypatch.setattr(
-        module, "swim_points", lambda setup, names, table, threads: swum.append(table) or _figures(len(table))
+        module, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
     )
-    found = module.evaluate(problem, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]]))
+    found = module.evaluate(sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]]))
     assert found["violation"] == pytest.approx([0.0, 31 / 30 - 1, radians(24) * 3.0 - 1.0])
     assert len(swum) == 1 and swum[0].tolist() == [[radians(24), 2.0]]
     assert np.isnan(found["forward_velocity"]).tolist() == [False, True, True]
@@ -38,8 +38,8 @@ def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(
         module, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
     )
-    problem = replace(PROBLEM, least_velocity=0.2)
-    found = module.evaluate(problem, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))
+    sought = replace(SOUGHT, least_velocity=0.2)
+    found = module.evaluate(sought, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))
     assert found["violation"].tolist() == [0.75, 0.0, module.FAILED]
 
 
@@ -64,6 +64,6 @@ def _figures(n: int) -> dict[str, np.ndarray]:
     ],
 )  # fmt: skip
 def test_bad_input_is_refused(changes: dict[str, object], message: str):
-    given = {"robot": PROBLEM.robot, "gait": PROBLEM.gait, "bounds": PROBLEM.bounds}
+    given = {"scenario": SOUGHT.scenario, "bounds": SOUGHT.bounds}
     with pytest.raises(ValueError, match=message):
-        Problem(**{**given, **changes})  # type: ignore[arg-type]
+        Optimization(**{**given, **changes})  # type: ignore[arg-type]

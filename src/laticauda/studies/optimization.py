@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,11 +9,19 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import finite, one_of, positive
-from laticauda.gaits import Gait
-from laticauda.packaging import __version__
-from laticauda.robot import Robot
-from laticauda.studies.best import COSTS
-from laticauda.studies.trials import QUANTITIES, Column, Setup, Table, check_ranges, swim_points, things
+from laticauda.scenarios import Scenario
+from laticauda.simulate.numbers import parameters
+from laticauda.studies.trials import (
+    COSTS,
+    QUANTITIES,
+    Column,
+    Table,
+    check_ranges,
+    check_scenario,
+    definition_of,
+    scenarios_at,
+    swim_points,
+)
 
 OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
 """What can be optimized: speeds are to be great, powers and the cost of transport small."""
@@ -24,8 +31,8 @@ FAILED = 1e3  # how far a run that blew up is from being feasible: farther than 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Problem(Setup):
-    """A setup, the numbers of it that may change, and what is to be great or small.
+class Optimization:
+    """A scenario, the numbers of it that may change, and what is to be great or small.
 
     A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run reaches
     its end, it is fast enough for `least_velocity`, and every objective has a value.
@@ -35,15 +42,17 @@ class Problem(Setup):
 
     Example:
         >>> import laticauda as lc
-        >>> problem = Problem(
-        ...     robot=lc.load_robot("mamba"),
-        ...     gait=lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7),
+        >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        >>> sought = Optimization(
+        ...     scenario=lc.scenario("mamba", gait),
         ...     bounds={"gait.amplitude": (0.2, 0.9), "robot.n_links": (6, 12)},
         ... )
-        >>> problem.objectives
+        >>> sought.objectives
         ('forward_velocity', 'mechanical_power')
     """
 
+    scenario: Scenario
+    """What all trials share; by the planar model."""
     bounds: Mapping[str, tuple[float, float]]
     """Least and greatest value by name of the parameter, as for a sweep (SI, radians)."""
     objectives: Sequence[str] = SPEED_POWER
@@ -55,9 +64,9 @@ class Problem(Setup):
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        super().__post_init__()
+        check_scenario(self.scenario)
         object.__setattr__(self, "bounds", _checked(self.bounds))
-        check_ranges(self, self.bounds, "bounds")
+        check_ranges(self.scenario, self.bounds, "bounds")
         wanted = (self.objectives,) if isinstance(self.objectives, str) else tuple(self.objectives)
         for name in wanted:
             one_of("objectives", name, OBJECTIVES)
@@ -76,11 +85,8 @@ class Problem(Setup):
 
     def definition(self) -> dict[str, Any]:
         """All that the trials depend on, for a file."""
-        plain = dataclasses.asdict(self.setup)
-        del plain["robot"]["description"]
         return {
-            "laticauda": __version__,
-            **plain,
+            **definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
             "joint_rate_limit": self.joint_rate_limit,
@@ -89,9 +95,8 @@ class Problem(Setup):
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
         """The bounds as a search wants them: whole numbers have a room of one each."""
-        known = self.known()
-        half = np.array([0.5 if known[name].is_whole else 0.0 for name in self.names])
         low, high = np.array(list(self.bounds.values()), dtype=float).T
+        half = np.where(self._is_whole, 0.5, 0.0)
         return low - half, high + half
 
     def points(self, sought: Table) -> Table:
@@ -100,17 +105,20 @@ class Problem(Setup):
         Args:
             sought: Points in the `box`.
         """
-        known = self.known()
-        is_whole = np.array([known[name].is_whole for name in self.names])
         low, high = np.array(list(self.bounds.values()), dtype=float).T
-        return np.where(is_whole, np.clip(np.rint(sought), low, high), sought)
+        return np.where(self._is_whole, np.clip(np.rint(sought), low, high), sought)
+
+    @property
+    def _is_whole(self) -> np.ndarray:
+        known = parameters(self.scenario)
+        return np.array([known[name].is_whole for name in self.names])
 
 
-def evaluate(problem: Problem, table: Table, threads: int | None = None) -> dict[str, Column]:
+def evaluate(optimization: Optimization, table: Table, threads: int | None = None) -> dict[str, Column]:
     """What some points come to; those beyond the limits do not swim.
 
     Args:
-        problem: What is optimized.
+        optimization: What is optimized.
         table: The points, a row each.
         threads: See `laticauda.simulate.swim_many`.
 
@@ -118,18 +126,19 @@ def evaluate(problem: Problem, table: Table, threads: int | None = None) -> dict
         By name, a value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for feasible
         points, else how far they are from that, relative to the limit.
     """
-    robots, gaits, _ = things(problem, problem.names, table)
-    violation = np.array([_beyond(problem, robot, gait) for robot, gait in zip(robots, gaits, strict=True)])
+    scenario, names = optimization.scenario, optimization.names
+    limit = optimization.joint_rate_limit
+    violation = np.array([_beyond(one, limit) for one in scenarios_at(scenario, names, table)])
     swims = violation == 0.0
     found: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     found["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        for name, values in swim_points(problem, problem.names, table[swims], threads).items():
+        for name, values in swim_points(scenario, names, table[swims], threads).items():
             found[name][swims] = values
-    if problem.least_velocity is not None:
-        missing = 1.0 - found["forward_velocity"] / problem.least_velocity
+    if optimization.least_velocity is not None:
+        missing = 1.0 - found["forward_velocity"] / optimization.least_velocity
         violation = np.where(swims & (missing > 0.0), missing, violation)
-    has_values = np.all([np.isfinite(found[name]) for name in problem.objectives], axis=0)
+    has_values = np.all([np.isfinite(found[name]) for name in optimization.objectives], axis=0)
     found[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return found
 
@@ -145,15 +154,15 @@ def losses(names: Sequence[str], found: Mapping[str, Column]) -> np.ndarray:
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 
-def _beyond(problem: Problem, robot: Robot, gait: Gait) -> float:
+def _beyond(scenario: Scenario, joint_rate_limit: float | None) -> float:
     """How far a gait goes beyond what the joints can do, relative to that."""
-    body = robot.planar()
+    body, gait = scenario.robot.planar(), scenario.gait
     widest = 0.0
     for joint, envelope in zip(body.joints, gait.joint_envelope(body.n_links), strict=True):
         swing = abs(envelope) * gait.amplitude
         widest = max(widest, (swing + abs(gait.offset)) / joint.limit)
-        if problem.joint_rate_limit is not None:
-            widest = max(widest, swing * gait.frequency / problem.joint_rate_limit)
+        if joint_rate_limit is not None:
+            widest = max(widest, swing * gait.frequency / joint_rate_limit)
     return max(0.0, widest - 1.0)
 
 

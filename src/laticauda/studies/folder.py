@@ -1,0 +1,160 @@
+"""The folder of a job that may be stopped at any moment and goes on there: whose it is, and who writes to it.
+
+A job is all that its results depend on, told by one of its files. What comes back is compared with it, so that a folder
+never holds results of two jobs. While a process works there it has the folder's lock, which goes with the process,
+however that ends.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+
+from laticauda.errors import StorageFailed
+
+FORMAT = 2
+"""Of the definitions: 1, without a number, held no scenario."""
+MOST_DIFFERENCES = 3
+_UNFINISHED = ".[0-9]*-*"  # what `laticauda.files.write` had not moved to its place when it was killed
+
+
+def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
+    """A job's definition as its file gives it back, with the format's number.
+
+    Args:
+        definition: All that the results depend on.
+
+    Raises:
+        ValueError: If a file cannot hold it, as a law that is a function of one's own.
+    """
+    try:
+        return json.loads(json.dumps({"format": FORMAT, **definition}, allow_nan=False))
+    except TypeError as error:
+        raise ValueError(f"`scenario` must be one that a file can hold: {error}.") from error
+
+
+def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Refuse to go on with another job than the one that was begun.
+
+    Args:
+        path: The folder.
+        job: What messages call it.
+        stored: The definition there.
+        wanted: The one that is to go on.
+
+    Raises:
+        ValueError: If they differ; the message says in what.
+    """
+    if stored.get("format") != FORMAT:
+        raise ValueError(
+            f"`folder` must be empty, or hold this {job}, got {path} with one that another release of laticauda began: "
+            "take another folder, or go on with that release; the results of a sweep can still be read."
+        )
+    found = list(_differences(stored, wanted))
+    if found:
+        more = f" and {len(found) - MOST_DIFFERENCES} more" if len(found) > MOST_DIFFERENCES else ""
+        listed = "; ".join(found[:MOST_DIFFERENCES]) + more
+        raise ValueError(f"`folder` must be empty, or hold this {job}, got {path} with another one: {listed}.")
+
+
+@contextmanager
+def owned(path: Path, job: str, mark: str) -> Generator[None]:
+    """Have a folder for this process alone; it is made if need be.
+
+    Args:
+        path: The folder.
+        job: What messages call what is to lie there.
+        mark: The file that every folder of such a job has.
+
+    Raises:
+        ValueError: If it is a file, holds files of somebody else, or another process writes to it.
+        StorageFailed: If it cannot be made.
+    """
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"`folder` must be a folder, got the file {path}.")
+    with storage(path, "0 trials are stored"):
+        path.mkdir(parents=True, exist_ok=True)
+    if not (path / mark).exists():
+        unfinished = set(path.glob(_UNFINISHED))
+        others = sorted(file.name for file in path.iterdir() if file not in unfinished)
+        if others:
+            listed = ", ".join(others[:MOST_DIFFERENCES]) + (", ..." if len(others) > MOST_DIFFERENCES else "")
+            raise ValueError(f"`folder` must be empty, or hold this {job}, got {path} with {listed}.")
+    with _locked(path):
+        for left in path.glob(_UNFINISHED):
+            left.unlink(missing_ok=True)
+        yield
+
+
+@contextmanager
+def storage(path: Path, kept: str) -> Generator[None]:
+    """Turn what the system says about a folder into a sentence with advice.
+
+    Args:
+        path: The folder.
+        kept: What is stored there by now, in words.
+
+    Raises:
+        StorageFailed: In place of an OSError.
+    """
+    try:
+        yield
+    except OSError as failure:  # a StorageFailed of one file is one too
+        error = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        reason = "the disk is full" if full else (error.strerror or str(error)).lower()
+        advice = "make room" if full else "put that right"
+        raise StorageFailed(
+            f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to go on."
+        ) from error
+
+
+@contextmanager
+def _locked(path: Path) -> Generator[None]:
+    """Keep a second process from doing the same work."""
+    try:
+        import fcntl
+    except ImportError:  # pragma: no cover - Windows: both would write the same bits
+        yield
+        return
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(folder)
+        raise ValueError(f"`folder` must be one that no other process writes to now, got {path}.") from error
+    except OSError:
+        pass  # a file system without locks
+    try:
+        yield
+    finally:
+        os.close(folder)
+
+
+def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:
+    """What differs between two definitions, with the way to it."""
+    if isinstance(there, dict) and isinstance(here, dict):
+        one, other = cast("dict[str, Any]", there), cast("dict[str, Any]", here)
+        for key in dict.fromkeys([*one, *other]):
+            way = f"{name}.{key}" if name else key
+            yield from _differences(one.get(key, "nothing"), other.get(key, "nothing"), way)
+    elif isinstance(there, list) and isinstance(here, list):
+        items, others = cast("list[Any]", there), cast("list[Any]", here)
+        if len(items) != len(others):
+            yield f"{name} has {len(items)} values there and {len(others)} here"
+            return
+        for i, (item, also) in enumerate(zip(items, others, strict=True)):
+            yield from _differences(item, also, f"{name}[{i}]")
+    elif there != here:
+        yield f"{name} is {_short(there)} there and {_short(here)} here"
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, list):
+        return "a list"
+    return "a table" if isinstance(value, dict) else str(value)
