@@ -1,6 +1,6 @@
 """Files of trials and of other programs: formats, recordings of messages, measured tables with column maps."""
 
-from laticauda.logs.column_files import load_column_map
+from laticauda.logs.column_maps import load_column_map
 from laticauda.logs.column_maps import ColumnMap
 from laticauda.logs.loading import load_trial
 from laticauda.logs.recorder import Recorder

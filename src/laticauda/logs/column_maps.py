@@ -1,15 +1,41 @@
-"""Column maps as values: what the columns of somebody's log are; `column_files` reads them from TOML."""
+"""Column maps: what the columns of somebody's log are, as a value and as a small TOML file.
 
-from __future__ import annotations
+    kind = "columns"
+    robot = "mamba-fin"
+    start = 2.0                        # the part of the log that is the trial [s]
+    stop = 32.0
+
+    [gait]
+    kind = "lateral-undulation"
+    amplitude_deg = 30
+    frequency_deg_s = 130
+    phase_shift_deg = 40
+
+    [body]                             # what motion capture followed
+    position = ["tail x", "tail y"]
+    length_unit = "mm"
+    yaw = "tail yaw"
+    angle_unit = "deg"
+
+    [joint_angle]
+    columns = "phi {}"                 # phi 0 is the tail-most joint
+    unit = "deg"
+
+They are read strictly: what is unknown, missing or out of range is refused with its key.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import cast
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
 
-from laticauda.errors import BadArgument, finite, not_negative, one_of, positive, whole
+from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, keys_of
+from laticauda.errors import BadArgument, LaticaudaError, TrialFileError, finite, one_of, shown
+from laticauda.files import read_toml
 from laticauda.gaits import Gait
-from laticauda.robot import Ground, Robot, Water
+from laticauda.quantities import Check, hints_of, option, quantity, value
+from laticauda.robot import Environment, Robot, load_ground, load_robot, load_water
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
@@ -18,169 +44,146 @@ RATES = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
 TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
 UNITS = {"joint_angle": ANGLES, "joint_angle_ref": ANGLES, "joint_rate": RATES, "joint_torque": TORQUES}
 """Units of the columns of joints by section; the first is the default."""
-DIRECTIONS = tuple(sign + axis for axis in "xyz" for sign in ("", "-"))
 AXES = ("X", "Y", "Z")
 
+LengthUnit: TypeAlias = Literal["m", "cm", "mm"] | None
+AngleUnit: TypeAlias = Literal["rad", "deg"] | None
+Direction: TypeAlias = Literal["x", "-x", "y", "-y", "z", "-z"]
 
-@dataclass(frozen=True, kw_only=True)
+_LENGTH_UNIT = "Their unit; None: the file's own if it states one, else m"
+_ANGLE_UNIT = "Its unit; None: the file's own if it states one, else rad"
+_PLACE = "Names of the columns of its place: x and y, or x, y and z"
+
+
+def _names(*sizes: int) -> Check:
+    """The check of a list of names of columns; of one of these lengths, where there are any."""
+    count = f"{' or '.join(map(str, sizes))} " if sizes else ""
+
+    def check(name: str, given: Any) -> tuple[str, ...] | None:
+        if given is None:
+            return None
+        is_list = type(given) in (list, tuple)
+        if not is_list or not all(isinstance(one, str) for one in given) or (sizes and len(given) not in sizes):
+            raise BadArgument(name, f"must be a list of {count}names of columns, got {shown(given)}")
+        return tuple(given)
+
+    return check
+
+
+@value
 class TimeColumn:
     """When the rows were taken; without any, the file must say it itself."""
 
-    column: str | None = None
-    """Name of the column."""
-    unit: str = "s"
-    """Its unit: s, ms or us."""
-    rate: float | None = None
-    """Rows per second, instead of a column [Hz]."""
+    column: str | None = option("Name of the column", default=None)
+    unit: Literal["s", "ms", "us"] = option("Its unit", default="s")
+    rate: float | None = quantity("Hz", "Rows per second, instead of a column", default=None, gt=0.0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        one_of("unit", self.unit, tuple(TIMES))
-        if self.rate is not None:
-            object.__setattr__(self, "rate", positive("rate", self.rate, "Hz"))
+        """Check what goes together."""
         if self.rate is not None and self.column is not None:
             raise BadArgument("rate", f"must not be given beside `column`, got {self.rate}")
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Frame:
     """Where the world axes of the trial are in those of the file: first turned to them, then moved, then rotated."""
 
-    x: str = "x"
-    """Which direction of the file is forward: x, y, z or their opposites, as -z."""
-    y: str = "y"
-    """Which one is left."""
-    origin: tuple[float, float] = (0.0, 0.0)
-    """Where the trial's origin is, along those two [m]."""
-    rotation_deg: float = 0.0
-    """By which angle the result is turned, counter-clockwise [deg]."""
+    x: Direction = option("Which direction of the file is forward", default="x")
+    y: Direction = option("Which one is left", default="y")
+    origin: tuple[float, float] = quantity("m", "Where the trial's origin is, along those two", default=(0.0, 0.0))
+    rotation_deg: float = quantity("deg", "By which angle the result is turned, counter-clockwise", default=0.0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        for name in ("x", "y"):
-            one_of(name, getattr(self, name), DIRECTIONS)
+        """Check what goes together."""
         if self.x[-1] == self.y[-1]:
             raise BadArgument("y", f"must be another axis than `x` = {self.x!r}, got {self.y!r}")
-        object.__setattr__(self, "origin", _pair("origin", self.origin, "m"))
-        object.__setattr__(self, "rotation_deg", finite("rotation_deg", self.rotation_deg, "deg"))
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Position:
     """A place whose columns stand for the center of mass itself, as the mean of many markers does."""
 
-    position: Sequence[str]
-    """Names of its columns: x and y, or x, y and z."""
-    length_unit: str | None = None
-    """Their unit: m, cm or mm; the file's own if it states one, else m."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "position", _names("position", self.position, (2, 3)))
-        _unit("length_unit", self.length_unit, LENGTHS)
+    position: tuple[str, ...] = option(_PLACE, check=_names(2, 3))
+    length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Heading:
     """The heading, where no joint angles are there to make it of."""
 
-    column: str
-    """Name of the column."""
-    unit: str | None = None
-    """Its unit: rad or deg; the file's own if it states one, else rad."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        _unit("unit", self.unit, ANGLES)
+    column: str = option("Name of the column")
+    unit: AngleUnit = option(_ANGLE_UNIT, default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Body:
     """One link that motion capture followed; with the joint angles it gives the whole robot."""
 
-    name: str | None = None
-    """Name of a rigid body in a QTM file, instead of all columns below."""
-    position: Sequence[str] | None = None
-    """Names of the columns of its place: x and y, or x, y and z."""
-    length_unit: str | None = None
-    """Their unit: m, cm or mm; the file's own if it states one, else m."""
-    yaw: str | None = None
-    """Column of its angle about the vertical axis of the file."""
-    angle_unit: str | None = None
-    """Its unit: rad or deg; the file's own if it states one, else rad."""
-    quaternion: Sequence[str] | None = None
-    """Columns w, x, y, z of its orientation, instead of `yaw`."""
-    rotation: Sequence[str] | None = None
-    """Columns of its rotation matrix, the first three its x axis, instead of `yaw`."""
-    forward: str = "x"
-    """Which of its own axes points to the head: x, y, z or their opposites."""
-    link: int = 0
-    """The link that carries it, 0 = tail; of the planar chain, for robots with pitch joints."""
-    offset: tuple[float, float] = (0.0, 0.0)
-    """Its place from the middle of that link: toward the head, to the left [m]."""
-    angle_offset_deg: float = 0.0
-    """Angle of the link minus the angle of the body [deg]."""
+    name: str | None = option("Of a rigid body in a QTM file, instead of all columns below", default=None)
+    position: tuple[str, ...] | None = option(_PLACE, default=None, check=_names(2, 3))
+    length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
+    yaw: str | None = option("Column of its angle about the vertical axis of the file", default=None)
+    angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
+    quaternion: tuple[str, ...] | None = option(
+        "Columns w, x, y, z of its orientation, instead of `yaw`", default=None, check=_names(4)
+    )
+    rotation: tuple[str, ...] | None = option(
+        "Columns of its rotation matrix, the first three its x axis, instead of `yaw`", default=None, check=_names(9)
+    )
+    forward: Direction = option("Which of its own axes points to the head", default="x")
+    link: int = quantity(
+        "", "The link that carries it, 0 = tail; of the planar chain, for robots with pitch joints", default=0, ge=0
+    )
+    offset: tuple[float, float] = quantity(
+        "m", "Its place from the middle of that link: toward the head, to the left", default=(0.0, 0.0)
+    )
+    angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
+        """Check what goes together."""
         if (self.name is None) == (self.position is None):
             raise BadArgument("position", f"must be given, or `name`, and not both; got {self.position}")
-        turns = [one for one in ("yaw", "quaternion", "rotation") if getattr(self, one) is not None]
+        turns = [one for one in (self.yaw, self.quaternion, self.rotation) if one is not None]
         if len(turns) != (1 if self.name is None else 0):
-            raise BadArgument("yaw", "must be given, or `quaternion` or `rotation`, and just one; with `name` none")
-        for name, sizes in (("position", (2, 3)), ("quaternion", (4,)), ("rotation", (9,))):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, _names(name, getattr(self, name), sizes))
-        _unit("length_unit", self.length_unit, LENGTHS)
-        _unit("angle_unit", self.angle_unit, ANGLES)
-        one_of("forward", self.forward, DIRECTIONS)
-        whole("link", self.link, 0)
-        object.__setattr__(self, "offset", _pair("offset", self.offset, "m"))
-        object.__setattr__(self, "angle_offset_deg", finite("angle_offset_deg", self.angle_offset_deg, "deg"))
+            rule = "must be given, or `quaternion` or `rotation`, and just one; with `name` none"
+            raise BadArgument("yaw", rule)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Ends:
     """A marker on the tail end, on every joint and on the head end: no joint angles are needed."""
 
-    markers: Sequence[str]
-    """Their names, tail first: one more than the robot has links."""
-    columns: str = "{marker} {axis}"
-    """How their columns are called, the axis being X, Y or Z."""
-    length_unit: str | None = None
-    """Their unit: m, cm or mm; the file's own if it states one, else m."""
+    markers: tuple[str, ...] = option("Their names, tail first: one more than the robot has links", check=_names())
+    columns: str = option("How their columns are called, the axis being X, Y or Z", default="{marker} {axis}")
+    length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "markers", _names("markers", self.markers, None))
+        """Check what goes together."""
         if "{marker}" not in self.columns or "{axis}" not in self.columns:
             raise BadArgument("columns", f"must hold {{marker}} and {{axis}}, got {self.columns!r}")
-        _unit("length_unit", self.length_unit, LENGTHS)
 
 
-@dataclass(frozen=True, kw_only=True)
+def _one_or_several(name: str, given: Any) -> str | tuple[str, ...]:
+    return given if isinstance(given, str) else (_names()(name, given) or ())
+
+
+@value
 class JointColumns:
     """One column per joint."""
 
-    columns: str | Sequence[str]
-    """Their names, tail first; or one name with {} in the place of the number."""
-    first: int = 0
-    """The number of the tail-most joint, where they are numbered."""
-    head_first: bool = False
-    """Whether the first of them is the head-most joint."""
-    unit: str | None = None
-    """Their unit; SI if left out."""
-    sign: float = 1.0
-    """-1 where the file counts positive what turns the robot right."""
+    columns: str | tuple[str, ...] = option(
+        "Their names, tail first; or one name with {} in the place of the number", check=_one_or_several
+    )
+    first: int = quantity("", "The number of the tail-most joint, where they are numbered", default=0, ge=0)
+    head_first: bool = option("Whether the first of them is the head-most joint", default=False)
+    unit: str | None = option("Their unit; None: SI", default=None)
+    sign: float = quantity("", "-1 where the file counts positive what turns the robot right", default=1.0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
+        """Check what goes together."""
         if isinstance(self.columns, str) and "{}" not in self.columns:
             raise BadArgument("columns", f"must be a list of names, or hold {{}} for the number, got {self.columns!r}")
-        if not isinstance(self.columns, str):
-            object.__setattr__(self, "columns", _names("columns", self.columns, None))
-        whole("first", self.first, 0)
-        if self.sign not in (1, -1):
+        if self.sign not in (1.0, -1.0):
             raise BadArgument("sign", f"must be 1 or -1, got {self.sign}")
 
     def names(self, n_joints: int) -> list[str]:
@@ -197,134 +200,166 @@ class JointColumns:
         else:
             found = list(self.columns)
         if len(found) != n_joints:
-            raise BadArgument("columns", f"must have {n_joints} names, one per joint of the robot, got {len(found)}")
+            rule = f"must have {n_joints} names, one per joint of the robot, got {len(found)}"
+            raise BadArgument("columns", rule)
         return found[::-1] if self.head_first else found
 
 
-@dataclass(frozen=True, kw_only=True)
+def _voltage(name: str, given: Any) -> str | float | None:
+    return given if given is None or isinstance(given, str) else finite(name, given, "V")
+
+
+@value
 class Power:
     """Electrical power, from a meter in the supply."""
 
-    column: str | None = None
-    """Column of the power [W], instead of current and voltage."""
-    current: str | None = None
-    """Column of the current [A]."""
-    voltage: str | float | None = None
-    """Column of the voltage, or its value [V]."""
-    idle: float | None = None
-    """What the robot draws at rest, taken off; the robot's own `idle_power` if left out [W]."""
+    column: str | None = option("Column of the power [W], instead of current and voltage", default=None)
+    current: str | None = option("Column of the current [A]", default=None)
+    voltage: str | float | None = option("Column of the voltage, or its value [V]", default=None, check=_voltage)
+    idle: float | None = quantity(
+        "W", "What the robot draws at rest, taken off; None: the robot's own `idle_power`", default=None, ge=0.0
+    )
 
     def __post_init__(self) -> None:
-        """Check every field once."""
+        """Check what goes together."""
         if (self.column is None) == (self.current is None) or (self.current is None) != (self.voltage is None):
-            raise BadArgument("column", f"must be given, or `current` and `voltage`, and not both; got {self.column!r}")
-        if self.idle is not None:
-            object.__setattr__(self, "idle", not_negative("idle", self.idle, "W"))
+            rule = f"must be given, or `current` and `voltage`, and not both; got {self.column!r}"
+            raise BadArgument("column", rule)
 
 
-SECTIONS: dict[str, type] = {
-    "time": TimeColumn,
-    "frame": Frame,
-    "center_of_mass": Position,
-    "heading": Heading,
-    "body": Body,
-    "ends": Ends,
-    "joint_angle": JointColumns,
-    "joint_rate": JointColumns,
-    "joint_angle_ref": JointColumns,
-    "joint_torque": JointColumns,
-    "power": Power,
-}
+def _signals(name: str, given: Any) -> dict[str, str]:
+    if not hasattr(given, "values") or not all(isinstance(one, str) for one in given.values()):
+        raise BadArgument(name, f"must be a table of names of columns, got {shown(given)}")
+    return dict(given)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class ColumnMap:
     """What the columns of a log are, and which robot it is of."""
 
-    robot: Robot
-    """What swam."""
-    environment: Water | Ground
-    """What it was in."""
-    gait: Gait | None = None
-    """What the joints were asked for; None where it is not known."""
-    start: float | None = None
-    """Where the trial begins in the file's time [s]; it is 0 in the trial's."""
-    stop: float | None = None
-    """Where it ends in the file's time [s]."""
-    longest_gap: float = 0.1
-    """Missing values over up to this time are filled by straight lines; longer gaps are refused [s]."""
-    smoothing: float = 0.1
-    """Rates are the slopes of cubic fits over this time [s]."""
-    separator: str | None = None
-    """Between the cells of a text file; found by itself if left out."""
-    decimal: str = "."
-    """Point or comma."""
-    time: TimeColumn = field(default_factory=TimeColumn)
-    """When."""
-    frame: Frame = field(default_factory=Frame)
-    """World axes."""
-    center_of_mass: Position | None = None
-    """The center of mass; just one of this, `body` and `ends`, none of them for a table that laticauda wrote."""
-    heading: Heading | None = None
-    """The heading, beside `center_of_mass`."""
-    body: Body | None = None
-    """One link."""
-    ends: Ends | None = None
-    """All links."""
-    joint_angle: JointColumns | None = None
-    """Angles of the joints."""
-    joint_rate: JointColumns | None = None
-    """Their rates; made of the angles if left out."""
-    joint_angle_ref: JointColumns | None = None
-    """What they were asked for."""
-    joint_torque: JointColumns | None = None
-    """Their torques."""
-    power: Power | None = None
-    """Electrical power."""
-    signals: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Columns that are kept as they are, by the name of the signal."""
+    robot: Robot = option("What swam")
+    environment: Environment = option("What it was in")
+    gait: Gait | None = option("What the joints were asked for; None where it is not known", default=None)
+    start: float | None = quantity(
+        "s", "Where the trial begins in the file's time; it is 0 in the trial's", default=None
+    )
+    stop: float | None = quantity("s", "Where it ends in the file's time", default=None)
+    longest_gap: float = quantity(
+        "s",
+        "Missing values over up to this time are filled by straight lines; longer gaps are refused",
+        default=0.1,
+        ge=0.0,
+    )
+    smoothing: float = quantity("s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0)
+    separator: str | None = option("Between the cells of a text file; None: found by itself", default=None)
+    decimal: Literal[".", ","] = option("Point or comma", default=".")
+    time: TimeColumn = option("When", default=TimeColumn())
+    frame: Frame = option("World axes", default=Frame())
+    center_of_mass: Position | None = option(
+        "The center of mass; just one of this, `body` and `ends`, none of them for a table that laticauda wrote",
+        default=None,
+    )
+    heading: Heading | None = option("The heading, beside `center_of_mass`", default=None)
+    body: Body | None = option("One link", default=None)
+    ends: Ends | None = option("All links", default=None)
+    joint_angle: JointColumns | None = option("Angles of the joints", default=None)
+    joint_rate: JointColumns | None = option("Their rates; None: made of the angles", default=None)
+    joint_angle_ref: JointColumns | None = option("What they were asked for", default=None)
+    joint_torque: JointColumns | None = option("Their torques", default=None)
+    power: Power | None = option("Electrical power", default=None)
+    signals: Mapping[str, str] = option(
+        "Columns that are kept as they are, by the name of the signal", default_factory=dict[str, str], check=_signals
+    )
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "longest_gap", not_negative("longest_gap", self.longest_gap, "s"))
-        object.__setattr__(self, "smoothing", positive("smoothing", self.smoothing, "s"))
-        one_of("decimal", self.decimal, (".", ","))
-        for name in ("start", "stop"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, finite(name, getattr(self, name), "s"))
+        """Check what goes together."""
         if self.start is not None and self.stop is not None and self.stop <= self.start:
             raise BadArgument("stop", f"must be > `start` = {self.start:g} s, got {self.stop:g}")
         given = [name for name in ("center_of_mass", "body", "ends") if getattr(self, name) is not None]
         if len(given) > 1:
-            raise BadArgument(f"{given[1]}", f"must not be given beside `{given[0]}`: both say where the robot was")
+            raise BadArgument(given[1], f"must not be given beside `{given[0]}`: both say where the robot was")
         if self.body is not None and self.joint_angle is None:
-            raise BadArgument("joint_angle", "must be given with `body`: one link does not say where the others are")
+            rule = "must be given with `body`: one link does not say where the others are"
+            raise BadArgument("joint_angle", rule)
         for name, section in UNITS.items():
-            columns = getattr(self, name)
+            columns: JointColumns | None = getattr(self, name)
             if columns is not None and columns.unit is not None:
                 one_of(f"{name}.unit", columns.unit, tuple(section))
 
 
-def _unit(name: str, value: object, units: Mapping[str, float]) -> None:
-    if value is not None:
-        one_of(name, value, tuple(units))
+# ---- files ---------------------------------------------------------------------------------------------------------
 
 
-def _pair(name: str, value: object, unit: str) -> tuple[float, float]:
-    items = _items(value)
-    if items is None or len(items) != 2:
-        raise BadArgument(f"{name}", f"must be two numbers in {unit}, got {value!r}")
-    return finite(name, items[0], unit), finite(name, items[1], unit)
+def load_column_map(path: str | Path) -> ColumnMap:
+    """Load a column map.
+
+    Args:
+        path: Of the TOML file; presets and files that it names are found as `load_robot` finds them.
+
+    Raises:
+        TrialFileError: If there is no such file, or anything in it is wrong; the message has the file, the key, the
+            rule and the value.
+    """
+    path = Path(path)
+    with keys_of(path, TrialFileError):
+        return _column_map(read_toml(path, TrialFileError), path.parent)
 
 
-def _names(name: str, value: object, sizes: tuple[int, ...] | None) -> tuple[str, ...]:
-    items = _items(value)
-    names = [one for one in items or () if isinstance(one, str)]
-    if items is None or len(names) != len(items) or (sizes is not None and len(names) not in sizes):
-        wanted = "" if sizes is None else f"{' or '.join(map(str, sizes))} "
-        raise BadArgument(f"{name}", f"must be a list of {wanted}names of columns, got {value!r}")
-    return tuple(names)
+def _column_map(table: Table, folder: Path) -> ColumnMap:
+    if table.pop("kind", None) != "columns":
+        raise BadKey("kind", 'must be "columns" here')
+    if "robot" not in table:
+        raise BadKey("robot", "is missing; every column map needs it")
+    hints = {name: hint for name, hint in hints_of(ColumnMap).items() if name != "environment"}
+    check_keys(table, [*hints, "water", "ground"])
+    gait = _gait(table.pop("gait")) if "gait" in table else None
+    robot = _loaded("robot", load_robot, table.pop("robot"), folder)
+    environment = _environment(table, gait, folder)
+    sections = {name: decode(hints[name], one, name) for name, one in table.items()}
+    with arguments_of(""):
+        return ColumnMap(robot=robot, environment=environment, gait=gait, **sections)
 
 
-def _items(value: object) -> list[object] | None:
-    return list(cast("Sequence[object]", value)) if isinstance(value, list | tuple) else None
+def _gait(table: Any) -> Gait:
+    words = decode(_GaitWords, table, "gait")
+    try:
+        return Gait(
+            kind=words.kind,
+            amplitude=math.radians(words.amplitude_deg),
+            frequency=math.radians(words.frequency_deg_s),
+            phase_shift=math.radians(words.phase_shift_deg),
+            offset=math.radians(words.offset_deg),
+            envelope=None if words.envelope is None else tuple(words.envelope),
+        )
+    except (ValueError, TypeError) as error:
+        raise BadKey("gait", str(error).removesuffix(".")) from error
+
+
+@dataclass(frozen=True, kw_only=True)
+class _GaitWords:
+    kind: str
+    amplitude_deg: float
+    frequency_deg_s: float
+    phase_shift_deg: float
+    offset_deg: float = 0.0
+    envelope: Sequence[float] | None = None
+
+
+def _environment(table: Table, gait: Gait | None, folder: Path) -> Environment:
+    """What the file names, or the paper's water for the gait."""
+    if "ground" in table:
+        if "water" in table:
+            raise BadKey("ground", "must not be given beside `water`")
+        return _loaded("ground", load_ground, table.pop("ground"), folder)
+    standard = "paper-eel" if gait is not None and gait.kind == "eel_like" else "paper-lateral"
+    return _loaded("water", load_water, table.pop("water", standard), folder)
+
+
+def _loaded(key: str, load: Any, name: Any, folder: Path) -> Any:
+    if not isinstance(name, str):
+        raise BadKey(key, f"must be the name of a preset or a path, got {name!r}")
+    beside = folder / name
+    try:
+        return load(beside if name.endswith(".toml") and beside.is_file() else name)
+    except LaticaudaError as error:
+        raise BadKey(key, str(error)) from error

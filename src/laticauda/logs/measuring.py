@@ -14,8 +14,7 @@ from jaxtyping import Bool
 from laticauda import kinematics
 from laticauda.errors import TrialFileError
 from laticauda.logs import flat
-from laticauda.logs.column_files import load_column_map
-from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
+from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap, load_column_map
 from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
 from laticauda.logs.smoothing import rate
 from laticauda.logs.tables import Table, read_table

@@ -37,7 +37,10 @@ class NetCdfFile(Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
         no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
-        dataset.to_netcdf(path, engine="netcdf4", encoding=no_fill)
+        try:
+            dataset.to_netcdf(path, engine="netcdf4", encoding=no_fill)
+        except RuntimeError as error:  # netCDF's, with no more of a reason: most likely the disk is full
+            raise OSError(f"{error}; is the disk full?") from error
         with path.open("rb+") as sealed:
             total = hashlib.sha256(sealed.read())
             sealed.write(SEAL + total.hexdigest().encode())

@@ -1,14 +1,13 @@
 """Formats of trial files: each is one class in one module, known by the ending of its files.
 
-A file appears whole or not at all: it is written beside its place under another name and then moved there, over any
-older file of that name.
+A file appears whole or not at all, over any older file of that name: see `laticauda.files.write`.
 """
 
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from laticauda.extensions import Extensible
-from laticauda.trial.writing import write_whole
+from laticauda.files import write
 
 if TYPE_CHECKING:
     import xarray
@@ -89,8 +88,8 @@ def save(dataset: "xarray.Dataset", path: Path, ending: str | None = None) -> No
         ending: Of its format; None: that of its name.
 
     Raises:
-        TrialFileError: If the file cannot be written; the message has its name and the reason.
+        StorageFailed: If the file cannot be written; the message has its name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
     form = Format.of(path) if ending is None else Format.named(ending)
-    write_whole(path, lambda beside: form.write(dataset, beside))
+    write(path, lambda beside: form.write(dataset, beside))

@@ -243,7 +243,7 @@ class Trial(Contents):
             path: The file.
 
         Raises:
-            TrialFileError: If the file cannot be written; the message has its name and the reason.
+            StorageFailed: If the file cannot be written; the message has its name and the reason.
             MissingExtra: If the format needs a package that is not installed.
         """
         formats.save(to_dataset(self), Path(path))
@@ -255,7 +255,7 @@ class Trial(Contents):
             path: The file, whatever its ending; an older one of that name is replaced.
 
         Raises:
-            TrialFileError: If the file cannot be written; the message has its name and the reason.
+            StorageFailed: If the file cannot be written; the message has its name and the reason.
         """
         formats.save(to_dataset(self), Path(path), "csv")
 

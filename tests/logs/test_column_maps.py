@@ -93,7 +93,7 @@ def test_files_are_found_beside_the_map(tmp_path):
             'kind = "columns"\nrobot = "mamba"\nsignals = 3\n',
             "key `signals`: must be a table of names of columns, got 3",
         ),
-        ("kind = columns", "map.toml: Invalid value"),
+        ("kind = columns", "map.toml: is not valid TOML: Invalid value"),
     ],
 )
 def test_a_map_with_a_mistake_is_refused_with_its_key(tmp_path, text, message):
@@ -101,5 +101,5 @@ def test_a_map_with_a_mistake_is_refused_with_its_key(tmp_path, text, message):
 
 
 def test_a_map_that_is_not_there_is_said(tmp_path):
-    with pytest.raises(TrialFileError, match=r"Cannot read .*none.toml: no such file"):
+    with pytest.raises(TrialFileError, match=r"none.toml: no such file"):
         load_column_map(tmp_path / "none.toml")
