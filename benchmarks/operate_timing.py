@@ -22,8 +22,9 @@ from _timing import print_load
 
 import laticauda as lc
 from laticauda.figures import save_figure, timing_sheet
+from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.session import operate
-from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Tank
+from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
 
 BUS = "udp_multicast:239.74.163.2:43119"
 
@@ -56,7 +57,7 @@ def main() -> None:
                 mocap_port=int(port),
                 meter_port=at["meter"],
             ),
-            tank=Tank(volume_x=(-1.0, 11.0)),
+            tank=CaptureVolume(volume_x=(-1.0, 11.0)),
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
             # The run is to go on, however late the loop is.
             limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),

@@ -78,16 +78,16 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.kinematics import link_centers
-from laticauda.operate import (
+from laticauda.estimation import (
     Estimate,
     Estimator,
     JointSample,
     KinematicEstimator,
     PoseSample,
     ReferenceSample,
+    Sample,
 )
-from laticauda.operate.samples import Sample
+from laticauda.kinematics import link_centers
 from laticauda.robot import load_water
 
 INTERVAL = 0.01  # between two samples of everything [s]

@@ -41,16 +41,16 @@ from pathlib import Path
 
 import laticauda as lc
 from laticauda.lab import Fault, LabSettings, Tank, World
-from laticauda.operate.operation_log import read_operation
-from laticauda.operate.operator import Operator
-from laticauda.operate.recording import OperationRecorder
-from laticauda.operate.samples import Event
+from laticauda.operate import Event
+from laticauda.operate.capture_volume import CaptureVolume
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.recording.log import read_operation
+from laticauda.operate.recording.recorder import OperationRecorder
+from laticauda.operate.recording.sink import PlainSink
+from laticauda.operate.safety.rules import BY_EVENT
 from laticauda.operate.session import header_of
 from laticauda.operate.settings import Calibration, Connection, Following, Operation
-from laticauda.operate.settings import Tank as Volume
-from laticauda.operate.sink import PlainSink
 from laticauda.operate.stepped import run_stepped
-from laticauda.operate.supervisor import BY_EVENT
 from laticauda.protocol import NodeState
 
 KINDS = (
@@ -128,7 +128,7 @@ def operation(chance: random.Random, rate: float, duration: float) -> Operation:
         countdown=0.5,
         connection=Connection(meter_port="stepped"),
         supply_voltage=35.0,
-        tank=Volume(volume_x=(-1.0, 11.0)),
+        tank=CaptureVolume(volume_x=(-1.0, 11.0)),
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5, patience=10.0),
     )
 

@@ -64,9 +64,9 @@ def simulated(operation: Operation) -> lc.Trial:
 def setting(number: int, repeats: int, duration: float | None, folder: Path) -> Series:
     """All runs of one setting, in a folder of its own."""
     series = table2()
-    what = series.operations[number]
+    what = series.trials[number]
     what = what if duration is None else replace(what, duration=duration)
-    series = replace(series, name=what.name, repeats=repeats, operations=(what,))
+    series = replace(series, name=what.name, repeats=repeats, trials=(what,))
     return run_series(series, folder / what.name, operated)
 
 
@@ -141,7 +141,7 @@ def main() -> int:
     parser.add_argument("--settings", type=int, nargs="*", help="their numbers, 0 to 11; all otherwise")
     parser.add_argument("--output", type=Path, default=Path("out/table2"))
     options = parser.parse_args()
-    numbers = options.settings or range(len(table2().operations))
+    numbers = options.settings or range(len(table2().trials))
     rows: list[dict[str, object]] = []
     with ProcessPoolExecutor(options.workers) as pool:
         waiting = [pool.submit(row, n, options.repeats, options.duration, options.output) for n in numbers]

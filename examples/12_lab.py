@@ -10,9 +10,9 @@ from math import degrees, radians
 
 import laticauda as lc
 from laticauda.lab import Fault, LabSettings, Tank, World
-from laticauda.operate.operator import Operator
+from laticauda.operate.capture_volume import CaptureVolume
+from laticauda.operate.course.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Following, Operation
-from laticauda.operate.settings import Tank as Volume
 from laticauda.operate.stepped import run_stepped
 
 operation = Operation(
@@ -24,7 +24,7 @@ operation = Operation(
     rate=50.0,
     connection=Connection(meter_port="stepped"),
     supply_voltage=35.0,
-    tank=Volume(volume_x=(-1.0, 11.0)),
+    tank=CaptureVolume(volume_x=(-1.0, 11.0)),
     calibration=Calibration(joint_zeros=True),
 )
 

@@ -5,7 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live, Setting
-from laticauda.operate import Estimate
+from laticauda.estimation import Estimate
 from laticauda.operate.listening import Sight
 from laticauda.operate.settings import Connection
 

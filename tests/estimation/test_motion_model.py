@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.operate.estimate import Mount
-from laticauda.operate.motion import JOINTS, MotionModel
-from laticauda.operate.twin import Moved
+from laticauda.estimation import Mount
+from laticauda.estimation.digital_twin import Displacement
+from laticauda.estimation.motion_model import JOINTS, MotionModel
 
 STEP = 1e-6
-FORESEEN = Moved(along=0.003, across=-0.001, turned=0.02)
+FORESEEN = Displacement(along=0.003, across=-0.001, turn=0.02)
 
 
 def model(has_twin: bool = False, swim_speed: float | None = None) -> MotionModel:

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.estimation import PoseSample
 from laticauda.kinematics import link_angles, link_centers
-from laticauda.operate.operator import Operator
-from laticauda.operate.samples import Event, PoseSample, PowerReading
-from laticauda.operate.state import Inputs, OperatorState, Outputs
+from laticauda.operate import Event, PowerReading
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import Inputs, OperatorState, Outputs
+from laticauda.operate.safety.transitions import TRANSITIONS
 from laticauda.protocol import (
     EmergencyStop,
     Heartbeat,
@@ -145,7 +147,9 @@ class Run:
         dt = 1.0 / self.operator.operation.rate
         for _ in range(n):
             inputs = replace(self.rig.advance(dt, self.outputs.messages), events=events)
-            self.state, self.outputs = self.operator.tick(self.state, self.rig.time, inputs)
+            before = self.state
+            self.state, self.outputs = self.operator.tick(before, self.rig.time, inputs)
+            assert follows(before, self.state), "no row of the table of transitions"
             self.events += self.outputs.events
             self.samples += self.outputs.samples
 
@@ -159,6 +163,14 @@ class Run:
     @property
     def log(self) -> list[str]:
         return [event.data.get("event", event.kind) for event in self.events]
+
+
+def follows(before: OperatorState, after: OperatorState) -> bool:
+    """Whether rows of the table lead from one to the other; at one tick, phase and supervisor may both move on."""
+    reached = {(before.phase, before.supervisor.state)}
+    for _ in range(2):
+        reached |= {(row.next_phase, row.next_state) for row in TRANSITIONS if (row.phase, row.state) in reached}
+    return (after.phase, after.supervisor.state) in reached
 
 
 def run_of(operator: Operator, **rig: Any) -> Run:

@@ -8,7 +8,8 @@ from typing import Any
 import campaign_scripts
 
 import laticauda as lc
-from laticauda.operate import Estimator, Event, Header, OperationRecorder, PowerReading
+from laticauda.estimation import Estimator
+from laticauda.operate import Event, Header, OperationRecorder, PowerReading
 
 ROOT = Path(__file__).parents[2]
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import laticauda as lc
 from laticauda.kinematics import center_of_mass
-from laticauda.operate.calibration import (
+from laticauda.operate.course.calibration import (
     CalibrationFailed,
     ClockOffset,
     MeanCurrent,

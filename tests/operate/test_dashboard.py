@@ -5,8 +5,8 @@ from operate.rig import run_of
 from rich.console import Console
 
 import laticauda as lc
+from laticauda.operate.course.operator import Operator
 from laticauda.operate.dashboard import Dashboard, Lines, picture
-from laticauda.operate.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Following, Operation
 
 WHAT = Operation(

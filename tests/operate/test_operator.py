@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 import laticauda as lc
+from laticauda.estimation import ReferenceSample
 from laticauda.gaits import Generator
-from laticauda.operate.operator import Operator
-from laticauda.operate.samples import ReferenceSample
-from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement, Tank
-from laticauda.operate.supervisor import BY_EVENT
+from laticauda.operate.capture_volume import CaptureVolume
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.safety.rules import BY_EVENT
+from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
@@ -98,7 +99,7 @@ def test_the_sync_comes_last_and_the_references_before_it():
 def test_path_following_steers_towards_the_path():
     run = running(duration=30.0)
     run.tick(150)
-    signals = run.operator.asker.signals(run.state.asking)
+    signals = run.operator.reference_source.signals(run.state.reference)
     assert signals["cross_track_error"] > 0.4
     assert signals["offset"] < 0.0
 
@@ -106,14 +107,14 @@ def test_path_following_steers_towards_the_path():
 def test_pitch_joints_are_held_at_zero():
     run = running(robot="mamba-modules")
     run.tick(50)
-    asked = run.state.asking.references
+    asked = run.state.reference.references
     assert asked.size == 18
     assert np.all(asked[1::2] == 0.0)
     assert np.any(asked[::2] != 0.0)
 
 
 def test_the_clocks_are_matched_and_the_path_frame_is_placed_in_the_tank():
-    run = run_of(Operator(operation=operation(tank=Tank(path_origin=(0.5, 0.2), path_heading=0.3))))
+    run = run_of(Operator(operation=operation(tank=CaptureVolume(path_origin=(0.5, 0.2), path_heading=0.3))))
     run.until("countdown")
     assert run.state.clock is not None and run.state.clock.offset == pytest.approx(CAMERAS_AHEAD)
     x, y, heading = run.state.prepared.start or (0, 0, 0)
@@ -262,7 +263,7 @@ def test_the_second_key_is_an_emergency_stop_at_that_very_tick():
 
 
 def test_the_run_ends_before_the_edge_of_the_measuring_volume():
-    run = running(duration=60.0, tank=Tank(volume_x=(0.0, 2.0)))
+    run = running(duration=60.0, tank=CaptureVolume(volume_x=(0.0, 2.0)))
     run.until("done")
     assert "edge" in run.log
     assert run.state.supervisor.state == "idle"
@@ -294,7 +295,7 @@ def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not
     def broken(*_):
         raise ZeroDivisionError("the controller divides by zero")
 
-    monkeypatch.setattr(type(run.operator.asker), "think", broken)
+    monkeypatch.setattr(type(run.operator.reference_source), "decide", broken)
     run.until("done")
     assert run.state.supervisor.state == "fault"
     assert any("the controller divides by zero" in event.message for event in run.events)

@@ -11,18 +11,9 @@ from operate.tank import IDLE, ROOT, follower, record
 
 import laticauda as lc
 from laticauda.errors import StorageFailed, TrialFileError
+from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.logs import open_recording, read_messages
-from laticauda.operate import (
-    Estimate,
-    Event,
-    Header,
-    JointSample,
-    OperationRecorder,
-    PoseSample,
-    PowerReading,
-    ReferenceSample,
-    read_operation,
-)
+from laticauda.operate import Event, Header, OperationRecorder, PowerReading, read_operation
 from laticauda.operate.timing import Tick
 
 

@@ -4,20 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from operate.tank import DRAWN, IDLE, follower, record
+from operate.tank import DRAWN, IDLE, ROOT, follower, record
 
+import laticauda as lc
 from laticauda.errors import TrialFileError
+from laticauda.estimation import Estimate, Estimator, KinematicEstimator
 from laticauda.logs import load_trial
-from laticauda.operate import (
-    Event,
-    KinematicEstimator,
-    PowerReading,
-    read_operation,
-    rerun_controller,
-    rerun_estimator,
-    trial_of,
-)
-from laticauda.operate.packing import packed_estimate
+from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
+from laticauda.operate.recording.schema import pack
+from laticauda.operate.recording.values import PlantRecord, from_json, to_json, twin_from_json
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +76,7 @@ def test_the_same_estimator_gives_the_same_estimates_to_the_last_bit(recorded):
     before = [entry for entry in log.entries if type(entry).__name__ == "Estimate"]
     assert len(again) == len(before) > 200
     for one, two in zip(before, again, strict=True):
-        assert np.array_equal(packed_estimate(one), packed_estimate(two))
+        assert np.array_equal(pack(one), pack(two))
 
 
 def test_another_estimator_may_take_its_place(recorded):
@@ -149,3 +144,41 @@ def test_a_recording_without_a_run_is_refused(recorded):
         rerun_estimator(bare)
     with pytest.raises(ValueError, match="`controller` must be given: the recording holds none, got None"):
         rerun_controller(bare)
+
+
+TWIN = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
+
+
+def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to_the_last_bit(tmp_path):
+    path = tmp_path / "twin.mcap"
+    record(path, estimator=Estimator(robot=TWIN.robot, plant=TWIN))
+    log = read_operation(path)
+    assert log.header.estimator == Estimator(robot=TWIN.robot)
+    assert log.header.twin == PlantRecord(
+        robot=TWIN.robot,
+        environment=TWIN.environment,
+        settings={"model": "planar", "joints": "servo", "dt": 0.002, "offset_bandwidth": 10.0, "ramp": 0.0},
+    )
+    again = rerun_estimator(log, plant=lc.plant)
+    assert len(again) > 200
+    assert all(np.array_equal(pack(one), pack(two)) for one, two in zip(log.of(Estimate), again, strict=True))
+    with pytest.raises(ValueError, match=r"`plant` must be `laticauda\.plant`, which makes the recorded twin again"):
+        rerun_estimator(log)
+
+
+def test_a_recording_of_the_first_format_is_replayed_to_the_bits_of_its_time():
+    log = read_operation(ROOT / "tests" / "data" / "recordings-0.1.0" / "twin.mcap")
+    trial = trial_of(log)
+    assert trial.forward_velocity.hex() == "0x1.45702d77cc94dp-3"
+    assert trial.electrical_power.hex() == "0x1.f800000000001p+5"
+    again = rerun_estimator(log, plant=lc.plant)
+    assert len(again) == len(log.of(Estimate)) > 100
+    assert all(np.array_equal(pack(one), pack(two)) for one, two in zip(log.of(Estimate), again, strict=True))
+    assert rerun_controller(log).n_different == 0
+
+
+def test_an_estimator_of_a_recording_is_written_again_as_it_was():
+    header = Header(robot=TWIN.robot, environment=TWIN.environment, estimator=Estimator(robot=TWIN.robot, plant=TWIN))
+    text = header.texts()["estimator"]
+    again = from_json(text, robot=TWIN.robot)
+    assert to_json(again, twin=twin_from_json(text)) == text

@@ -42,14 +42,14 @@ def powered(trial: Trial, watts: float) -> Trial:
 
 def small(**changes) -> SeriesFile:
     series = table2()
-    return replace(series, operations=series.operations[:2], repeats=2, retries=1, **changes)
+    return replace(series, trials=series.trials[:2], repeats=2, retries=1, **changes)
 
 
 def test_the_papers_table_2_is_a_series_of_its_twelve_starts():
     series = table2()
     measured = path_following_trials()
-    assert len(series.operations) == len(measured) == 12
-    for operation, row in zip(series.operations, measured, strict=True):
+    assert len(series.trials) == len(measured) == 12
+    for operation, row in zip(series.trials, measured, strict=True):
         assert operation.gait == row.gait
         assert operation.robot == ("mamba-fin" if row.has_fin else "mamba")
         assert operation.start is not None
@@ -81,7 +81,7 @@ def test_a_series_has_mean_and_scatter_and_the_reason_of_every_rejected_run(tmp_
 def test_its_repeats_are_what_the_report_reads(tmp_path: Path, swum: Trial):
     run_series(small(), tmp_path, lambda operation, _: result(operation.name, powered(swum, 50.0)))
     (repeat,) = load_repeats(tmp_path / "repeats.csv")
-    assert repeat.gait == table2().operations[0].gait
+    assert repeat.gait == table2().trials[0].gait
     assert repeat.forward_velocity == (pytest.approx(swum.forward_velocity),) * 4
     assert repeat.mean_power == (pytest.approx(50.0),) * 4
 

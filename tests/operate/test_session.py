@@ -16,16 +16,16 @@ import pytest
 
 import laticauda as lc
 from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, World
+from laticauda.operate import Event
+from laticauda.operate.capture_volume import CaptureVolume
+from laticauda.operate.course.operator import Operator
 from laticauda.operate.drivers import Clock, DeviceFailed
 from laticauda.operate.keys import Keys
-from laticauda.operate.operation_log import read_operation
-from laticauda.operate.operator import Operator
-from laticauda.operate.recording import OperationRecorder
-from laticauda.operate.samples import Event
+from laticauda.operate.recording.log import read_operation
+from laticauda.operate.recording.recorder import OperationRecorder
+from laticauda.operate.recording.sink import PlainSink, RecordingSink
 from laticauda.operate.session import header_of, operate, operate_stepped, result_of, table
 from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
-from laticauda.operate.settings import Tank as Volume
-from laticauda.operate.sink import PlainSink, RecordingSink
 from laticauda.operate.stepped import run_stepped
 from laticauda.protocol import NodeState, bus_address
 
@@ -44,7 +44,7 @@ def operation(**changes) -> Operation:
         duration=2.0,
         rate=50.0,
         countdown=0.1,
-        tank=Volume(volume_x=(-1.0, 11.0)),
+        tank=CaptureVolume(volume_x=(-1.0, 11.0)),
         connection=Connection(meter_port="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
@@ -188,8 +188,8 @@ def watched(bus: str, until) -> dict[int, NodeState]:
 
 
 def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_commands_again(tmp_path: Path):
-    from laticauda.operate.estimate import Estimate
-    from laticauda.operate.replay import rerun_controller, rerun_estimator
+    from laticauda.estimation import Estimate
+    from laticauda.operate import rerun_controller, rerun_estimator
 
     operator = Operator(operation=operation(duration=1.0))
     path = tmp_path / "a.mcap"
@@ -331,7 +331,6 @@ def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     assert result.accepted, result.reason
     assert result.trial is not None
     assert result.recording is not None
-    estimator = read_operation(result.recording).header.estimator
-    assert estimator.plant is not None
+    assert read_operation(result.recording).header.twin is not None
     truth = swum.truth.center_of_mass[:2]
     assert np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3  # it coasted while it stopped

@@ -6,19 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.operate.modules import no_modules
+from laticauda.operate.safety.limits import LimitMonitor, Reports
+from laticauda.operate.safety.modules import unheard
+from laticauda.operate.safety.rules import ACTIONS, BY_EVENT, RULES
+from laticauda.operate.safety.supervisor import Supervisor, SupervisorState, safety_table
+from laticauda.operate.safety.transitions import REQUESTS, STATES
 from laticauda.operate.settings import Limits
-from laticauda.operate.supervisor import (
-    ACTIONS,
-    BY_EVENT,
-    REQUESTS,
-    RULES,
-    STATES,
-    Supervisor,
-    SupervisorState,
-    safety_table,
-)
-from laticauda.operate.watch import Seen, Watch
 from laticauda.protocol import Heartbeat, NodeState
 
 STOPPING = [rule.event for rule in RULES if rule.action != "finish"]
@@ -105,9 +98,9 @@ def test_every_event_is_logged_once_when_it_begins_and_every_change_of_state_wit
         now += dt
         after, entries = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
         wrong = frozenset(events) & BY_EVENT.keys()
-        told = [entry.event for entry in entries]
-        assert all(told.count(event) == 1 for event in wrong - present)
-        assert not any(event in told for event in wrong & present)
+        logged = [entry.event for entry in entries]
+        assert all(logged.count(event) == 1 for event in wrong - present)
+        assert not any(event in logged for event in wrong & present)
         states = [at.state, *(entry.after for entry in entries)]
         assert states[-1] == after.state
         at, present = after, wrong
@@ -195,14 +188,16 @@ def test_an_event_that_is_not_in_the_table_is_refused():
 WELL = Heartbeat(node=1, state=NodeState.ACTIVE)
 
 
-def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Seen:
+def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
     """Two modules that are asked to be straight, all numbers of which are zero unless `measured` says otherwise."""
     beats = beats or (WELL, replace(WELL, node=2))
     numbers = {name: np.array([0.0, measured.get(name, 0.0)]) for name in ("angle", "rate", "current", "torque")}
     times = np.full(2, now)
-    modules = replace(no_modules(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
+    modules = replace(unheard(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
     references = np.zeros(2)
-    return Seen(now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0)
+    return Reports(
+        now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0
+    )
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -215,7 +210,7 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Seen:
 )
 def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, name, limit, lasts, says, sign):
     limits = Limits()
-    watch, patience, value = Watch(limits=limits), getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
+    watch, patience, value = LimitMonitor(limits=limits), getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
     assert abs(value) > getattr(limits, limit)
     state, found = watch.step(watch.init(2), seen_at(10.0, **{name: sign * value}))
     assert found == {}
@@ -230,10 +225,10 @@ def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, na
 
 
 def test_what_a_module_says_of_itself_is_told_before_what_it_does():
-    watch = Watch(limits=Limits())
+    watch = LimitMonitor(limits=Limits())
     beats = (WELL, Heartbeat(node=2, state=NodeState.FAULT, stuck=True))
     seen = seen_at(10.0, *beats)
-    state, found = watch.step(replace(watch.init(2), asked=0.0), seen)
+    state, found = watch.step(replace(watch.init(2), sending=0.0), seen)
     assert found == {"module_fault": "module 2: stuck"}
     limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
     _, found = watch.step(state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))

@@ -26,9 +26,9 @@ def campaign():
 def done(campaign, tmp_path_factory) -> Series:
     """Two runs of the first setting, without steering."""
     series = table2()
-    what = replace(series.operations[0], following=None, duration=DURATION, rate=50.0, countdown=0.1, calibration=QUICK)
+    what = replace(series.trials[0], following=None, duration=DURATION, rate=50.0, countdown=0.1, calibration=QUICK)
     folder = tmp_path_factory.mktemp("series")
-    return run_series(replace(series, operations=(what,), repeats=2), folder, campaign.operated)
+    return run_series(replace(series, trials=(what,), repeats=2), folder, campaign.operated)
 
 
 def test_two_runs_swim_alike_but_not_the_same(done: Series):
@@ -59,7 +59,7 @@ def test_identification_takes_the_trials_of_a_series_that_does_not_steer(done: S
     measured = [
         from_trial(trial, name=f"run {i}", series={"center_of_mass": 0.003}, every=10) for i, trial in enumerate(trials)
     ]
-    operation = done.file.operations[0]
+    operation = done.file.trials[0]
     found = fit(
         measured,
         parameters={"water.tangential_friction": (0.05, 1.0)},

@@ -63,14 +63,13 @@ class LabFlags:
             watched: The page's.
             robot: What is in the tank.
         """
-        from laticauda.operate.addresses import addressed
-        from laticauda.operate.estimate import Mount
+        from laticauda.estimation import Mount
         from laticauda.operate.settings import Connection
 
         usual, mount = Connection(), Mount()
         if self.operation is not None:
             usual, mount = self.operation.connection, self.operation.calibration.mount
-        watched.connect(addressed(usual, can=self.can, mocap=self.mocap), robot, mount=mount)
+        watched.connect(usual.at(can=self.can, mocap=self.mocap), robot, mount=mount)
 
     @cached_property
     def operation(self) -> "Operation | None":

@@ -89,7 +89,7 @@ class Operate:
         series = replace(
             series,
             repeats=series.repeats if self.repeats is None else self.repeats,
-            operations=tuple(self._chosen(operation) for operation in series.operations),
+            trials=tuple(self._chosen(operation) for operation in series.trials),
         )
         done = run_series(series, folder / series.name, self._operate, place=self._place)
         if self.json:
@@ -120,11 +120,7 @@ class Operate:
 
     def _chosen(self, operation: "Operation") -> "Operation":
         """The file's operation, with what the options say otherwise."""
-        from laticauda.operate.addresses import addressed
-
-        usual = operation.connection
-        usual = usual if self.meter is None else replace(usual, meter_port=self.meter)
-        connection = addressed(usual, can=self.can, mocap=self.mocap)
+        connection = operation.connection.at(can=self.can, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
         return replace(operation, connection=connection, supply_voltage=voltage)
 

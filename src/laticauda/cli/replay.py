@@ -12,7 +12,8 @@ from laticauda.cli.outputs import check_output
 from laticauda.cli.swim import PICTURES
 
 if TYPE_CHECKING:
-    from laticauda.operate import Estimate, OperationLog, Rerun
+    from laticauda.estimation import Estimate
+    from laticauda.operate import OperationLog, Rerun
     from laticauda.operate.timing import Timing
 
 
@@ -83,7 +84,8 @@ class Replay:
         save_figure(timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)
 
     def _estimates(self, log: "OperationLog") -> "list[Estimate] | None":
-        from laticauda.operate import KinematicEstimator, rerun_estimator
+        from laticauda.estimation import KinematicEstimator
+        from laticauda.operate import rerun_estimator
         from laticauda.simulate import plant
 
         if self.kinematics:

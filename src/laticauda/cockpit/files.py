@@ -9,7 +9,7 @@ from laticauda.cockpit.sweeps import NO_SWEEP, StoredSweep, is_sweep, read_sweep
 from laticauda.errors import TrialFileError
 from laticauda.logs import load_trial, open_recording
 from laticauda.operate import read_operation, trial_of
-from laticauda.operate.recording import HEADER
+from laticauda.operate.recording.recorder import HEADER
 from laticauda.trial import Format, Trial
 
 READ: tuple[str, ...] = tuple(ending for ending in Format.endings() if ending != ".csv")

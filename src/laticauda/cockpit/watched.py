@@ -11,13 +11,12 @@ from laticauda.cockpit.scene import Body, Scene
 from laticauda.cockpit.shapes import Color
 from laticauda.cockpit.trail import Trail
 from laticauda.errors import LaticaudaError
-from laticauda.operate.addresses import addressed
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
 
 if TYPE_CHECKING:
-    from laticauda.operate import Estimate
+    from laticauda.estimation import Estimate
     from laticauda.operate.listening import Listener
 
 TRAIL: Color = (250, 120, 80)
@@ -151,7 +150,7 @@ class Watched:
     def _clicked(self, event: Any) -> None:
         name = self._robot.value
         try:
-            connection = addressed(Connection(), can=self._can.value.strip(), mocap=self._mocap.value.strip())
+            connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
             self.connect(connection, self._own if name == self._own.name else load_robot(name))
         except (ValueError, LaticaudaError) as error:
             refuse(event.client, error)

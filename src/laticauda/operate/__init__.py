@@ -1,6 +1,6 @@
-"""Operating a robot: what it reports, where it is, and what happened.
+"""Operating a robot: from trial file and devices to recording and trial.
 
-Names are imported when they are first used: the estimators load a filter library, the recordings another one.
+Names are imported when they are first used: recordings load a library of their own.
 """
 
 from typing import TYPE_CHECKING
@@ -8,30 +8,19 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.operate.belief import EstimatorState as EstimatorState
-    from laticauda.operate.estimate import Estimate as Estimate, Mount as Mount
-    from laticauda.operate.estimation import Estimator as Estimator
-    from laticauda.operate.kinematic import KinematicEstimator as KinematicEstimator, KinematicState as KinematicState
-    from laticauda.operate.noise import Noise as Noise
-    from laticauda.operate.onlooker import Onlooker as Onlooker
-    from laticauda.operate.operation_log import (
+    from laticauda.operate.observer import PassiveObserver as PassiveObserver
+    from laticauda.operate.recording.entries import (
         Decision as Decision,
-        OperationLog as OperationLog,
-        read_operation as read_operation,
+        Event as Event,
+        PowerReading as PowerReading,
     )
-    from laticauda.operate.recording import Header as Header, OperationRecorder as OperationRecorder
-    from laticauda.operate.replay import (
+    from laticauda.operate.recording.log import OperationLog as OperationLog, read_operation as read_operation
+    from laticauda.operate.recording.recorder import Header as Header, OperationRecorder as OperationRecorder
+    from laticauda.operate.recording.rerun import (
         Rerun as Rerun,
         rerun_controller as rerun_controller,
         rerun_estimator as rerun_estimator,
-        trial_of as trial_of,
     )
-    from laticauda.operate.samples import (
-        Event as Event,
-        JointSample as JointSample,
-        PoseSample as PoseSample,
-        PowerReading as PowerReading,
-        ReferenceSample as ReferenceSample,
-    )
+    from laticauda.operate.recording.to_trial import trial_of as trial_of
 
 __getattr__, __dir__, __all__ = lazy_exports()

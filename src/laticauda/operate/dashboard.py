@@ -8,10 +8,11 @@ from types import TracebackType
 from typing import Any, Self, TextIO
 
 from laticauda.errors import MissingExtra
-from laticauda.operate.modules import Modules
-from laticauda.operate.samples import Event
+from laticauda.operate.course.state import OperatorState, Outputs
+from laticauda.operate.recording.entries import Event
+from laticauda.operate.safety.modules import Modules
+from laticauda.operate.safety.transitions import PHASES
 from laticauda.operate.settings import Operation
-from laticauda.operate.state import PHASES, OperatorState, Outputs
 from laticauda.protocol import NodeState
 
 REFRESH = 0.2  # [s, wall clock]
@@ -67,9 +68,9 @@ class Dashboard:
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """Take one tick; drawing it is the thread's business."""
         self._state = state
-        told = tuple(event for event in outputs.events if event.kind != "phase")
-        if told:
-            self._events = (*self._events, *told)[-LAST_EVENTS:]
+        events = tuple(event for event in outputs.events if event.kind != "phase")
+        if events:
+            self._events = (*self._events, *events)[-LAST_EVENTS:]
 
     def _run(self) -> None:
         while not self._ended.wait(REFRESH):
@@ -165,8 +166,8 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
             ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
             ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
         ]
-    if state.asking.command is not None and operation.following is not None:
-        rows.append(("offset", f"{math.degrees(state.asking.command.offset):7.1f}°"))
+    if state.reference.command is not None and operation.following is not None:
+        rows.append(("offset", f"{math.degrees(state.reference.command.offset):7.1f}°"))
     if state.reading is not None:
         rows.append(("supply", f"{state.reading.current:7.3f} A"))
     if state.idle_current is not None:

@@ -3,11 +3,11 @@
 import threading
 from typing import NamedTuple
 
+from laticauda.estimation import Estimate, Mount
 from laticauda.operate.drivers import Clock
 from laticauda.operate.drivers.worker import library
-from laticauda.operate.estimate import Estimate, Mount
 from laticauda.operate.loop import Devices, connected
-from laticauda.operate.onlooker import Onlooker
+from laticauda.operate.observer import PassiveObserver
 from laticauda.operate.settings import Connection
 from laticauda.robot import Robot
 
@@ -41,10 +41,10 @@ class Listener:
         library("qtm_rt", "qtm-rt")
         self.robot = robot
         self._connection = connection
-        self._onlooker = Onlooker(robot=robot, mount=mount or Mount())
+        self._observer = PassiveObserver(robot=robot, mount=mount or Mount())
         self._sight = Sight(None, WAITING)
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="onlooker", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="laticauda-observer", daemon=True)
         self._thread.start()
 
     def look(self) -> Sight:
@@ -70,11 +70,11 @@ class Listener:
             self._ended.wait(RETRY)
 
     def _listen(self, devices: Devices, clock: Clock) -> None:
-        onlooker, view = self._onlooker, self._onlooker.init(clock.now())
+        observer, state = self._observer, self._observer.init(clock.now())
         while not self._ended.wait(LOOK):
-            inputs, _ = devices.taken({})
+            inputs, _ = devices.receive({})
             now = clock.now()
-            view = onlooker.step(view, now, inputs.messages, inputs.frames)
+            state = observer.step(state, now, inputs.messages, inputs.frames)
             trouble = (devices.can.bus_off or devices.mocap.trouble).removeprefix("DeviceFailed: ").rstrip(".")
-            said = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else onlooker.complaint(view, now)
-            self._sight = Sight(onlooker.estimate(view, now), said)
+            sentence = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else observer.complaint(state, now)
+            self._sight = Sight(observer.estimate(state, now), sentence)

@@ -7,12 +7,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Protocol
 
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.operator import Operator
+from laticauda.operate.recording.entries import Tick
 from laticauda.operate.settings import Connection
-from laticauda.operate.state import Inputs, OperatorState, Outputs
-from laticauda.operate.timing import Tick, Timing, timing_of
+from laticauda.operate.timing import Timing, timing_of
 from laticauda.protocol import BusAddress, EmergencyStop
 
 MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
@@ -52,20 +53,20 @@ class Devices:
     meter: MeterDriver | None
     """The power meter; None without one."""
 
-    def taken(self, events: Mapping[str, str]) -> tuple[Inputs, tuple[Frame, ...]]:
+    def receive(self, events: Mapping[str, str]) -> tuple[Inputs, tuple[Frame, ...]]:
         """Everything that came in since the last call, and the raw frames.
 
         Args:
             events: What the operator and the recorder say.
         """
-        frames = self.can.taken()
+        frames = self.can.receive()
         found = dict(events)
         if self.can.bus_off:
             found["bus_off"] = self.can.bus_off
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
-            frames=self.mocap.taken(),
-            readings=() if self.meter is None else self.meter.taken(),
+            frames=self.mocap.receive(),
+            readings=() if self.meter is None else self.meter.receive(),
             events=found,
         )
         return inputs, frames
@@ -111,7 +112,7 @@ def run_loop(
         operator: What to do.
         devices: Connected.
         clock: That of the devices.
-        keys: What the operator has pressed, asked at every tick.
+        keys: What the operator has pressed, by now.
         sink: What keeps the record; None: nothing does.
         show: Called with every tick; must be quick.
 
@@ -122,7 +123,7 @@ def run_loop(
     interval = 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
     ticks: list[Tick] = []
-    with _undisturbed():
+    with _without_pauses():
         due = clock.now()
         while not state.is_done:
             clock.wait_until(due)
@@ -132,7 +133,7 @@ def run_loop(
                 events["recorder_failed"] = sink.trouble
             if error:
                 events["program_error"] = error
-            inputs, heard = devices.taken(events)
+            inputs, received = devices.receive(events)
             try:
                 state, outputs = operator.tick(state, now, inputs)
                 errors, error = 0, ""
@@ -141,11 +142,11 @@ def run_loop(
             if errors >= MOST_ERRORS:
                 devices.can.send((EmergencyStop(reason=2),))
                 raise RuntimeError(f"The operation was given up with an emergency stop: {error}")
-            said = devices.can.send(outputs.messages)
+            sent = devices.can.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
                 devices.meter.restart()  # its average is that of the run
             ticks.append(Tick(due, now, clock.now()))
-            _kept(sink, state, outputs, (*heard, *said), ticks[-1])
+            _keep(sink, state, outputs, (*received, *sent), ticks[-1])
             if show is not None:
                 show(state, outputs)
             due += interval
@@ -154,7 +155,7 @@ def run_loop(
     return state, timing_of(ticks, interval)
 
 
-def _kept(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick) -> None:
+def _keep(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick) -> None:
     try:
         sink.tick(state, outputs, frames, tick)
     except Exception:
@@ -164,7 +165,7 @@ def _kept(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Fram
 
 
 @contextmanager
-def _undisturbed() -> Generator[None]:
+def _without_pauses() -> Generator[None]:
     """No collection of garbage within a tick, and quick changes between threads."""
     switch, was_on = sys.getswitchinterval(), gc.isenabled()
     gc.collect()

@@ -23,11 +23,11 @@ Place = Callable[[Operation, int], None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Setting:
+class Repeats:
     """All runs of one setting."""
 
     operation: Operation
-    """What was asked for."""
+    """What was to be run."""
     results: tuple[Result, ...]
     """In their order, the rejected ones too."""
 
@@ -53,8 +53,8 @@ class Series:
     """What became of a series."""
 
     file: SeriesFile
-    """What was asked for."""
-    settings: tuple[Setting, ...]
+    """What was to be run."""
+    settings: tuple[Repeats, ...]
     """In the order of the file."""
     folder: Path
     """Trials, recordings and the table of repeats."""
@@ -62,7 +62,7 @@ class Series:
     @property
     def is_complete(self) -> bool:
         """Whether every setting has its repeats."""
-        return len(self.settings) == len(self.file.operations) and all(
+        return len(self.settings) == len(self.file.trials) and all(
             len(setting.accepted) >= self.file.repeats for setting in self.settings
         )
 
@@ -127,8 +127,8 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
     Raises:
         StorageFailed: If the table cannot be written.
     """
-    settings: list[Setting] = []
-    for operation in series.operations:
+    settings: list[Repeats] = []
+    for operation in series.trials:
         results: list[Result] = []
         stopped = False
         for number in range(1, series.repeats + series.retries + 1):
@@ -141,12 +141,12 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
                     place(operation, number)
                 result = run(one, folder)
             results.append(result)
-            done = [*settings, Setting(operation=operation, results=tuple(results))]
+            done = [*settings, Repeats(operation=operation, results=tuple(results))]
             _write_repeats(folder, done)
             stopped = not result.accepted and "the operator" in result.reason
             if stopped:
                 break
-        settings.append(Setting(operation=operation, results=tuple(results)))
+        settings.append(Repeats(operation=operation, results=tuple(results)))
         if stopped:
             break
     return Series(file=series, settings=tuple(settings), folder=folder)
@@ -184,7 +184,7 @@ def _stored(operation: Operation, folder: Path) -> Result | None:
     )
 
 
-def _write_repeats(folder: Path, settings: list[Setting]) -> None:
+def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
     """The table that `laticauda reproduce --repeats` reads: one row per accepted run."""
     rows: list[tuple[object, ...]] = []
     for setting in settings:

@@ -7,18 +7,18 @@ from typing import Any
 
 from laticauda.errors import TrialFileError
 from laticauda.interfaces import Plant
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.drivers import Clock
 from laticauda.operate.keys import Keys
 from laticauda.operate.loop import connected, run_loop
-from laticauda.operate.operation_log import read_operation
-from laticauda.operate.operator import Operator
-from laticauda.operate.recording import Header, OperationRecorder
-from laticauda.operate.replay import trial_of
+from laticauda.operate.recording.log import read_operation
+from laticauda.operate.recording.recorder import Header, OperationRecorder
+from laticauda.operate.recording.sink import PlainSink, RecordingSink
+from laticauda.operate.recording.to_trial import trial_of
+from laticauda.operate.safety.rules import BY_EVENT, cause_of
 from laticauda.operate.settings import Operation
-from laticauda.operate.sink import PlainSink, RecordingSink
-from laticauda.operate.state import OperatorState, Outputs
 from laticauda.operate.stepped import SteppedTank, run_stepped
-from laticauda.operate.supervisor import BY_EVENT
 from laticauda.operate.timing import Timing
 from laticauda.trial import Trial, following
 
@@ -226,10 +226,10 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
 
 def _aftermath(state: OperatorState) -> str:
     """What became of the robot after the run was over: it takes nothing from the run, but keeps it from the next."""
-    cause = BY_EVENT.get(state.supervisor.cause)
-    if cause is None or not state.supervisor.is_fault:
+    cause = state.supervisor.cause
+    if cause not in BY_EVENT or not state.supervisor.is_fault:
         return ""
-    return f"After the run, {cause.says}. Look at the robot, then start with `--clear`."
+    return f"After the run, {cause_of(cause)}. Look at the robot, then start with `--clear`."
 
 
 def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
@@ -237,16 +237,13 @@ def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
     if operator.check_only and not state.failure:
         return True, "All devices are well."
     if state.begun is None:
-        cause = BY_EVENT.get(state.supervisor.cause)
-        says = f"{cause.says[:1].upper()}{cause.says[1:]}." if cause else "The run did not begin."
-        return False, state.failure or says
-    stopped = state.stopped_by
-    if not stopped:
+        cause = cause_of(state.supervisor.cause) or "the run did not begin"
+        return False, state.failure or f"{cause[:1].upper()}{cause[1:]}."
+    if not state.stopped_by:
         return True, "The run reached its end."
-    says = BY_EVENT[stopped].says if stopped in BY_EVENT else stopped
-    if stopped == "edge":
-        return True, f"The run ended: {says}."
-    return False, f"The run was ended: {says}."
+    if state.stopped_by == "edge":
+        return True, f"The run ended: {cause_of(state.stopped_by)}."
+    return False, f"The run was ended: {cause_of(state.stopped_by)}."
 
 
 def table(summary: Mapping[str, Any]) -> str:

@@ -8,15 +8,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from laticauda.estimation import PoseSample
+from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
 from laticauda.operate.loop import NoSink, Sink
-from laticauda.operate.operator import Operator
-from laticauda.operate.samples import PoseSample, PowerReading
-from laticauda.operate.state import Inputs, OperatorState, Outputs
+from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import MocapFrame, ProtocolError, decode, encode
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
-METER_INTERVAL = 0.2  # between two questions to the meter [s]
+METER_INTERVAL = 0.2  # between two queries of the meter [s]
 
 
 class SteppedTank(Protocol):
@@ -71,33 +72,33 @@ def run_stepped(
         RuntimeError: If it is not done by then.
     """
     interval, sink = 1.0 / operator.operation.rate, sink or NoSink()
-    state, first, asked = operator.init(), tank.time, -np.inf
+    state, first, queried = operator.init(), tank.time, -np.inf
     count = 0
     while not state.is_done:
         now = first + count * interval
         if now - first > longest:
             raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
         tank.advance_to(now)
-        heard = [Frame(time=now, identifier=i, data=d, is_ours=False, message=decode(i, d)) for i, d in tank.sent()]
+        received = [Frame(time=now, identifier=i, data=d, is_ours=False, message=decode(i, d)) for i, d in tank.sent()]
         readings: tuple[PowerReading, ...] = ()
-        if operator.operation.connection.meter_port and now - asked >= METER_INTERVAL - 1e-9:
-            readings, asked = _reading(tank, now), now
+        if operator.operation.connection.meter_port and now - queried >= METER_INTERVAL - 1e-9:
+            readings, queried = _reading(tank, now), now
         events = dict(keys(now))
         if sink.trouble:
             events["recorder_failed"] = sink.trouble
         inputs = Inputs(
-            messages=tuple((frame.time, frame.message) for frame in heard if frame.message is not None),
+            messages=tuple((frame.time, frame.message) for frame in received if frame.message is not None),
             frames=tuple((now, _sample(frame)) for frame in tank.seen()),
             readings=readings,
             events=events,
         )
         state, outputs = operator.tick(state, now, inputs)
-        said: list[Frame] = []
+        sent: list[Frame] = []
         for message in outputs.messages:
             identifier, data = encode(message)
-            said.append(Frame(time=now, identifier=identifier, data=data, is_ours=True, message=message))
+            sent.append(Frame(time=now, identifier=identifier, data=data, is_ours=True, message=message))
             tank.receive(identifier, data, now)
-        sink.tick(state, outputs, (*heard, *said), None)
+        sink.tick(state, outputs, (*received, *sent), None)
         if show is not None:
             show(state, outputs)
         count += 1

@@ -2,40 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.operate.recording.entries import Tick
+
 Times = Float[np.ndarray, " n_ticks"]
-
-
-class Tick(NamedTuple):
-    """One tick of the loop."""
-
-    due: float
-    """When it was to begin [s]."""
-    began: float
-    """When it began [s]."""
-    sent: float
-    """When its last frame had been handed to the bus [s]."""
-
-    @property
-    def time(self) -> float:
-        """When it began [s]."""
-        return self.began
-
-
-@dataclass(frozen=True, kw_only=True)
-class Spread:
-    """A distribution in a few numbers."""
-
-    median: float
-    """[s]."""
-    p99: float
-    """99 % are smaller [s]."""
-    largest: float
-    """[s]."""
+SPREAD = ("median", "p99", "largest")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,14 +44,10 @@ class Timing:
         """Median, 99th percentile and largest of period and latency, the ticks and the missed deadlines."""
         found: dict[str, float | int] = {"ticks": int(self.due.size), "interval": self.interval, "missed": self.missed}
         for name in ("period", "latency"):
-            values = getattr(self, name)
+            values: Times = getattr(self, name)
             if values.size:
-                spread = spread_of(values)
-                found |= {
-                    f"{name}_median": spread.median,
-                    f"{name}_p99": spread.p99,
-                    f"{name}_largest": spread.largest,
-                }
+                numbers = np.percentile(values, (50.0, 99.0, 100.0)).tolist()
+                found |= {f"{name}_{of}": number for of, number in zip(SPREAD, numbers, strict=True)}
         return found
 
 
@@ -90,13 +60,3 @@ def timing_of(ticks: Sequence[Tick], interval: float) -> Timing:
     """
     due, began, sent = np.array(ticks).T if ticks else np.zeros((3, 0))
     return Timing(due=due, began=began, sent=sent, interval=interval)
-
-
-def spread_of(values: Times) -> Spread:
-    """Median, 99th percentile and largest.
-
-    Args:
-        values: At least one [s].
-    """
-    median, p99 = np.percentile(values, (50.0, 99.0))
-    return Spread(median=float(median), p99=float(p99), largest=float(np.max(values)))

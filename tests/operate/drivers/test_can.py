@@ -12,7 +12,7 @@ VIRTUAL = BusAddress(interface="virtual", channel="test-can-driver")
 def waited(driver: CanDriver, n: int) -> list:
     found, end = [], time.monotonic() + 3.0
     while len(found) < n and time.monotonic() < end:
-        found += driver.taken()
+        found += driver.receive()
         time.sleep(0.005)
     return found
 

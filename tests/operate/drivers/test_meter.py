@@ -42,7 +42,7 @@ def meter():
 def readings(driver: MeterDriver, n: int) -> list:
     found, end = [], time.monotonic() + 5.0
     while len(found) < n and time.monotonic() < end:
-        found += driver.taken()
+        found += driver.receive()
         time.sleep(0.01)
     return found
 
@@ -74,7 +74,7 @@ def test_a_meter_that_falls_silent_or_talks_nonsense_is_told_and_comes_back(mete
                 time.sleep(0.01)
             assert driver.trouble, way
             meter.way = "well"
-            driver.taken()
+            driver.receive()
             assert readings(driver, 1), way
 
 

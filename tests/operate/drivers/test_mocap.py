@@ -25,7 +25,7 @@ def published(server: QtmServer, driver: MocapDriver, n: int) -> list:
         server.publish(MocapFrame(timestamp=5.0 + 0.01 * number, number=number, bodies=(pose,)))
         number += 1
         time.sleep(0.01)
-        found += driver.taken()
+        found += driver.receive()
     return found
 
 

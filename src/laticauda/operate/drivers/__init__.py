@@ -1,7 +1,7 @@
 """The devices: CAN bus, motion capture, power meter. Each has a thread, and no exception leaves it.
 
-A driver is connected when it has been made, or says why not; then it holds what came in until it is asked (`taken`),
-says what is wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
+A driver is connected when it has been made, or says why not; then it holds what came in for `receive`, says what is
+wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
 """
 
 from laticauda.operate.drivers.can import CanDriver

@@ -97,7 +97,7 @@ class CanDriver(Worker[Frame]):
             messages: What to say.
 
         Returns:
-            The frames that went out; those that did not are told by `bus_off`.
+            The frames that went out; `bus_off` says that others did not.
         """
         sent: list[Frame] = []
         trouble = ""
@@ -105,7 +105,7 @@ class CanDriver(Worker[Frame]):
             try:
                 frame = to_frame(message)
                 self._bus.send(frame, timeout=0.0)
-            except Exception as error:  # the supervisor is told, and the modules stop by themselves
+            except Exception as error:  # the supervisor gets it, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
             identifier, data = frame.arbitration_id, bytes(frame.data)

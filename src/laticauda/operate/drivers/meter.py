@@ -10,7 +10,7 @@ from typing import Any
 
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
-from laticauda.operate.samples import PowerReading
+from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import ProtocolError
 from laticauda.protocol.meter import (
     BAUD_RATE,
@@ -47,7 +47,7 @@ class MeterDriver(Worker[PowerReading]):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            self.identity = decode_identity(self._asked(IDENTITY))
+            self.identity = decode_identity(self._query(IDENTITY))
         except (OSError, ProtocolError, ValueError) as error:
             self._drop()
             raise DeviceFailed(
@@ -64,10 +64,10 @@ class MeterDriver(Worker[PowerReading]):
         """One question and its answer."""
         try:
             if self._restart.is_set():
-                self._asked(RESTART, has_data=False)
+                self._query(RESTART, has_data=False)
                 self._since = self._clock.now()
                 self._restart.clear()
-            shown = decode_displayed(self._asked(DISPLAYED))
+            shown = decode_displayed(self._query(DISPLAYED))
         except Exception:
             self._drop()  # and open it again at the next try
             raise
@@ -83,7 +83,7 @@ class MeterDriver(Worker[PowerReading]):
         )
         self._ended.wait(INTERVAL / self._clock.speed)
 
-    def _asked(self, word: str, *, has_data: bool = True) -> str:
+    def _query(self, word: str, *, has_data: bool = True) -> str:
         """The answer's line of data."""
         if self._line is None:
             self._line = self._serial.Serial(self._port, BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)

@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from laticauda.estimation import PoseSample
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
-from laticauda.operate.samples import PoseSample
 from laticauda.protocol.qtm import body_pose
 
 CONNECT_TIME = 5.0  # [s, wall clock]
@@ -40,8 +40,8 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         super().__init__("mocap")
         self._address, self._body, self._clock = (host, port), body, clock
         self._qtm = library("qtm_rt", "qtm-rt")
-        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # its errors are told by ours
-        self._wanted = 0  # place of the body in the server's list
+        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
+        self._index = 0  # place of the body in the server's list
         self._first: DeviceFailed | None = None
         self._ready = threading.Event()
         self._start()
@@ -71,21 +71,21 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
                     "real-time server has this port."
                 )
         except Exception as error:
-            self._told(error)
+            self._failed(error)
             raise
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
             begun = asyncio.ensure_future(
-                link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._took)
+                link.stream_frames(frames="allframes", components=["6dres"], on_packet=self._on_packet)
             )
-            begun.add_done_callback(_looked_at)
+            begun.add_done_callback(_ignore_result)
             self._trouble = ""
             self._ready.set()
             while not (self._ended.is_set() or gone.is_set()):
                 await asyncio.sleep(0.05)
         except Exception as error:
-            self._told(error)
+            self._failed(error)
             raise
         finally:
             if link.has_transport():
@@ -104,9 +104,9 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         if not self._body and len(names) != 1:
             listed = ", ".join(names) or "none"
             raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
-        self._wanted = names.index(self._body) if self._body else 0
+        self._index = names.index(self._body) if self._body else 0
 
-    def _told(self, error: Exception) -> None:
+    def _failed(self, error: Exception) -> None:
         """Keep the first error for who made this driver."""
         if self._ready.is_set():
             return
@@ -115,12 +115,12 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         self._first = error if known else DeviceFailed(f"The motion capture at {host}:{port} fails: {error!r}.")
         self._ready.set()
 
-    def _took(self, packet: Any) -> None:
+    def _on_packet(self, packet: Any) -> None:
         """One packet, in the thread of the event loop."""
         arrival = self._clock.now()
         try:
             _, rows = packet.get_6d_residual()
-            position, matrix, residual = rows[self._wanted]
+            position, matrix, residual = rows[self._index]
             pose = body_pose((*position, *matrix.matrix, *residual))
             stamp = packet.timestamp / 1e6
         except Exception as error:  # a packet that makes no sense is a frame that is lost
@@ -137,7 +137,7 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         """Nothing is held: the connection ends with the thread."""
 
 
-def _looked_at(begun: "asyncio.Future[Any]") -> None:
+def _ignore_result(begun: "asyncio.Future[Any]") -> None:
     """Nobody waits for this answer: frames that come, or do not, say the same."""
     if not begun.cancelled():
         begun.exception()

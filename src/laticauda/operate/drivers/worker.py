@@ -1,4 +1,4 @@
-"""A thread that never dies of an exception, and always ends when it is told to."""
+"""A thread that never dies of an exception, and always ends when it is to."""
 
 import threading
 from abc import ABC, abstractmethod
@@ -65,7 +65,7 @@ class Worker(ABC, Generic[T]):
         """What is wrong now, in a sentence; "" if nothing is."""
         return self._trouble
 
-    def taken(self) -> tuple[T, ...]:
+    def receive(self) -> tuple[T, ...]:
         """What came in since the last call, oldest first."""
         items: list[T] = []
         while self._found:

@@ -1,0 +1,145 @@
+"""The digital twin: a plant that runs beside the filter and foresees how the robot moves through still water.
+
+Nothing in still water depends on place or heading, so what a simulated robot does in its own axes is what the real one
+does, wherever the twin itself has got to meanwhile. See docs/theory/estimation.md.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from laticauda.errors import instance
+from laticauda.gaits import lateral_undulation
+from laticauda.interfaces import Command, Plant, Start
+from laticauda.robot import Robot
+
+Vector: TypeAlias = NDArray[np.float64]
+
+# A robot whose joints are elsewhere for so long is not what the twin takes it for.
+ASTRAY = 0.5  # rad
+ASTRAY_TIME = 1.0  # s
+# References leave no part to the gait.
+STILL = lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+# A plant that leaves these bounds has diverged.
+FASTEST = 10.0  # m/s
+FASTEST_TURN = 50.0  # rad/s
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TwinState:
+    """Where the twin is, and how it moves, in its own world."""
+
+    plant: Any
+    """State of the plant."""
+    center_of_mass: Vector
+    """[m]."""
+    velocity: Vector
+    """Of the center of mass, through the water [m/s]."""
+    heading: float
+    """(6), unwrapped [rad]."""
+    rate: float
+    """Of the heading [rad/s]."""
+    joint_angle: Vector
+    """Its joint angles [rad]."""
+    astray: float = 0.0
+    """For how long a joint has been more than `ASTRAY` from the robot's [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Displacement:
+    """What the twin did in one step, in its own axes at the step's start."""
+
+    along: float
+    """Way of the center of mass through the water, along the heading (6) [m]."""
+    across: float
+    """To the left of it [m]."""
+    turn: float
+    """Change of the heading [rad]."""
+
+
+def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
+    """Refuse what cannot be the twin of a robot.
+
+    Args:
+        plant: A plant, or None.
+        robot: Whose twin it is to be.
+
+    Raises:
+        ValueError: If it is none, has other joints, or joints that do not follow references.
+    """
+    if plant is None:
+        return
+    instance("plant", plant, Plant)
+    n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
+    if n != expected or (plant.robot.n_joints != n and plant.settings.get("model") == "spatial"):
+        raise ValueError(f"`plant` must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}.")
+    if plant.settings.get("joints") == "prescribed":
+        raise ValueError("`plant` must have joints that follow references, `pd` or `servo`, got 'prescribed'.")
+
+
+def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
+    """At rest, straight, at the origin.
+
+    Args:
+        plant: What runs beside the filter.
+        reference: The first references [rad].
+    """
+    state = plant.init(Start(), _held(reference))
+    observation = plant.observe(state)
+    return TwinState(
+        plant=state,
+        center_of_mass=np.zeros(2),
+        velocity=np.zeros(2),
+        heading=observation.heading,
+        rate=0.0,
+        joint_angle=observation.joint_angle,
+    )
+
+
+def step_twin(
+    plant: Plant[Any], state: TwinState, reference: Vector, joint_angle: Vector | None, coupling: float, dt: float
+) -> tuple[TwinState, Displacement] | None:
+    """The twin after some time, and what it did; None if it diverged, or is not what the robot is.
+
+    Its joints follow phi_ref + k (phi - phi_twin): references drive it, and what the sensors say pulls it along.
+
+    Args:
+        plant: What runs beside the filter.
+        state: Before.
+        reference: phi_ref, held [rad].
+        joint_angle: phi of the robot; None where it is not known [rad].
+        coupling: k [-].
+        dt: [s].
+    """
+    astray = 0.0
+    if joint_angle is not None:
+        apart = joint_angle - state.joint_angle
+        reference = reference + coupling * apart
+        astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
+    then, log, trouble = plant.march(state.plant, _held(reference), dt, dt)
+    # The water's own motion is the filter's affair.
+    drift = np.array(getattr(plant.environment, "current", (0.0, 0.0)))
+    velocity, rate = log["center_of_mass_velocity"][-1, :2] - drift, float(log["heading_rate"][-1])
+    is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
+    if trouble is not None or not is_sane or astray > ASTRAY_TIME:
+        return None
+    after = TwinState(
+        plant=then,
+        center_of_mass=log["center_of_mass"][-1, :2],
+        velocity=velocity,
+        heading=float(log["heading"][-1]),
+        rate=rate,
+        joint_angle=log["joint_angle"][-1],
+        astray=astray,
+    )
+    way = after.center_of_mass - state.center_of_mass - dt * drift
+    c, s = math.cos(state.heading), math.sin(state.heading)
+    along, across = float(c * way[0] + s * way[1]), float(c * way[1] - s * way[0])
+    return after, Displacement(along=along, across=across, turn=after.heading - state.heading)
+
+
+def _held(reference: Vector) -> Command:
+    return Command(gait=STILL, references=tuple(reference.tolist()))

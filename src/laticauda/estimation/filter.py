@@ -1,0 +1,315 @@
+"""The filter: from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
+
+An extended Kalman filter over `MotionModel`, with a digital twin beside it if there is one. Its state is a value;
+samples may come late and out of order by up to `horizon`: then the filter goes back, takes the sample in where it
+belongs, and repeats what came after it.
+"""
+
+import math
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from laticauda.angles import wrap_to_pi
+from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
+from laticauda.estimation.estimate import Estimate, Mount, status_at
+from laticauda.estimation.filter_state import (
+    EstimatorState,
+    FilterState,
+    Gaussian,
+    Matrix,
+    Vector,
+    initial_state,
+    within_horizon,
+)
+from laticauda.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
+from laticauda.estimation.noise import Noise, beside_twin
+from laticauda.estimation.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
+from laticauda.gaits.reference import filter_step
+from laticauda.interfaces import Plant
+from laticauda.kinematics import center_of_mass, heading, link_angles
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Robot
+
+PLAY_TORQUE = 0.3  # that has a gear touch on one side, about [N m]
+LONGEST_STEP = 0.05  # of the prediction over a gap [s]
+
+
+@value
+class Estimator:
+    """The filter's settings.
+
+    With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital twin runs along and
+    foresees the motion; without, the filter knows no water. With `swim_speed`, a current along the course can be told
+    from the robot's own speed; see `MotionModel`. `backlash` is taken off where the modules report torques: the sensor
+    is on the motor's side, which leads by half the play wherever the motor pulls.
+    """
+
+    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+    noise: Noise = option("how much sensors and model are off", default_factory=Noise)
+    swim_speed: float | None = quantity("m/s", "speed through the water under the gait, if it is known", default=None)
+    swim_speed_std: float = quantity("m/s", "how well it is known", gt=0.0, default=0.01)
+    plant: Plant[Any] | None = option("the digital twin", default=None)
+    coupling: float = quantity("", "k of the twin's joints, phi_ref + k (phi - phi_twin)", ge=0.0, default=1.0)
+    backlash: float = quantity("rad", "play between a joint and its sensor, in all", ge=0.0, default=0.0)
+    gate: float = quantity("", "standard deviations beyond which a measurement is rejected", gt=0.0, default=5.0)
+    largest_residual: float = quantity("m", "of the markers of an accepted frame", gt=0.0, default=0.005)
+    patience: int = quantity("", "rejections in a row after which the filter must be wrong", ge=1, default=10)
+    horizon: float = quantity("s", "how late a sample may come", ge=0.0, default=0.1)
+    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
+    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
+
+    def __post_init__(self) -> None:
+        """Refuse a plant that cannot be the robot's twin, and a mount that is not on the robot."""
+        check_plant(self.plant, self.robot)
+        if self.plant is not None and self.swim_speed is not None:
+            raise ValueError(f"`swim_speed` must be None beside a `plant`, which knows it, got {self.swim_speed}.")
+        _ = self.model.link
+
+    @cached_property
+    def model(self) -> MotionModel:
+        """The motion model that follows from the settings."""
+        return MotionModel(
+            robot=self.robot,
+            mount=self.mount,
+            noise=self.noise,
+            swim_speed=self.swim_speed,
+            swim_speed_std=self.swim_speed_std,
+        )
+
+    @cached_property
+    def twin_model(self) -> MotionModel:
+        """The same beside a twin."""
+        return MotionModel(robot=self.robot, mount=self.mount, noise=beside_twin(self.noise), has_twin=True)
+
+    def init(self, time: float = -math.inf) -> EstimatorState:
+        """The state before the first sample. The first call with a plant has it compiled, which may take seconds.
+
+        Args:
+            time: Samples from before it are left out [s].
+        """
+        if self.plant is not None:
+            still = np.zeros(self.model.n_joints)
+            step_twin(self.plant, start_twin(self.plant, still), still, None, 0.0, 0.01)
+        return EstimatorState(history=((None, initial_state(self.model.n_joints, time)),))
+
+    def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
+        """The state after one more sample, in whatever order samples come.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            sample: What came in.
+
+        Raises:
+            ValueError: If the sample does not fit the robot.
+        """
+        later: list[Sample] = []
+        history = list(state.history)
+        while history[-1][1].time > sample.time:
+            old, _ = history.pop()
+            if old is None or not history:  # from before anything that is remembered
+                return replace(state, n_late=state.n_late + 1)
+            later.append(old)
+        rejected = 0
+        for item in (sample, *reversed(later)):
+            before = history[-1][1]
+            after = self._after(before, item)
+            history.append((item, after))
+            rejected += item is sample and after.n_rejected > before.n_rejected
+        return EstimatorState(
+            history=within_horizon(history, self.horizon), n_outliers=state.n_outliers + rejected, n_late=state.n_late
+        )
+
+    def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
+        """Where the robot is, by the model from the last sample on; None before the first frame and joint sample.
+
+        Args:
+            state: The filter's state.
+            time: For when; None: for the last sample [s].
+        """
+        now = state.latest
+        if now.posterior is None:
+            return None
+        if time is not None and time > now.time:
+            now = self._predicted(now, time)
+        posterior, model = now.posterior, self._model_of(now)
+        assert posterior is not None  # a prediction does not forget it
+        mean = posterior.mean
+        place, theta, rows = model.pose(mean, now.lagged)
+        velocity, turning = model.rates(mean, now.lagged, now.lagged_rate, now.frequency, now.twin)
+        joint = now.lagged + mean[JOINTS::2]
+        spread = rows @ posterior.covariance @ rows.T
+        water = posterior.covariance[VX : VY + 1, VX : VY + 1]
+        age = now.time - now.frame_time
+        return Estimate(
+            time=now.time,
+            status=status_at(age, self.bridging_after, self.lost_after),
+            age=age,
+            center_of_mass=place,
+            center_of_mass_velocity=velocity,
+            heading=theta,
+            heading_rate=turning,
+            link_angle=theta + model.spread @ joint,
+            joint_angle=joint,
+            joint_rate=now.lagged_rate + mean[JOINTS + 1 :: 2],
+            center_of_mass_std=math.sqrt(0.5 * (spread[0, 0] + spread[1, 1])),
+            heading_std=math.sqrt(spread[2, 2]),
+            current=mean[[VX, VY]],
+            current_std=math.sqrt(_larger_eigenvalue(water)),
+        )
+
+    # ---- inside ----------------------------------------------------------------------------------------------------
+
+    def _after(self, state: FilterState, sample: Sample) -> FilterState:
+        state = self._predicted(state, sample.time)
+        if isinstance(sample, ReferenceSample):
+            return self._with_references(state, sample)
+        if isinstance(sample, JointSample):
+            return self._with_joints(state, self._without_play(sample))
+        return self._with_frame(state, sample)
+
+    def _predicted(self, state: FilterState, time: float) -> FilterState:
+        """The filter at a later time, without more samples."""
+        dt = time - state.time
+        if dt == 0.0:
+            return state
+        if not math.isfinite(dt):
+            return replace(state, time=time)
+        width = self.model.reference_bandwidth
+        # The filter's formula holds for arrays too.
+        lag: Any = filter_step
+        lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, math.exp(-width * dt), dt)
+        runs = state.posterior is not None or state.twin is not None
+        n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if runs else 0
+        for _ in range(n_steps):
+            state = self._substep(state, lagged, dt / n_steps)
+        return replace(state, time=time, lagged=lagged, lagged_rate=rate)
+
+    def _substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
+        """Twin and robot after one step; the joints' lagged references are already those at its end."""
+        posterior, displacement = state.posterior, None
+        if state.twin is not None and self.plant is not None:
+            joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
+            then = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt)
+            if then is None:
+                state = replace(state, twin=None, twin_failed=True)
+                posterior = None if posterior is None else self.model.reopened(posterior)
+            else:
+                state, displacement = replace(state, twin=then[0]), then[1]
+        if posterior is not None:
+            mean, f, q = self._model_of(state).step(posterior.mean, lagged, state.frequency, dt, displacement)
+            posterior = posterior.predict(mean, f, q)
+        return replace(state, posterior=posterior)
+
+    def _model_of(self, state: FilterState) -> MotionModel:
+        return self.model if state.twin is None else self.twin_model
+
+    def _with_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
+        """New references; the first ones start the twin."""
+        reference, twin, posterior = yaw_joints(self.robot, "angle", sample.angle), state.twin, state.posterior
+        if twin is None and self.plant is not None and not state.twin_failed:
+            twin = start_twin(self.plant, reference)
+            posterior = None if posterior is None else self.twin_model.reopened(posterior)
+        return replace(state, reference=reference, frequency=sample.frequency, twin=twin, posterior=posterior)
+
+    def _without_play(self, sample: JointSample) -> Vector:
+        """The joint angles, from the sensors and the side on which the gears touch."""
+        angle = yaw_joints(self.robot, "angle", sample.angle)
+        if self.backlash == 0.0 or sample.torque is None:
+            return angle
+        pull = np.nan_to_num(yaw_joints(self.robot, "torque", sample.torque))
+        return angle - 0.5 * self.backlash * np.tanh(pull / PLAY_TORQUE)
+
+    def _with_joints(self, state: FilterState, angle: Vector) -> FilterState:
+        reported = np.isfinite(angle)
+        if state.posterior is None:
+            before = np.zeros_like(angle) if state.joint_angle is None else state.joint_angle
+            return replace(state, joint_angle=np.where(reported, angle, before)) if reported.any() else state
+        posterior = state.posterior
+        places = JOINTS + 2 * np.arange(angle.size)
+        residual = angle - state.lagged - posterior.mean[places]
+        spread = np.sqrt(posterior.covariance[places, places] + self.noise.joint**2)
+        rejected = reported & (np.abs(residual) > self.gate * spread)
+        n_rejected = np.where(rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected))
+        insists = n_rejected >= self.patience
+        posterior = self._reset_joints(posterior, places[insists], residual[insists])
+        use = reported & ~rejected
+        if use.any():
+            rows = np.zeros((int(use.sum()), posterior.mean.size))
+            rows[np.arange(rows.shape[0]), places[use]] = 1.0
+            posterior = posterior.update(residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0]))
+        return replace(state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected))
+
+    def _reset_joints(self, posterior: Gaussian, places: np.ndarray, shift: Vector) -> Gaussian:
+        """Joints that insist on another angle are accepted: the filter starts anew with them."""
+        if not places.size:
+            return posterior
+        mean, covariance = posterior.mean.copy(), posterior.covariance.copy()
+        mean[places] += shift
+        mean[places + 1] = 0.0
+        for at, variance in ((places, self.noise.joint**2), (places + 1, 1.0)):
+            covariance[at, :] = covariance[:, at] = 0.0
+            covariance[at, at] = variance
+        return Gaussian(mean=mean, covariance=covariance)
+
+    def _with_frame(self, state: FilterState, frame: PoseSample) -> FilterState:
+        if frame.is_lost:
+            return state
+        if frame.residual > self.largest_residual:
+            return replace(state, n_rejected=state.n_rejected + 1)
+        if state.posterior is None:
+            return self._initialized(state, frame)
+        posterior = state.posterior
+        expected, rows = self.model.marker(posterior.mean, state.lagged)
+        measured, noise = self._measurement(frame)
+        n = measured.size
+        residual, rows = measured - expected[:n], rows[:n]
+        if n == 3:
+            residual[2] = wrap_to_pi(float(residual[2]))
+        if posterior.squared_distance(residual, rows, noise) > self._limit(n):
+            if state.n_rejected + 1 < self.patience:
+                return replace(state, n_rejected=state.n_rejected + 1)
+            posterior = _inflated(posterior)
+        posterior = posterior.update(residual, rows, noise)
+        return replace(state, posterior=posterior, frame_time=state.time, n_rejected=0)
+
+    def _limit(self, n: int) -> float:
+        """The gate on a squared distance of n numbers: mean and spread of chi-squared are n and sqrt(2 n)."""
+        return n + self.gate * math.sqrt(2.0 * n)
+
+    def _measurement(self, frame: PoseSample) -> tuple[Vector, Matrix]:
+        variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
+        if frame.rotation is None or not np.isfinite(frame.rotation).all():
+            return frame.position[:2].copy(), np.diag(variance[:2])
+        yaw = self.mount.link_yaw(frame.rotation)
+        return np.array([frame.position[0], frame.position[1], yaw]), np.diag(variance)
+
+    def _initialized(self, state: FilterState, frame: PoseSample) -> FilterState:
+        """The first frame, with the joint angles before it, gives a pose to start from."""
+        measured, _ = self._measurement(frame)
+        if state.joint_angle is None or measured.size < 3:
+            return state
+        link, offset = self.mount.on_link(self.robot)
+        theta = link_angles(state.joint_angle, angle=float(measured[2]), link=link)
+        place = center_of_mass(self.model.chain, measured[:2], theta, link=link, offset=offset)
+        posterior = self._model_of(state).initial(
+            place, float(heading(theta)), state.joint_angle - state.lagged, -state.lagged_rate
+        )
+        return replace(state, posterior=posterior, frame_time=state.time, joint_angle=None)
+
+
+def _larger_eigenvalue(matrix: Matrix) -> float:
+    """Of a symmetric 2 x 2 matrix."""
+    a, b, d = float(matrix[0, 0]), float(matrix[0, 1]), float(matrix[1, 1])
+    return 0.5 * (a + d) + math.hypot(0.5 * (a - d), b)
+
+
+def _inflated(posterior: Gaussian) -> Gaussian:
+    """The same, with pose and speeds open again: for a filter that no frame fits any more."""
+    covariance = posterior.covariance.copy()
+    for at, variance in ((X, 1.0), (Y, 1.0), (H, 1.0), (U, 0.1), (S, 0.1), (R, 1.0)):
+        covariance[at, at] += variance
+    return Gaussian(mean=posterior.mean, covariance=covariance)

@@ -1,0 +1,145 @@
+"""Kinematics alone, as in the paper: one pose of the marker body and the joint angles give everything.
+
+Nothing is filtered; without a frame the last result stands still. The filter is measured against this.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.angles import wrap_to_pi
+from laticauda.estimation.estimate import Estimate, Mount, status_at
+from laticauda.estimation.samples import JointSample, PoseSample, Sample, yaw_joints
+from laticauda.kinematics import center_of_mass, heading, link_angles
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Robot
+
+Vector = Float[np.ndarray, " _n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Posture:
+    """What one frame said together with the joint angles of its time."""
+
+    time: float
+    """[s]."""
+    center_of_mass: Float[np.ndarray, " 2"]
+    """[m]."""
+    heading: float
+    """Unwrapped [rad]."""
+    link_angle: Vector
+    """[rad]."""
+    joint_angle: Vector
+    """[rad]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class KinematicState:
+    """The last samples of the joints, and the postures of the last moments."""
+
+    joints: tuple[tuple[float, Vector], ...] = ()
+    """Times [s] and angles [rad], oldest first."""
+    postures: tuple[Posture, ...] = ()
+    """Oldest first."""
+
+
+@value
+class KinematicEstimator:
+    """From the pose of the last module and the joint angles to center of mass and link angles.
+
+    Joint angles are interpolated to the time of the frame. Velocities are differences over `span`.
+
+    Raises:
+        ValueError: If a field is out of its range, or the robot has no module that carries the markers.
+    """
+
+    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+    span: float = quantity("s", "time over which velocities are taken", gt=0.0, default=0.1)
+    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
+    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
+
+    def __post_init__(self) -> None:
+        """Refuse a mount that is not on the robot."""
+        _ = self._on_link
+
+    @cached_property
+    def _on_link(self) -> tuple[int, tuple[float, float]]:
+        return self.mount.on_link(self.robot)
+
+    @cached_property
+    def _chain(self) -> Robot:
+        return self.robot.planar()
+
+    def init(self) -> KinematicState:
+        """The state before the first sample."""
+        return KinematicState()
+
+    def step(self, state: KinematicState, sample: Sample) -> KinematicState:
+        """The state after one more sample; frames from before the last one are left out.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            sample: What came in.
+
+        Raises:
+            ValueError: If the sample does not fit the robot.
+        """
+        if isinstance(sample, JointSample):
+            angle = yaw_joints(self.robot, "angle", sample.angle)
+            if not np.isfinite(angle).all() or (state.joints and sample.time <= state.joints[-1][0]):
+                return state
+            kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]
+            return replace(state, joints=(*kept, (sample.time, angle)))
+        if isinstance(sample, PoseSample) and not sample.is_lost and sample.rotation is not None and state.joints:
+            return self._add_frame(state, sample)
+        return state
+
+    def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
+        assert frame.rotation is not None  # the caller looked
+        link, offset = self._on_link
+        if state.postures and frame.time <= state.postures[-1].time:
+            return state
+        times = np.array([time for time, _ in state.joints])
+        angles = np.stack([angle for _, angle in state.joints])
+        joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
+        theta = link_angles(joint, angle=self.mount.link_yaw(frame.rotation), link=link)
+        if state.postures:
+            before = state.postures[-1].heading
+            now = float(heading(theta))
+            theta = theta + (before + wrap_to_pi(now - before) - now)
+        place = center_of_mass(self._chain, frame.position[:2], theta, link=link, offset=offset)
+        posture = Posture(
+            time=frame.time, center_of_mass=place, heading=float(heading(theta)), link_angle=theta, joint_angle=joint
+        )
+        kept = [old for old in state.postures if old.time >= frame.time - self.span - 1e-9]
+        return replace(state, postures=(*kept, posture))
+
+    def estimate(self, state: KinematicState, time: float | None = None) -> Estimate | None:
+        """What the last frame said; None before the first one.
+
+        Args:
+            state: The estimator's state.
+            time: For when; None: for the last frame [s].
+        """
+        if not state.postures:
+            return None
+        first, last = state.postures[0], state.postures[-1]
+        now = last.time if time is None else max(time, last.time)
+        pace = 1.0 / (last.time - first.time) if last.time > first.time else 0.0
+        return Estimate(
+            time=now,
+            status=status_at(now - last.time, self.bridging_after, self.lost_after),
+            age=now - last.time,
+            center_of_mass=last.center_of_mass,
+            center_of_mass_velocity=pace * (last.center_of_mass - first.center_of_mass),
+            heading=last.heading,
+            heading_rate=pace * (last.heading - first.heading),
+            link_angle=last.link_angle,
+            joint_angle=last.joint_angle,
+            joint_rate=pace * (last.joint_angle - first.joint_angle),
+            center_of_mass_std=0.0,
+            heading_std=0.0,
+        )

@@ -1,0 +1,349 @@
+"""The filter's motion and measurement model: what is estimated, how it moves on, and where that puts the marker.
+
+The center of mass and the heading are a smooth motion through moving water plus the gait's ripple, which repeats with
+the gait. Joint angles are their references, lagged, plus a deviation. See docs/theory/estimation.md.
+"""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from laticauda.estimation.digital_twin import Displacement, TwinState
+from laticauda.estimation.estimate import Mount
+from laticauda.estimation.filter_state import Gaussian, Matrix, Vector
+from laticauda.estimation.noise import Noise
+from laticauda.kinematics import link_angles, link_centers
+from laticauda.robot import Robot
+
+# Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
+# rate of turning and the sideways speed per mean joint angle.
+X, Y, U, S, VX, VY, H, R, TURN, SLIP = range(10)
+# What one mode of the body's bending adds to the heading, and to the place of the center of mass across it.
+N_MODES = 4
+HEADING_GAIN = slice(10, 10 + N_MODES)
+ACROSS_GAIN = slice(10 + N_MODES, 10 + 2 * N_MODES)
+# What repeats with the gait is a turning pointer (c, s) per harmonic; its part in the motion is c.
+HEADING, ALONG, ACROSS = range(3)
+RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACROSS, 2))
+RIPPLE = 10 + 2 * N_MODES
+JOINTS = RIPPLE + 2 * len(RIPPLES)
+_POINTER = [[RIPPLE + 2 * i for i, (what, _) in enumerate(RIPPLES) if what == kind] for kind in range(3)]
+_HARMONIC = [np.array([harmonic for what, harmonic in RIPPLES if what == kind]) for kind in range(3)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionModel:
+    """The model for one robot with one marker body; holds what never changes."""
+
+    robot: Robot
+    """Its planar reduction counts."""
+    mount: Mount = field(default_factory=Mount)
+    """Where the marker body sits."""
+    noise: Noise = field(default_factory=Noise)
+    """What is not known."""
+    swim_speed: float | None = None
+    """The robot's speed through the water under its gait, if it is known: then a current along the course can be told
+    from the robot's own speed. None: only turning tells the two apart [m/s]."""
+    swim_speed_std: float = 0.01
+    """How well it is known [m/s]."""
+    has_twin: bool = False
+    """Whether a twin foresees the motion: then U, S and R are what the robot does besides, TURN is the share by which
+    it turns faster than the twin, and all of it is small."""
+    ripple_memory: float = 100.0
+    """Time in which a ripple without frames fades [s]."""
+    reference_bandwidth: float = 25.0
+    """Of the second-order filter that stands for the joints' lag [rad/s]."""
+
+    @cached_property
+    def chain(self) -> Robot:
+        """The planar reduction."""
+        return self.robot.planar()
+
+    @cached_property
+    def n_joints(self) -> int:
+        """Its joints [-]."""
+        return self.chain.n_links - 1
+
+    @cached_property
+    def size(self) -> int:
+        """Length of what is estimated [-]."""
+        return JOINTS + 2 * self.n_joints
+
+    @cached_property
+    def link(self) -> int:
+        """Which link carries the markers [-]."""
+        return self.mount.on_link(self.robot)[0]
+
+    @cached_property
+    def lever(self) -> np.ndarray:
+        """Marker body minus center of mass = sum of these times exp(i theta), in complex numbers [m]."""
+        n, (link, (along, across)) = self.chain.n_links, self.mount.on_link(self.robot)
+        # One link along x and all others along y: what the place of a link's middle has in x is that one's lever.
+        one_turned = 0.5 * math.pi * (1.0 - np.eye(n))
+        lever = link_centers(self.chain, np.zeros((n, 2)), one_turned)[:, link, 0].astype(np.complex128)
+        lever[link] += complex(along, across)
+        return lever
+
+    @cached_property
+    def spread(self) -> np.ndarray:
+        """theta minus heading, per joint angle [-]."""
+        n = self.n_joints
+        return link_angles(np.eye(n), angle=np.zeros(n)).T if n else np.zeros((1, 0))
+
+    @cached_property
+    def modes(self) -> np.ndarray:
+        """Bending modes, per joint angle; the first is the mean [-]."""
+        return _bending_modes(self.n_joints)
+
+    def initial(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector) -> Gaussian:
+        """What is known after the first frame: mean and covariance.
+
+        Args:
+            center_of_mass: p [m].
+            heading: [rad].
+            deviation: Joint angles minus references [rad].
+            deviation_rate: Their rates [rad/s].
+        """
+        mean = np.zeros(self.size)
+        mean[[X, Y]], mean[H] = center_of_mass, heading
+        mean[JOINTS::2], mean[JOINTS + 1 :: 2] = deviation, deviation_rate
+        return Gaussian(mean=mean, covariance=np.diag(self._first_variance()))
+
+    def reopened(self, posterior: Gaussian) -> Gaussian:
+        """The same pose, current and joints, with all that explains the motion open again: for a change of models.
+
+        Args:
+            posterior: Under the other model.
+        """
+        mean, covariance = posterior.mean.copy(), posterior.covariance.copy()
+        at = np.array([U, S, R, *range(TURN, JOINTS)])
+        mean[at] = 0.0
+        covariance[at, :] = covariance[:, at] = 0.0
+        covariance[at, at] = self._first_variance()[at]
+        return Gaussian(mean=mean, covariance=covariance)
+
+    def _first_variance(self) -> Vector:
+        variance = np.zeros(self.size)
+        noise, share = self.noise, TWIN_OPENING if self.has_twin else 1.0
+        variance[[X, Y]] = 0.05**2
+        variance[[U, S]] = TWIN_SURGE**2 if self.has_twin else 0.1**2, noise.sway**2
+        variance[[VX, VY]] = noise.current**2
+        variance[[H, R]] = 0.05**2, 0.1**2
+        variance[[TURN, SLIP]] = (share * 0.5) ** 2, (share * 0.2) ** 2
+        variance[HEADING_GAIN], variance[ACROSS_GAIN] = share**2, (share * 0.1) ** 2
+        variance[JOINTS::2], variance[JOINTS + 1 :: 2] = (2.0 * noise.joint) ** 2, 0.5**2
+        return variance
+
+    def step(
+        self, mean: Vector, reference: Vector, frequency: float, dt: float, displacement: Displacement | None = None
+    ) -> tuple[Vector, Matrix, Matrix]:
+        """One step of time.
+
+        Args:
+            mean: What is estimated, before it.
+            reference: What joint angles deviate from [rad].
+            frequency: Of the gait, omega [rad/s].
+            dt: [s].
+            displacement: What the twin did meanwhile; None without one.
+
+        Returns:
+            The mean after it, F and Q.
+        """
+        f, q = np.eye(self.size), np.zeros((self.size, self.size))
+        after = mean.copy()
+        bend = float(self.modes[0] @ (reference + mean[JOINTS::2]))
+        self._travel(mean, after, f, bend, dt, displacement)
+        self._wander(after, f, q, frequency, dt)
+        self._ripples(after, f, q, frequency, dt)
+        places = np.arange(JOINTS, self.size, 2)
+        after[places] += dt * mean[places + 1]
+        f[places, places + 1] = dt
+        _walk_of_rate(q, places, self.noise.joint_acceleration**2, dt)
+        return after, f, q
+
+    def _travel(
+        self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, displacement: Displacement | None
+    ) -> None:
+        """The smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
+        foreseen = 0.0 if displacement is None else displacement.turn
+        lever = bend if displacement is None else foreseen / dt
+        turning = mean[R] + mean[TURN] * lever
+        h = mean[H] + 0.5 * (dt * turning + foreseen)
+        c, s = math.cos(h), math.sin(h)
+        after[[X, Y]] += dt * _through_water(mean, bend, c, s) + dt * mean[[VX, VY]]
+        after[H] += foreseen + dt * turning
+        f[H, R], f[H, TURN] = dt, dt * lever
+        per_bend = dt * self.modes[0]
+        across = mean[S] + mean[SLIP] * bend
+        turned = dt * np.array([-s * mean[U] - c * across, c * mean[U] - s * across])
+        if displacement is None:
+            f[H, JOINTS::2] = mean[TURN] * per_bend
+        else:
+            h0 = mean[H] + 0.5 * dt * turning
+            c0, s0 = math.cos(h0), math.sin(h0)
+            ahead, aside = displacement.along, displacement.across
+            way = np.array([c0 * ahead - s0 * aside, s0 * ahead + c0 * aside])
+            after[[X, Y]] += way
+            turned += np.array([-way[1], way[0]])
+        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * lever * turned
+        f[X, U], f[X, S], f[X, SLIP], f[X, VX] = dt * c, -dt * s, -dt * s * bend, dt
+        f[Y, U], f[Y, S], f[Y, SLIP], f[Y, VY] = dt * s, dt * c, dt * c * bend, dt
+        f[X, JOINTS::2], f[Y, JOINTS::2] = -s * mean[SLIP] * per_bend, c * mean[SLIP] * per_bend
+
+    def _wander(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """What nobody knows of the smooth motion, and of the gains."""
+        noise = self.noise
+        fade = math.exp(-dt / noise.sway_time)
+        after[S] *= fade
+        f[S, S] = fade
+        q[S, S] = noise.sway**2 * (1.0 - fade * fade)
+        self._surge(after, f, q, frequency, dt)
+        q[X, X] = q[Y, Y] = noise.position_walk**2 * dt
+        q[VX, VX] = q[VY, VY] = noise.current_walk**2 * dt
+        _walk_of_rate(q, H, noise.turning**2, dt)
+        q[TURN, TURN], q[SLIP, SLIP] = noise.turn_gain**2 * dt, noise.slip_gain**2 * dt
+        for gains, walk in ((HEADING_GAIN, noise.heading_gain), (ACROSS_GAIN, noise.across_gain)):
+            q[gains, gains] = walk**2 * dt * np.eye(N_MODES)
+
+    def _surge(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """Speed through the water: a random walk, or drawn to the known one or the twin's within some cycles."""
+        if self.has_twin:
+            fade = math.exp(-dt / TWIN_MEMORY)
+            after[U] *= fade
+            f[U, U] = fade
+            q[U, U] = TWIN_SURGE**2 * (1.0 - fade * fade)
+            return
+        if self.swim_speed is None:
+            q[U, U] = self.noise.surge**2 * dt
+            return
+        fade = math.exp(-dt / SPEED_UP)
+        target = self.swim_speed if frequency > 0.0 else 0.0
+        after[U] = target + fade * (after[U] - target)
+        f[U, U] = fade
+        q[U, U] = self.swim_speed_std**2 * (1.0 - fade * fade)
+
+    def _ripples(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
+        """Every pointer turns by the gait's phase; without a gait it fades at once."""
+        moving = frequency > 0.0
+        fade = math.exp(-dt / (self.ripple_memory if moving else STOPPED_MEMORY))
+        for i, (kind, harmonic) in enumerate(RIPPLES):
+            angle, at = harmonic * frequency * dt, RIPPLE + 2 * i
+            turn = fade * np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+            after[at : at + 2] = turn @ after[at : at + 2]
+            f[at : at + 2, at : at + 2] = turn
+            walk = self.noise.heading_ripple if kind == HEADING else self.noise.position_ripple
+            if moving:
+                q[at, at] = q[at + 1, at + 1] = (walk / harmonic) ** 2 * dt
+
+    # ---- the measurement model ---------------------------------------------------------------------------------------
+
+    def pose(self, mean: Vector, reference: Vector) -> tuple[Vector, float, Matrix]:
+        """Center of mass [m], heading (6) [rad], ripple included, and the derivative of these three.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+        """
+        bending = self.modes @ (reference + mean[JOINTS::2])
+        c, s = math.cos(mean[H]), math.sin(mean[H])
+        along = mean[_POINTER[ALONG]].sum()
+        across = mean[_POINTER[ACROSS]].sum() + mean[ACROSS_GAIN] @ bending
+        theta = mean[H] + mean[_POINTER[HEADING]].sum() + mean[HEADING_GAIN] @ bending
+        rows = np.zeros((3, self.size))
+        rows[0, X] = rows[1, Y] = rows[2, H] = 1.0
+        rows[0, H], rows[1, H] = -s * along - c * across, c * along - s * across
+        rows[0, _POINTER[ALONG]], rows[1, _POINTER[ALONG]] = c, s
+        rows[2, _POINTER[HEADING]] = 1.0
+        rows[2, HEADING_GAIN] = bending
+        rows[2, JOINTS::2] = mean[HEADING_GAIN] @ self.modes
+        sideways = np.zeros(self.size)
+        sideways[_POINTER[ACROSS]], sideways[ACROSS_GAIN] = 1.0, bending
+        sideways[JOINTS::2] = mean[ACROSS_GAIN] @ self.modes
+        rows[0] -= s * sideways
+        rows[1] += c * sideways
+        place = np.array([mean[X] + c * along - s * across, mean[Y] + s * along + c * across])
+        return place, float(theta), rows
+
+    def rates(
+        self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float, twin: TwinState | None = None
+    ) -> tuple[Vector, float]:
+        """Velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+            reference_rate: Its rate [rad/s].
+            frequency: Of the gait, omega [rad/s].
+            twin: The twin, now; None without one.
+        """
+        bending = self.modes @ (reference + mean[JOINTS::2])
+        bending_rate = self.modes @ (reference_rate + mean[JOINTS + 1 :: 2])
+        c, s = math.cos(mean[H]), math.sin(mean[H])
+        place = [float(mean[_POINTER[kind]].sum()) for kind in range(3)]
+        pace = [float(-frequency * _HARMONIC[kind] @ mean[np.array(_POINTER[kind]) + 1]) for kind in range(3)]
+        place[ACROSS] += float(mean[ACROSS_GAIN] @ bending)
+        pace[ACROSS] += float(mean[ACROSS_GAIN] @ bending_rate)
+        turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else twin.rate))
+        if twin is not None:
+            turning += twin.rate
+        along = pace[ALONG] - turning * place[ACROSS]
+        across = pace[ACROSS] + turning * place[ALONG]
+        velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
+        velocity += np.array([c * along - s * across, s * along + c * across])
+        if twin is not None:
+            ahead = mean[H] - twin.heading
+            c, s = math.cos(ahead), math.sin(ahead)
+            velocity += np.array([[c, -s], [s, c]]) @ twin.velocity
+        return velocity, turning + pace[HEADING] + float(mean[HEADING_GAIN] @ bending_rate)
+
+    def marker(self, mean: Vector, reference: Vector) -> tuple[Vector, Matrix]:
+        """What motion capture is expected to measure: x, y [m] and yaw of the link [rad], and its derivative.
+
+        Args:
+            mean: What is estimated.
+            reference: What joint angles deviate from [rad].
+        """
+        place, heading, rows = self.pose(mean, reference)
+        theta = heading + self.spread @ (reference + mean[JOINTS::2])
+        arm = self.lever * np.exp(1j * theta)
+        marker = complex(place[0], place[1]) + arm.sum()
+        per_link = 1j * arm
+        whole = per_link.sum()
+        rows[0] += whole.real * rows[2]
+        rows[1] += whole.imag * rows[2]
+        per_joint = per_link @ self.spread
+        rows[0, JOINTS::2] += per_joint.real
+        rows[1, JOINTS::2] += per_joint.imag
+        rows[2, JOINTS::2] += self.spread[self.link]
+        return np.array([marker.real, marker.imag, theta[self.link]]), rows
+
+
+# Time in which the robot comes to its speed [s], and in which ripples fade once the gait stands still [s].
+SPEED_UP = 4.0
+STOPPED_MEMORY = 0.3
+# How far the twin's speed is off [m/s], and for how long [s].
+TWIN_SURGE = 0.02
+TWIN_MEMORY = 10.0
+# How well a twin knows at the start what gains stand for, as a share of what is known without one [-].
+TWIN_OPENING = 0.1
+
+
+def _through_water(mean: Vector, bend: float, c: float, s: float) -> Vector:
+    """Velocity of the smooth motion through the water, world axes [m/s]."""
+    surge, across = mean[U], mean[S] + mean[SLIP] * bend
+    return np.array([c * surge - s * across, s * surge + c * across])
+
+
+def _walk_of_rate(q: Matrix, at: int | np.ndarray, density: float, dt: float) -> None:
+    """A value whose rate is a random walk."""
+    q[at, at] = density * dt**3 / 3.0
+    q[at, at + 1] = q[at + 1, at] = density * dt**2 / 2.0
+    q[at + 1, at + 1] = density * dt
+
+
+def _bending_modes(n_joints: int) -> Matrix:
+    """Rows that make modes of the joint angles: their mean, and cosines of 1, 2 and 3 half waves along the body."""
+    place = (np.arange(n_joints) + 0.5) / max(n_joints, 1)
+    return np.array([np.cos(math.pi * k * place) for k in range(N_MODES)]) / max(n_joints, 1)

@@ -1,0 +1,282 @@
+"""One operation as a pure tick: what came in, and the time, give what goes out. No clock, no bus, no threads.
+
+`transitions` is the table of its phases and the supervisor's states; `preparing` has what is done in the phases before
+the run.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from laticauda.estimation import Estimator, KinematicEstimator, StateEstimator
+from laticauda.interfaces import Plant
+from laticauda.operate.course import preparing
+from laticauda.operate.course.intake import Intake
+from laticauda.operate.course.reference_source import ReferenceSource
+from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared
+from laticauda.operate.recording.entries import Event
+from laticauda.operate.safety.limits import LimitMonitor, Reports
+from laticauda.operate.safety.modules import unheard
+from laticauda.operate.safety.rules import BY_EVENT, cause_of
+from laticauda.operate.safety.supervisor import Entry, Supervisor
+from laticauda.operate.safety.transitions import phase_after, phase_with
+from laticauda.operate.settings import Operation
+from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
+from laticauda.robot import Robot
+
+REPEAT = 0.1  # orders that are not obeyed yet are given again after [s]
+STRAIGHT_SHARE = 0.7  # of the time for straightening, on the way; the rest is for the joints to come after
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Operator:
+    """Everything an operation needs but its devices.
+
+    Raises:
+        ValueError: If the robot's joints cannot do what the controller may command.
+    """
+
+    operation: Operation
+    """What to do."""
+    clears: bool = False
+    """Clear faults of the modules first: somebody has looked at them."""
+    check_only: bool = False
+    """Stop after the preparations, with the robot limp all the time."""
+    twin: Plant[Any] | None = None
+    """What runs along as the filter's model of motion; None: the filter knows no water."""
+
+    @cached_property
+    def robot(self) -> Robot:
+        """What swims."""
+        return self.operation.body()
+
+    @cached_property
+    def supervisor(self) -> Supervisor:
+        """The safety supervisor."""
+        return Supervisor(straighten_time=self.operation.limits.straighten_time)
+
+    @cached_property
+    def limits(self) -> LimitMonitor:
+        """What compares with the limits."""
+        return LimitMonitor(limits=self.operation.limits)
+
+    @cached_property
+    def reference_source(self) -> ReferenceSource:
+        """From observations to references."""
+        how = self.operation
+        return ReferenceSource(
+            robot=self.robot, controller=how.controller(), ramp=how.ramp, offset_bandwidth=how.offset_bandwidth
+        )
+
+    @cached_property
+    def estimator(self) -> StateEstimator:
+        """The state estimation."""
+        mount = self.operation.calibration.mount
+        if self.operation.estimator == "kinematics":
+            return KinematicEstimator(robot=self.robot, mount=mount)
+        lost_after = self.operation.limits.mocap_timeout
+        return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
+
+    @cached_property
+    def intake(self) -> Intake:
+        """From devices to the state estimation."""
+        return Intake(operation=self.operation, estimator=self.estimator)
+
+    def init(self) -> OperatorState:
+        """The state before the first tick."""
+        n = self.robot.n_joints
+        return OperatorState(
+            supervisor=self.supervisor.init(),
+            limits=self.limits.init(n),
+            modules=unheard(n),
+            estimator=self.estimator.init(),
+            reference=self.reference_source.init(),
+            prepared=Prepared(),
+        )
+
+    def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
+        """One tick.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            now: Our clock, later than at the last tick [s].
+            inputs: What came in since.
+
+        Returns:
+            The state now, and what goes out.
+        """
+        before = state
+        state = state if state.since is not None else replace(state, since=now)
+        state, samples = self.intake.step(state, now, inputs)
+        state, wrong = self._monitored(state, before, now, inputs)
+        state, events = self._prepared(state, now)
+        state, requests = self._requested(state, now)
+        state, entries = self._supervised(state, now, wrong, requests)
+        state = self._with_references(state, now)
+        state, messages = self._with_orders(state, now)
+        events = (*events, *(_event(entry, wrong) for entry in entries), *_milestones(before, state, now))
+        outputs = Outputs(messages=messages, samples=samples, estimate=state.estimate, events=events)
+        if state.reference.n_decisions > before.reference.n_decisions:
+            signals = self.reference_source.signals(state.reference)
+            outputs = replace(outputs, command=state.reference.command, signals=signals)
+        return replace(state, now=now), outputs
+
+    def _monitored(
+        self, state: OperatorState, before: OperatorState, now: float, inputs: Inputs
+    ) -> tuple[OperatorState, dict[str, str]]:
+        """What is wrong now, by event."""
+        tank, found = self.operation.tank, dict(inputs.events)
+        room = float("inf")
+        if state.estimate is not None and state.phase == "running":
+            velocity = tank.to_tank(state.estimate.center_of_mass_velocity) - tank.to_tank(np.zeros(2))
+            room = tank.room(tank.to_tank(state.estimate.center_of_mass), velocity)
+        sent = before.supervisor.sends_references
+        started = state.since if state.since is not None else now
+        reports = Reports(
+            now=now,
+            lateness=0.0 if before.now is None else now - before.now - 1.0 / self.operation.rate,
+            modules=state.modules,
+            references=state.reference.references if sent else None,
+            mocap_age=now - (started if state.frame_time is None else state.frame_time),
+            meter_age=None if state.reading is None else now - state.reading.time,
+            room=room,
+        )
+        limits, wrong = self.limits.step(state.limits, reports)
+        if state.phase in ("connecting", "checking"):
+            wrong = {}  # the checks say it better
+        if not sent:
+            wrong.pop("late_loop", None)
+        error = state.error or before.error  # the controller's is of the last tick
+        if error:
+            found["program_error"] = error
+        if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
+            state = replace(state, notes=(*state.notes, f"lost_meter: {wrong['lost_meter']}"))
+        return replace(state, limits=limits), {**wrong, **found}
+
+    def _prepared(self, state: OperatorState, now: float) -> preparing.Answer:
+        """One tick of the preparations, as far as they are to go."""
+        state, events = preparing.step(self.operation, state, now)
+        if self.check_only and state.phase == "settling":
+            state = replace(state, phase=phase_after("settling", "only_checked"))
+        return state, events
+
+    def _requested(self, state: OperatorState, now: float) -> tuple[OperatorState, tuple[str, ...]]:
+        """The requests of the normal course, and giving up before the run."""
+        gone = 0.0 if state.since is None else now - state.since
+        if state.failure and state.phase not in ("stopping", "done"):
+            return replace(state, phase=phase_after(state.phase, "ended"), since=now), ("ended",)
+        if state.phase == "settling" and state.supervisor.state == "idle":
+            return state, ("checked",)
+        if state.phase == "countdown" and gone >= self.operation.countdown:
+            return state, ("started",)
+        if state.phase == "running" and state.begun is not None and now - state.begun >= self.operation.duration:
+            return state, ("ended",)
+        return state, ()
+
+    def _supervised(
+        self, state: OperatorState, now: float, wrong: Mapping[str, str], requests: tuple[str, ...]
+    ) -> tuple[OperatorState, tuple[Entry, ...]]:
+        """The supervisor's step, and what follows from it."""
+        limits, modules, before = self.operation.limits, state.modules, state.supervisor
+        is_limp = modules.is_limp(now, limits.heartbeat_timeout)
+        angle = modules.angle[np.isfinite(modules.angle)]
+        at_rest = not np.any(state.reference.references)
+        is_straight = at_rest and bool(np.all(np.abs(angle) < limits.straight))
+        events = {*wrong, *requests}
+        after, entries = self.supervisor.step(before, now, events, is_straight=is_straight, is_limp=is_limp)
+        state = replace(state, supervisor=after)
+        if after.state != before.state:
+            phase = phase_with(state.phase, before.state, after.state)
+            return self._entered(replace(state, phase=phase), now), entries
+        if after.state in ("idle", "fault") and state.phase == "stopping":
+            # A module that is not heard goes limp by itself; until then nothing is over.
+            is_sure = is_limp and not modules.silent(now, limits.heartbeat_timeout)
+            if is_sure or now - after.since > self.supervisor.within("limp"):
+                state = replace(state, phase=phase_after("stopping", "settled"), since=now)
+        elif after.state == "idle" and state.phase != "done":
+            why = next((event for event in wrong if event in BY_EVENT and event != "lost_meter"), "")
+            state = replace(state, failure=f"{cause_of(why)}: {wrong[why]}") if why else state
+        return state, entries
+
+    def _entered(self, state: OperatorState, now: float) -> OperatorState:
+        """What follows from another state of the supervisor."""
+        source, reference = self.reference_source, state.reference
+        entered = state.supervisor.state
+        if entered == "ready":
+            return replace(state, reference=source.start_straightening(reference, now, state.modules.angle))
+        if entered == "running":
+            return replace(state, since=now, begun=now, reference=source.begin(reference, now))
+        if entered in ("stopping", "fault"):
+            if state.begun is not None and state.ended is None:
+                state = replace(state, ended=now, stopped_by=state.supervisor.cause)
+            reference = source.start_straightening(reference, now, reference.references)
+            return replace(state, since=now, reference=reference)
+        return state
+
+    def _with_references(self, state: OperatorState, now: float) -> OperatorState:
+        """The references of this tick."""
+        if not state.supervisor.sends_references:
+            return state
+        source, reference = self.reference_source, state.reference
+        if state.supervisor.state != "running":
+            way = STRAIGHT_SHARE * self.operation.limits.straighten_time
+            return replace(state, reference=source.straighten(reference, now, way))
+        try:
+            if state.estimate is not None:
+                reference = source.decide(reference, now, state.estimate.observation())
+            return replace(state, reference=source.follow(reference, now))
+        except Exception as error:  # the next tick stops the robot; until then it holds
+            return replace(state, error=f"controller: {error}")
+
+    def _with_orders(self, state: OperatorState, now: float) -> tuple[OperatorState, tuple[CanMessage, ...]]:
+        """The messages of this tick: orders first, then references, and the Sync at last."""
+        orders: list[CanMessage] = []
+        supervisor, modules = state.supervisor, state.modules
+        is_limp = modules.is_limp(now, self.operation.limits.heartbeat_timeout)
+        stop = EmergencyStop(reason=1 if supervisor.cause == "emergency_key" else 2)
+        if now - state.ordered >= REPEAT:
+            if supervisor.action == "emergency_stop" and not is_limp:
+                orders.append(stop)
+            elif supervisor.sends_references and not modules.all_active():
+                orders.append(NodeCommand(order=Order.ENABLE))
+            elif not supervisor.sends_references and not is_limp:
+                orders.append(NodeCommand(order=Order.DISABLE))
+            elif self.clears and state.phase == "connecting":
+                orders.append(NodeCommand(order=Order.CLEAR))
+            elif state.prepared.sets_zero:
+                orders.append(NodeCommand(order=Order.SET_ZERO))
+                state = replace(state, prepared=replace(state.prepared, sets_zero=False))
+        if supervisor.action == "emergency_stop" and supervisor.since == now and not orders:
+            orders.append(stop)
+        angles = references(state.reference.references.tolist()) if supervisor.sends_references else ()
+        state = replace(state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536)
+        return state, (*orders, *angles, Sync(counter=state.sync))
+
+
+def _milestones(before: OperatorState, state: OperatorState, now: float) -> list[Event]:
+    """The phases, and the begin and end of the run, which a replay looks for."""
+    found: list[Event] = []
+    if state.begun is not None and before.begun is None:
+        found.append(Event(time=now, kind="start", message="the run begins"))
+    if state.ended is not None and before.ended is None:
+        cause = state.supervisor.cause
+        message = f"The run was ended: {cause_of(cause)}." if cause in BY_EVENT else "The run reached its end."
+        data = {"succeeded": not state.supervisor.is_fault}
+        found.append(Event(time=now, kind="stop", message=message, data=data))
+    if state.phase != before.phase:
+        found.append(Event(time=now, kind="phase", message=f"{before.phase} -> {state.phase}"))
+    return found
+
+
+def _event(entry: Entry, wrong: Mapping[str, str]) -> Event:
+    """A line of the supervisor's log as an event of the recording."""
+    rule, detail = BY_EVENT.get(entry.event), wrong.get(entry.event, "")
+    return Event(
+        time=entry.time,
+        kind="fault" if rule is not None and rule.is_fault else "state",
+        message=f"{cause_of(entry.event)}{': ' + detail if detail else ''}; {entry.action.replace('_', ' ')}",
+        data={"event": entry.event, "action": entry.action, "before": entry.before, "after": entry.after},
+    )

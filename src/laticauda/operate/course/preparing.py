@@ -1,0 +1,193 @@
+"""What comes before the run, phase by phase: connect, check, calibrate, idle current, stillness, count down."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from laticauda.angles import wrap_to_pi
+from laticauda.operate.course.calibration import CalibrationFailed, Places, Stillness, joint_zeros, marker_yaw
+from laticauda.operate.course.state import OperatorState
+from laticauda.operate.recording.entries import Event
+from laticauda.operate.safety.modules import complaints
+from laticauda.operate.safety.transitions import phase_after
+from laticauda.operate.settings import Operation
+
+GRANT_TIME = 5.0  # in which the supervisor has to let the robot move [s]
+CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
+COLLECT_TIME = 1.0  # of samples for a calibration [s]
+LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
+Answer = tuple[OperatorState, tuple[Event, ...]]
+
+
+def step(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """One tick of the phase that `state` is in.
+
+    Args:
+        operation: What is to be prepared.
+        state: Before.
+        now: [s].
+
+    Returns:
+        The state after it, and what is to be logged.
+    """
+    phase = _STEPS.get(state.phase)
+    if phase is None or state.failure:
+        return state, ()
+    try:
+        return phase(operation, state, now)
+    except CalibrationFailed as error:
+        return _given_up(state, now, str(error))
+
+
+def _done(state: OperatorState, now: float, event: str, message: str, **data: object) -> Answer:
+    """On to the next phase."""
+    logged = Event(time=now, kind=state.phase, message=message, data=data)
+    return replace(state, phase=phase_after(state.phase, event), since=now), (logged,)
+
+
+def _given_up(state: OperatorState, now: float, why: str) -> Answer:
+    return replace(state, failure=why), (Event(time=now, kind="failed", message=why),)
+
+
+def _gone(state: OperatorState, now: float) -> float:
+    return 0.0 if state.since is None else now - state.since
+
+
+def _connecting(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """Until every module, the motion capture and the power meter have been heard."""
+    modules, connection = state.modules, operation.connection
+    missing: list[str] = []
+    if not modules.is_heard:
+        silent = [
+            str(k + 1)
+            for k, beat in enumerate(modules.heartbeat)
+            if beat is None or not math.isfinite(modules.angle[k])
+        ]
+        which = "no module is heard" if len(silent) == modules.n else f"module {', '.join(silent)} is not heard"
+        missing.append(f"{which} on {connection.can_interface} {connection.can_channel}: check power, cable and node")
+    if state.frame_time is None:
+        body = f"body {connection.mocap_body!r}" if connection.mocap_body else "a body"
+        missing.append(
+            f"the motion capture at {connection.mocap_host}:{connection.mocap_port} does not see {body}: check that it "
+            "measures, and that the robot is within its volume"
+        )
+    if connection.meter_port and state.reading is None:
+        missing.append(f"the power meter at {connection.meter_port} says nothing: check that it is on and connected")
+    if not missing:
+        return _done(state, now, "heard", f"{modules.n} modules and the motion capture are heard")
+    if _gone(state, now) > CONNECT_TIME:
+        return _given_up(state, now, _sentence("; ".join(missing)))
+    return state, ()
+
+
+def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """Every module: firmware state, temperature, leak, voltage; limp."""
+    limits = operation.limits
+    found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
+    if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
+        beats = [beat for beat in state.modules.heartbeat if beat is not None]
+        warm, low = max(beat.temperature for beat in beats), min(beat.voltage for beat in beats)
+        message = f"all modules are well: at most {warm:.0f} degC, at least {low:.1f} V"
+        return _done(state, now, "well", message, temperature=warm, voltage=low)
+    if _gone(state, now) > CONNECT_TIME / 2.0:
+        return _given_up(state, now, _sentence("; ".join(found or ("the modules do not go limp",))))
+    return state, ()
+
+
+def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """Joint zeros and marker body, where they are to be measured; the clocks meanwhile."""
+    how, prepared = operation.calibration, state.prepared
+    prepared = replace(prepared, angle=(*prepared.angle, state.modules.angle))
+    state = replace(state, prepared=prepared)
+    if _gone(state, now) < COLLECT_TIME:
+        return state, ()
+    offset = 0.0 if state.clock is None else state.clock.offset
+    words = [f"clock of the cameras {1e3 * offset:+.1f} ms"]
+    if how.joint_zeros and any(beat is not None and beat.not_calibrated for beat in state.modules.heartbeat):
+        zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
+        words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
+        prepared = replace(prepared, sets_zero=True)
+    if how.straight_heading is not None:
+        rotation = np.array(prepared.rotation).reshape(-1, 3, 3)
+        if len(rotation) < LEAST_FRAMES:
+            raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
+        yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
+        words.append(f"marker body {math.degrees(yaw):+.2f} deg to its module")
+        prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
+    return _done(replace(state, prepared=prepared), now, "calibrated", "; ".join(words))
+
+
+def _idle_current(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """I_0: the mean while the robot is limp."""
+    if not operation.connection.meter_port:
+        return _done(state, now, "measured", "no power meter: the run has no power")
+    if _gone(state, now) < operation.calibration.idle_time:
+        return state, ()
+    mean = state.idle.mean
+    if mean is None:
+        return _given_up(state, now, "The power meter fell silent while the current at rest was measured.")
+    message = f"I_0 = {mean:.3f} A from {state.idle.count} readings"
+    return _done(state, now, "measured", message, current=mean, readings=state.idle.count)
+
+
+def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
+    """Held straight, until the water is calm and the robot lies where it is to start."""
+    how, estimate = operation.calibration, state.estimate
+    if state.supervisor.state == "idle":  # not yet granted: something speaks against it, but not forever
+        if _gone(state, now) > GRANT_TIME:
+            return _given_up(state, now, "The robot may not move: " + _why(state))
+        return state, ()
+    if _gone(state, now) > how.patience:
+        return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
+    if estimate is None or state.supervisor.state != "ready" or np.any(state.reference.references):
+        return replace(state, prepared=replace(state.prepared, places=())), ()
+    start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
+    still = Stillness(speed=how.still_speed, rate=how.still_rate, duration=how.still_time)
+    places, is_still = still.step(state.prepared.places, now, *start)
+    state = replace(state, prepared=replace(state.prepared, places=places, start=_mean(places)))
+    if not is_still:
+        return state, ()
+    start = _mean(places)
+    off = _off_place(operation, start)
+    if off:
+        return _given_up(state, now, off)
+    message = f"still at p_y(0) = {start[1]:.4f} m, theta(0) = {math.degrees(start[2]):.2f} deg"
+    return _done(state, now, "still", message, x=start[0], y=start[1], heading=start[2])
+
+
+def _mean(places: Places) -> tuple[float, float, float]:
+    n = len(places)
+    return sum(p[1] for p in places) / n, sum(p[2] for p in places) / n, sum(p[3] for p in places) / n
+
+
+def _off_place(operation: Operation, place: tuple[float, float, float]) -> str:
+    start = operation.start
+    if start is None:
+        return ""
+    away = math.hypot(place[0] - start.position[0], place[1] - start.position[1])
+    turned = wrap_to_pi(place[2] - start.heading)
+    if away <= start.tolerance and abs(turned) <= start.heading_tolerance:
+        return ""
+    return (
+        f"The robot lies {away:.2f} m and {math.degrees(turned):+.0f} deg from its start; put it at "
+        f"({start.position[0]:.2f}, {start.position[1]:.2f}) m, heading {math.degrees(start.heading):.0f} deg."
+    )
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def _why(state: OperatorState) -> str:
+    return ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
+
+
+_STEPS: dict[str, Callable[[Operation, OperatorState, float], Answer]] = {
+    "connecting": _connecting,
+    "checking": _checking,
+    "calibrating": _calibrating,
+    "idle_current": _idle_current,
+    "settling": _settling,
+}

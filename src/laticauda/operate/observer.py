@@ -1,0 +1,150 @@
+"""A passive observer of a robot that somebody else operates: what modules and cameras say, and where it is by that.
+
+Everything is taken by the time at which it came, so nothing has to be known about the clocks of others, nor how fast
+the time of a virtual tank goes. Rates are then by our clock, too.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from laticauda.estimation import Estimate, JointSample, KinematicEstimator, KinematicState, Mount, PoseSample
+from laticauda.operate.safety.modules import Modules, unheard, updated
+from laticauda.protocol import CanMessage, Heartbeat, JointState
+from laticauda.quantities import option, value
+from laticauda.robot import Robot
+
+SILENT = 2.0  # who says nothing for so long is silent [s]
+STRAIGHT_AFTER = 0.5  # modules that have not told their angles by then are taken for straight [s]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObserverState:
+    """What the modules and cameras have said so far."""
+
+    modules: Modules
+    """What the modules say."""
+    posture: KinematicState
+    """Of the kinematics."""
+    begun: float
+    """When observing began [s]."""
+    largest_node: int = 0
+    """Greatest number of a module that was heard; the robot may have fewer [-]."""
+    frame_time: float = -math.inf
+    """When the cameras sent their last frame [s]."""
+    tracked_time: float = -math.inf
+    """When they saw the robot last [s]."""
+
+
+@value
+class PassiveObserver:
+    """From what goes over the wires to center of mass and link angles, by kinematics as in the paper, tank frame.
+
+    Raises:
+        ValueError: If the robot has no module that carries the markers.
+    """
+
+    robot: Robot = option("what is operated; CAN node k is its joint k - 1")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+
+    def __post_init__(self) -> None:
+        """Refuse a mount that is not on the robot."""
+        _ = self.kinematics
+
+    @cached_property
+    def kinematics(self) -> KinematicEstimator:
+        """What says where the robot is."""
+        return KinematicEstimator(robot=self.robot, mount=self.mount)
+
+    def init(self, now: float) -> ObserverState:
+        """Before any message and frame, at the time `now` [s]."""
+        return ObserverState(modules=unheard(self.robot.n_joints), posture=self.kinematics.init(), begun=now)
+
+    def step(
+        self,
+        state: ObserverState,
+        now: float,
+        messages: Iterable[tuple[float, CanMessage]],
+        frames: Iterable[tuple[float, PoseSample]],
+    ) -> ObserverState:
+        """What is known after some more messages and frames.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            now: [s].
+            messages: From the bus, oldest first, with the times of their arrival [s].
+            frames: From the cameras, likewise; their own times do not count.
+        """
+        messages = tuple(messages)
+        nodes = [message.node for _, message in messages if isinstance(message, Heartbeat | JointState)]
+        state = replace(state, largest_node=max([state.largest_node, *nodes]))
+        for cycle in _cycles(messages):
+            state = replace(state, modules=updated(state.modules, cycle))
+            if any(isinstance(message, JointState) for _, message in cycle):
+                state = self._with_joints(state, cycle[-1][0], state.modules.angle)
+        if not state.posture.joints and now - state.begun > STRAIGHT_AFTER:
+            state = self._with_joints(state, now, np.zeros(self.robot.n_joints))
+        for arrival, frame in frames:
+            posture = self.kinematics.step(state.posture, replace(frame, time=arrival))
+            tracked = state.tracked_time if frame.is_lost else arrival
+            state = replace(state, posture=posture, frame_time=arrival, tracked_time=tracked)
+        return state
+
+    def estimate(self, state: ObserverState, now: float) -> Estimate | None:
+        """Where the robot is; None before the cameras have seen it.
+
+        Args:
+            state: As `step` returned it.
+            now: [s].
+        """
+        return self.kinematics.estimate(state.posture, now)
+
+    def complaint(self, state: ObserverState, now: float) -> str:
+        """What is missing from the picture, in a sentence; "" if nothing is.
+
+        Args:
+            state: As `step` returned it.
+            now: [s].
+        """
+        if now - state.begun < STRAIGHT_AFTER:
+            return ""
+        modules, n = state.modules, self.robot.n_joints
+        if state.largest_node > n:
+            return (
+                f"Module {state.largest_node} is heard, and {self.robot.name} has {n} joints: choose the robot that is "
+                "in the tank."
+            )
+        silent = modules.silent(now, SILENT)
+        if len(silent) == n:
+            return "No module is heard on the bus: check that the lab runs, or the robot's power."
+        if now - state.frame_time > SILENT:
+            return "The motion capture sends no frames: check that it measures."
+        if now - state.tracked_time > SILENT:
+            return "The cameras do not see the robot: it is drawn where they saw it last."
+        if silent:
+            return f"Module {', '.join(map(str, silent))} is not heard: its joint is drawn as it was last."
+        if now - float(np.max(modules.angle_time)) > SILENT:
+            drawn = "as they were last" if np.isfinite(modules.angle).all() else "straight"
+            return f"Nobody operates the robot: its modules tell their angles only when asked; drawn {drawn}."
+        return ""
+
+    def _with_joints(self, state: ObserverState, time: float, angle: np.ndarray) -> ObserverState:
+        return replace(state, posture=self.kinematics.step(state.posture, JointSample(time=time, angle=angle)))
+
+
+def _cycles(messages: tuple[tuple[float, CanMessage], ...]) -> list[list[tuple[float, CanMessage]]]:
+    """The messages in pieces in which every module tells its angle once at most."""
+    pieces: list[list[tuple[float, CanMessage]]] = []
+    reported: set[int] = set()
+    for time, message in messages:
+        again = isinstance(message, JointState) and message.node in reported
+        if again or not pieces:
+            pieces.append([])
+            reported = set()
+        if isinstance(message, JointState):
+            reported.add(message.node)
+        pieces[-1].append((time, message))
+    return pieces

@@ -1,0 +1,1 @@
+"""The recording of an operation: one file for everything, read again, and made a trial of."""

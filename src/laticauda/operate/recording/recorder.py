@@ -1,0 +1,216 @@
+"""One file for everything that happens while a robot is operated: MCAP, which survives that the program is killed.
+
+What the estimator and the controller got is kept bit for bit, in the order in which they got it; beside it stands the
+same in the types that Foxglove draws by itself. docs/how-to/recordings.md lists the topics.
+"""
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from laticauda.errors import instance, not_negative, positive
+from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, StateEstimator
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command
+from laticauda.logs import Recorder
+from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
+from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS, pack, topic_of
+from laticauda.operate.recording.values import PlantRecord, record_of, to_json
+from laticauda.packaging import __version__
+from laticauda.robot import Environment, Robot, to_toml
+
+HEADER = "operation"
+FORMAT = "1"
+COMMAND = "/command"
+TICK = "/loop/tick"
+RECEIVED, SENT = "/can/received", "/can/sent"
+LEVELS = {"fault": "error", "rejected": "warning"}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Header:
+    """What a recording says about the whole operation."""
+
+    robot: Robot
+    """What swims."""
+    environment: Environment
+    """What it swims in, as far as it is known; its density and current count for the figures."""
+    gait: Gait | None = None
+    """What is swum; None if none is."""
+    controller: object | None = None
+    """What decides the commands, for a replay: one of those of `laticauda.control`, or None."""
+    estimator: StateEstimator | None = None
+    """What says where the robot is, for a replay, or None; the plant of an `Estimator` is kept as `twin`."""
+    twin: PlantRecord | None = None
+    """How the estimator's digital twin was made; None without one."""
+    supply_voltage: float | None = None
+    """V of (4); None without a power meter [V]."""
+    settings: Mapping[str, str | float] = dataclasses.field(default_factory=dict[str, str | float])
+    """Whatever else belongs to the record of the trial."""
+    operation: str = ""
+    """The trial file as it was read."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        instance("robot", self.robot, Robot)
+        instance("gait", self.gait, Gait, type(None))
+        if isinstance(self.estimator, Estimator) and self.estimator.plant is not None:
+            object.__setattr__(self, "twin", record_of(self.estimator.plant))
+            object.__setattr__(self, "estimator", dataclasses.replace(self.estimator, plant=None))
+        if self.supply_voltage is not None:
+            object.__setattr__(self, "supply_voltage", positive("supply_voltage", self.supply_voltage, "V"))
+
+    def texts(self) -> dict[str, str]:
+        """The header as texts by name."""
+        return {
+            "format": FORMAT,
+            "version": __version__,
+            "robot": to_toml(self.robot),
+            "environment": to_toml(self.environment),
+            "gait": to_json(self.gait),
+            "controller": to_json(self.controller),
+            "estimator": to_json(self.estimator, twin=self.twin),
+            "supply_voltage": "" if self.supply_voltage is None else repr(self.supply_voltage),
+            "settings": json.dumps(dict(self.settings)),
+            "operation": self.operation,
+        }
+
+
+class OperationRecorder:
+    """Writes the recording of one operation; a context manager, and any thread may write.
+
+    Times are those of one clock, not negative [s].
+
+    Args:
+        path: The file; an older one is never replaced.
+        header: What is known at the start; it is on disk at once.
+        chunk_seconds: What is lost at most when the program is killed [s].
+
+    Raises:
+        StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
+        MissingExtra: If the package `mcap` is not installed.
+    """
+
+    def __init__(self, path: str | Path, header: Header, *, chunk_seconds: float = 0.5) -> None:
+        self._recorder = Recorder(path, chunk_seconds=chunk_seconds)
+        self._recorder.metadata(HEADER, header.texts())
+        self._joints = tuple(f"joint_{i}" for i in range(header.robot.n_joints))
+        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(header.robot.joints) if joint.axis == "yaw")
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._recorder.path
+
+    def sample(self, sample: Measurement, *, received: float | None = None) -> None:
+        """What came in, in the order in which the estimator got it.
+
+        Args:
+            sample: A sample or a reading.
+            received: When it came; None: when it was taken [s].
+        """
+        time = sample.time if received is None else not_negative("received", received, "s")
+        self._array(topic_of(sample), time, sample)
+        if isinstance(sample, JointSample):
+            names = self._joints if sample.angle.size == len(self._joints) else self._yaw
+            rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
+            self._recorder.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
+        elif isinstance(sample, PoseSample) and not sample.is_lost:
+            turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else _quaternion(sample.rotation)
+            self._recorder.pose("/mocap/body", time, sample.position.tolist(), turned)
+        elif isinstance(sample, PowerReading):
+            self._recorder.scalar("/power/current", time, sample.current, unit="A")
+
+    def estimate(self, estimate: Estimate) -> None:
+        """An `estimate` of where the robot was."""
+        time = estimate.time
+        self._array(ESTIMATE, time, estimate)
+        x, y = estimate.center_of_mass.tolist()
+        half = 0.5 * estimate.heading
+        self._recorder.pose("/estimate/body", time, (x, y, 0.0), (math.cos(half), 0.0, 0.0, math.sin(half)))
+        self._recorder.scalar("/estimate/heading", time, estimate.heading, unit="rad")
+
+    def _array(self, topic: str, time: float, entry: Measurement | Estimate) -> None:
+        self._recorder.array(topic, time, pack(entry), unit="SI", labels=(SCHEMAS[topic].label,))
+
+    def command(self, time: float, command: Command, signals: Mapping[str, float] | None = None) -> None:
+        """What a controller decided.
+
+        Args:
+            time: Of the estimate that it decided on; that estimate is recorded before [s].
+            command: Its decision.
+            signals: Its signals, by name.
+        """
+        content = {"time": time, "command": json.loads(to_json(command)), "signals": dict(signals or {})}
+        self._recorder.json(COMMAND, time, content)
+        for name, value in (signals or {}).items():
+            self._recorder.scalar(f"/control/{name}", time, value, unit="SI")
+
+    def tick(self, tick: Tick) -> None:
+        """When a `tick` of the loop was due, when it began, and when its last frame was sent."""
+        self._recorder.array(TICK, tick.began, np.array(tick), unit="s", labels=("due, began, sent",))
+
+    def can(self, time: float, identifier: int, data: bytes, *, sent: bool = False) -> None:
+        """A raw frame of the bus.
+
+        Args:
+            time: When [s].
+            identifier: 11 bits.
+            data: Up to 8 bytes.
+            sent: Whether it is ours.
+        """
+        self._recorder.can_frame(SENT if sent else RECEIVED, time, identifier, data)
+
+    def event(self, event: Event) -> None:
+        """An `event`; what came before it is on disk after this. Those of kind `start` and `stop` enclose a run."""
+        content = {"message": event.message, "data": dict(event.data)}
+        self._recorder.event(event.time, event.kind, content, level=LEVELS.get(event.kind, "info"))
+
+    def note(self, name: str, content: Mapping[str, str | float]) -> None:
+        """What was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
+
+        Args:
+            name: What it is about.
+            content: Numbers and texts by name.
+        """
+        texts = {key: value if isinstance(value, str) else repr(float(value)) for key, value in content.items()}
+        self._recorder.metadata(name, texts)
+
+    def flush(self) -> None:
+        """Hand everything to the operating system."""
+        self._recorder.flush()
+
+    def close(self) -> None:
+        """Complete the file; a second time it does nothing."""
+        self._recorder.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def _quaternion(rotation: np.ndarray) -> tuple[float, float, float, float]:
+    """w, x, y, z of a rotation matrix, by the column of q q' whose diagonal is the largest; for pictures."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    outer = np.array(
+        [
+            [1.0 + a + e + i, h - f, c - g, d - b],
+            [h - f, 1.0 + a - e - i, b + d, c + g],
+            [c - g, b + d, 1.0 - a + e - i, f + h],
+            [d - b, c + g, f + h, 1.0 - a - e + i],
+        ]
+    )
+    column = outer[int(np.argmax(outer.diagonal()))]
+    size = float(np.linalg.norm(column))
+    if not math.isfinite(size) or size == 0.0:
+        return 1.0, 0.0, 0.0, 0.0
+    w, x, y, z = (column / size).tolist()
+    return w, x, y, z

@@ -1,0 +1,215 @@
+"""The run of a recording as a trial, with (5) and (4)."""
+
+import itertools
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import TrialFileError, not_negative
+from laticauda.estimation import Estimate, JointSample, ReferenceSample
+from laticauda.estimation.samples import yaw_joints
+from laticauda.operate.recording.entries import Decision, Event, PowerReading
+from laticauda.operate.recording.log import OperationLog
+from laticauda.trial import Trial
+
+Column = Float[np.ndarray, " _n"]
+Table = Float[np.ndarray, "_n _columns"]
+
+
+def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
+    """The estimates of the run: from the last `start` to the `stop` behind it, or to the end; without a start all.
+
+    Args:
+        log: The recording.
+        estimates: Others than the recorded ones.
+
+    Raises:
+        TrialFileError: If there are fewer than two.
+    """
+    begin, end = run_span(log)
+    found = log.of(Estimate) if estimates is None else estimates
+    chosen: list[Estimate] = []
+    for estimate in found:
+        if begin <= estimate.time <= end and (not chosen or estimate.time > chosen[-1].time):
+            chosen.append(estimate)
+    if len(chosen) < 2:
+        what = f" {log.lost}" if log.lost else ""
+        raise TrialFileError(f"Cannot replay {log.path}: it holds no run of at least two estimates.{what}")
+    return chosen
+
+
+def run_span(log: OperationLog) -> tuple[float, float]:
+    """When the run began and ended; without such events minus and plus infinity [s]."""
+    events = log.of(Event)
+    begin = max((event.time for event in events if event.kind == "start"), default=-np.inf)
+    end = min((event.time for event in events if event.kind == "stop" and event.time >= begin), default=np.inf)
+    return float(begin), float(end)
+
+
+def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Trial:
+    """The run of a recording as a trial.
+
+    Positions, velocities, heading and joint angles are the estimator's; the references are those in force; torques are
+    the modules' own, if they report them; the electrical work is the power meter's, (4): V times the current above
+    the one at rest.
+
+    Args:
+        log: The recording.
+        estimates: Others than the recorded ones, of `rerun_estimator` for instance.
+
+    Raises:
+        TrialFileError: If it holds no run.
+    """
+    run = run_of(log, estimates)
+    time = np.array([estimate.time for estimate in run])
+    rate = np.stack([estimate.joint_rate for estimate in run])
+    torque, reference = _torque(log, time), _references(log, time)
+    electrical, power_source = electrical_work(log, time)
+    missing = () if torque is not None else ("joint_torque", "work")
+    missing = (*missing, *(() if reference is not None else ("joint_angle_ref",)))
+    torque = np.zeros_like(rate) if torque is None else torque
+    header = log.header
+    end = _ending(log)
+    return Trial(
+        time=time - time[0],
+        center_of_mass=np.stack([estimate.center_of_mass for estimate in run]),
+        center_of_mass_velocity=np.stack([estimate.center_of_mass_velocity for estimate in run]),
+        heading=np.array([estimate.heading for estimate in run]),
+        heading_rate=np.array([estimate.heading_rate for estimate in run]),
+        link_angle=np.stack([estimate.link_angle for estimate in run]),
+        joint_angle=np.stack([estimate.joint_angle for estimate in run]),
+        joint_rate=rate,
+        joint_angle_ref=np.zeros_like(rate) if reference is None else reference,
+        joint_torque=torque,
+        work=_work(time, torque, rate),
+        electrical_work=electrical,
+        not_measured=missing,
+        signals=_signals(log, time, run),
+        robot=header.robot,
+        gait=header.gait,
+        environment=header.environment,
+        settings={"source": "recording", **power_source, **header.settings},
+        version=log.version,
+        status=end.message if end is not None else "The recording reached its end.",
+        succeeded=_succeeded(log, end),
+    )
+
+
+def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Mapping[str, float | str]]:
+    """Electrical work above idle at some times [J], and how it was made; None without at least two readings.
+
+    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average where it keeps one (it is that
+    average times the time of its record, so nothing between two readings is missed), else from its readings. Its slope
+    over a run is (4): P = V I_avg - V I_0. V is the one of the recording.
+
+    Args:
+        log: The recording.
+        time: When [s].
+
+    Raises:
+        TrialFileError: If it holds readings and does not say the supply's voltage.
+    """
+    readings: list[PowerReading] = log.of(PowerReading)
+    if len(readings) < 2:
+        return None, {}
+    volts = log.header.supply_voltage
+    if volts is None:
+        raise TrialFileError(f"Cannot replay {log.path}: it holds power readings, and no `supply_voltage`.")
+    when = np.array([reading.time for reading in readings])
+    current = np.array([reading.current for reading in readings])
+    steps = np.diff(when) * 0.5 * (current[1:] + current[:-1])
+    for i, (one, two) in enumerate(itertools.pairwise(readings)):
+        charge = _charge_between(one, two)
+        if charge is not None:
+            steps[i] = charge
+    charge = np.concatenate(([0.0], np.cumsum(steps)))
+    idle = idle_current(log, volts)
+    drawn = np.interp(time, when, charge)
+    work = volts * (drawn - drawn[0] - idle * (time - time[0]))
+    return work, {"supply_voltage": volts, "idle_current": idle}
+
+
+def idle_current(log: OperationLog, supply_voltage: float) -> float:
+    """I_0: as it was noted before the run, or what the robot draws at rest by its file, at a `supply_voltage` [A]."""
+    noted = log.notes.get("idle", {}).get("current")
+    if noted is not None:
+        return not_negative("idle current", float(noted), "A")
+    return log.header.robot.idle_power / supply_voltage
+
+
+# ---- inside --------------------------------------------------------------------------------------------------------
+
+
+def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
+    """Charge between two readings of a meter that averages since `since` [A s]; None if that does not say."""
+    if one.average is None or two.average is None or one.since is None or one.since != two.since:
+        return None
+    return two.average * (two.time - one.since) - one.average * (one.time - one.since)
+
+
+def _torque(log: OperationLog, time: Column) -> Table | None:
+    """Torques of the yaw joints at some times; None if they are not reported."""
+    samples = [sample for sample in log.of(JointSample) if sample.torque is not None]
+    if not samples:
+        return None
+    return _at_times(time, samples, [yaw_joints(log.header.robot, "torque", sample.torque) for sample in samples])
+
+
+def _at_times(time: Column, samples: list[JointSample], values: list[Column]) -> Table:
+    """Values of samples at other times, straight between them; those that are nan are left out."""
+    when, table = np.array([sample.time for sample in samples]), np.stack(values)
+    order = np.argsort(when, kind="stable")
+    when, table = when[order], table[order]
+    columns: list[Column] = []
+    for i in range(table.shape[1]):
+        column = table[:, i]
+        known = np.isfinite(column)
+        columns.append(np.interp(time, when[known], column[known]) if known.any() else np.zeros(time.size))
+    return np.stack(columns, axis=1)
+
+
+def _references(log: OperationLog, time: Column) -> Table | None:
+    """What was in force at some times; None if none was sent. Before the first one, straight."""
+    samples: list[ReferenceSample] = log.of(ReferenceSample)
+    if not samples:
+        return None
+    when = np.array([sample.time for sample in samples])
+    table = np.stack([yaw_joints(log.header.robot, "angle", sample.angle) for sample in samples])
+    held = np.searchsorted(when, time, side="right") - 1
+    return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
+
+
+def _work(time: Column, torque: Table, rate: Table) -> Table:
+    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0)."""
+    power = torque * rate
+    kinds = np.stack((np.abs(power).sum(1), power.sum(1), np.maximum(power, 0.0).sum(1)), axis=1)
+    steps = 0.5 * np.diff(time)[:, np.newaxis] * (kinds[1:] + kinds[:-1])
+    return np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
+
+
+def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, Column]:
+    """The controller's signals, held between control instants, and the estimator's standard deviations."""
+    found = {
+        "age": np.array([estimate.age for estimate in run]),
+        "center_of_mass_std": np.array([estimate.center_of_mass_std for estimate in run]),
+        "heading_std": np.array([estimate.heading_std for estimate in run]),
+    }
+    begin, end = run_span(log)
+    decisions = [item for item in log.of(Decision) if begin <= item.time <= end and item.signals]
+    if decisions:
+        when = np.array([item.time for item in decisions])
+        held = np.maximum(np.searchsorted(when, time + 1e-9, side="right") - 1, 0)
+        for name in decisions[0].signals:
+            found[name] = np.array([item.signals.get(name, 0.0) for item in decisions])[held]
+    return found
+
+
+def _ending(log: OperationLog) -> Event | None:
+    """The event that ended the run."""
+    begin, end = run_span(log)
+    return next((e for e in log.of(Event) if e.kind in ("stop", "fault") and begin <= e.time <= end), None)
+
+
+def _succeeded(log: OperationLog, end: Event | None) -> bool:
+    return end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True and not log.lost

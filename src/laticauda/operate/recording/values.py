@@ -1,0 +1,153 @@
+"""Settings as JSON and back, exactly: gaits, controllers, estimators and what they are made of.
+
+A recording says by this how it was made, so that the same controller can run again on it. Only the classes that are
+listed here are ever built from a file.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
+from typing import Any, cast
+
+from laticauda import control, estimation, gaits, interfaces
+from laticauda.errors import instance
+from laticauda.interfaces import Plant
+from laticauda.robot import Environment, Robot
+from laticauda.robot.files import from_toml, to_toml
+
+KIND = "class"
+ROBOT, PLANT = "robot", "plant"  # they are not written here: a robot has its own file, a plant its record
+SETTINGS = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
+"""What a record keeps of a plant's settings."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantRecord:
+    """How a plant was made, as a recording keeps it: `laticauda.simulate.plant` makes it again."""
+
+    robot: Robot
+    """What swims."""
+    environment: Environment
+    """Where it swims."""
+    settings: Mapping[str, Any]
+    """The rest of what `laticauda.simulate.plant` takes."""
+
+    def made(self, plant: Callable[..., Plant[Any]]) -> Plant[Any]:
+        """The plant again.
+
+        Args:
+            plant: `laticauda.simulate.plant`.
+        """
+        return plant(self.robot, self.environment, **self.settings)
+
+
+def record_of(plant: Plant[Any]) -> PlantRecord:
+    """How a plant was made.
+
+    Args:
+        plant: Made by `laticauda.simulate.plant`.
+
+    Raises:
+        ValueError: If it has a fluid law or a shore of one's own, which a recording does not hold.
+    """
+    law = plant.settings.get("fluid_law", "built-in")
+    if law != "built-in" or "shore" in plant.settings:
+        raise ValueError("`plant` must have a built-in fluid law and no shore to be recorded.")
+    chosen = {name: plant.settings[name] for name in SETTINGS if name in plant.settings}
+    return PlantRecord(robot=plant.robot, environment=plant.environment, settings=chosen)
+
+
+@cache
+def _classes() -> dict[str, type[Any]]:
+    """The classes that a file may name."""
+    known: list[type[Any]] = [
+        control.HeadingController,
+        control.IntegralLineOfSight,
+        control.LineOfSight,
+        control.PathFollowing,
+        control.Polyline,
+        control.Spline,
+        control.StraightLine,
+        gaits.Gait,
+        gaits.Wave,
+        interfaces.Command,
+        interfaces.OpenLoop,
+        estimation.Estimator,
+        estimation.KinematicEstimator,
+        estimation.Mount,
+        estimation.Noise,
+    ]
+    return {kind.__name__: kind for kind in known}
+
+
+def to_json(value: object, *, twin: PlantRecord | None = None) -> str:
+    """A value of one of these classes as JSON; floats keep all their digits.
+
+    Args:
+        value: Of a listed class, or None.
+        twin: The record of an estimator's plant.
+
+    Raises:
+        ValueError: If it is of another class, or holds something that is.
+    """
+    plain = _plain(value)
+    if twin is not None:
+        described = {"robot": to_toml(twin.robot), "environment": to_toml(twin.environment)}
+        plain[PLANT] = {KIND: PlantRecord.__name__, **described, "settings": dict(twin.settings)}
+    return json.dumps(plain)
+
+
+def from_json(text: str, *, robot: Robot | None = None) -> Any:
+    """The value again; it equals the one that was written, but for a plant, of which `twin_from_json` has the record.
+
+    Args:
+        text: As `to_json` wrote it.
+        robot: For what holds one: a robot is not written here, it has its own file.
+
+    Raises:
+        ValueError: If it is no such text, or a field is not as it may be.
+    """
+    try:
+        return _built(json.loads(text), robot)
+    except (TypeError, KeyError, json.JSONDecodeError) as error:
+        raise ValueError(f"`text` must be settings that this version of laticauda knows, got {text[:60]!r}.") from error
+
+
+def twin_from_json(text: str) -> PlantRecord | None:
+    """The record of an estimator's plant; None without one.
+
+    Args:
+        text: As `to_json` wrote it.
+    """
+    plain: dict[str, Any] = json.loads(text) or {}
+    given: dict[str, Any] | None = plain.get(PLANT)
+    if given is None:
+        return None
+    robot, environment = from_toml(given["robot"], Robot), from_toml(given["environment"])
+    return PlantRecord(robot=robot, environment=cast("Environment", environment), settings=given["settings"])
+
+
+def _plain(value: object) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        instance("value", value, *_classes().values())
+        names = [item.name for item in fields(value) if item.init and item.name not in (ROBOT, PLANT)]
+        return {KIND: type(value).__name__, **{name: _plain(getattr(value, name)) for name in names}}
+    if isinstance(value, tuple | list):
+        return [_plain(item) for item in cast("tuple[object, ...]", value)]
+    if value is None or isinstance(value, str | bool | int | float):
+        return value
+    raise ValueError(f"`value` must be made of numbers, texts and settings, got {type(value).__name__}.")
+
+
+def _built(plain: Any, robot: Robot | None) -> Any:
+    if isinstance(plain, dict):
+        given = dict(cast("dict[str, Any]", plain))
+        kind = _classes()[given.pop(KIND)]
+        own = {name: _built(value, robot) for name, value in given.items() if name != PLANT}
+        if any(item.name == ROBOT for item in fields(kind)):
+            own[ROBOT] = robot
+        return kind(**own)
+    if isinstance(plain, list):
+        return tuple(_built(item, robot) for item in cast("list[Any]", plain))
+    return plain

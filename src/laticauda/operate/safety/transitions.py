@@ -1,0 +1,107 @@
+"""Phases of an operation and states of its supervisor: one table of what leads from where to where.
+
+The supervisor's state says whether the joints may move, the phase says what for:
+
+    idle      the robot is limp; no reference is sent
+    ready     the joints are held straight
+    running   the joints follow the controller
+    stopping  the robot is being straightened, and then made limp
+    fault     limp, and it stays so until somebody acknowledges and nothing is wrong any more
+"""
+
+from typing import NamedTuple
+
+STATES = ("idle", "ready", "running", "stopping", "fault")
+PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
+PHASES = (*PREPARATIONS, "running", "stopping", "done")
+REQUESTS = ("checked", "started", "ended", "acknowledged")
+"""Events by which the operation asks the supervisor for another state; all others it finds out by itself."""
+
+
+class Transition(NamedTuple):
+    """One row."""
+
+    phase: str
+    """Before; one of `PHASES`."""
+    state: str
+    """Of the supervisor, before; one of `STATES`."""
+    event: str
+    """What happens."""
+    next_phase: str
+    """After it."""
+    next_state: str
+    """After it."""
+
+
+TRANSITIONS: tuple[Transition, ...] = (
+    Transition("connecting", "idle", "heard", "checking", "idle"),
+    Transition("checking", "idle", "well", "calibrating", "idle"),
+    Transition("calibrating", "idle", "calibrated", "idle_current", "idle"),
+    Transition("idle_current", "idle", "measured", "settling", "idle"),
+    Transition("settling", "idle", "only_checked", "done", "idle"),
+    Transition("settling", "idle", "checked", "settling", "ready"),
+    Transition("settling", "ready", "still", "countdown", "ready"),
+    Transition("countdown", "ready", "started", "running", "running"),
+    *(Transition(phase, "idle", "ended", "stopping", "idle") for phase in PREPARATIONS[:-1]),
+    *(Transition(phase, "ready", "ended", "stopping", "stopping") for phase in ("settling", "countdown")),
+    Transition("running", "running", "ended", "stopping", "stopping"),
+    *(Transition(phase, "idle", "fault", "stopping", "fault") for phase in (*PREPARATIONS[:-1], "stopping")),
+    *(Transition(phase, "ready", "stop", "stopping", "stopping") for phase in ("settling", "countdown")),
+    Transition("running", "running", "stop", "stopping", "stopping"),
+    *(Transition(phase, "ready", "limp_fault", "stopping", "fault") for phase in ("settling", "countdown")),
+    Transition("running", "running", "limp_fault", "stopping", "fault"),
+    Transition("stopping", "stopping", "limp", "stopping", "idle"),
+    Transition("stopping", "stopping", "limp_fault", "stopping", "fault"),
+    Transition("stopping", "idle", "settled", "done", "idle"),
+    Transition("stopping", "fault", "settled", "done", "fault"),
+    Transition("done", "fault", "acknowledged", "connecting", "idle"),
+)
+"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: one that has to be
+acknowledged. `settled`: the modules say that they are limp, or have had the time for it."""
+
+_BY_EVENT = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
+_BY_STATES = {(row.phase, row.state, row.next_state): row.next_phase for row in TRANSITIONS}
+_GRANTED = {(row.state, row.event): row.next_state for row in TRANSITIONS if row.event in REQUESTS}
+
+
+def phase_after(phase: str, event: str) -> str:
+    """The phase that follows an event which the operation finds by itself.
+
+    Args:
+        phase: Before.
+        event: One that the table has for this phase.
+    """
+    return _BY_EVENT[phase, event]
+
+
+def phase_with(phase: str, state: str, next_state: str) -> str:
+    """The phase that follows when the supervisor changes its state; whatever else, its stop stops the operation.
+
+    Args:
+        phase: Before.
+        state: Of the supervisor, before.
+        next_state: After.
+    """
+    otherwise = "stopping" if next_state in ("stopping", "fault") else phase
+    return _BY_STATES.get((phase, state, next_state), otherwise)
+
+
+def granted(state: str, request: str) -> str:
+    """The supervisor's state after a request; the same if the table does not have it there.
+
+    Args:
+        state: Before.
+        request: One of `REQUESTS`.
+    """
+    return _GRANTED.get((state, request), state)
+
+
+def state_diagram() -> str:
+    """The table as a state diagram in the language of mermaid; the documentation shows it."""
+    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
+    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
+        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
+    for row in TRANSITIONS:
+        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
+        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
+    return "\n".join([*lines, "    done_idle --> [*]", ""])
