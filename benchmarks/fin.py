@@ -6,7 +6,7 @@ from math import pi, radians, sqrt
 import numpy as np
 
 import laticauda as lc
-from laticauda.fluid import bending_frequencies
+from laticauda.hydrodynamics import bending_frequencies
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import CaudalFin
 

@@ -11,7 +11,7 @@ from _timing import fastest, print_load, random_gaits
 import laticauda as lc
 from laticauda.identify import Measurement, fit
 
-NAMES = ("water.tangential_friction", "water.added_mass", "robot.joint.actuator.tracking", "water.reference_speed")
+NAMES = ("water.tangential_friction", "water.added_mass", "robot.joint.actuator.tracking", "water.drag.reference_speed")
 
 
 def main() -> None:

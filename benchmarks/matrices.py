@@ -12,8 +12,8 @@ from _timing import fastest, print_load
 from scipy.integrate import solve_ivp
 
 import laticauda as lc
-from laticauda.fluid import link_coefficients
 from laticauda.gaits import reference
+from laticauda.hydrodynamics import link_coefficients
 from laticauda.planar import equations
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))

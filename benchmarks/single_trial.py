@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 import laticauda as lc
-from laticauda.fluid import link_coefficients
+from laticauda.hydrodynamics import link_coefficients
 from laticauda.planar import equations
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))

@@ -19,6 +19,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.errors import MissingExtra
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.robot import PectoralFin
 
 STORE = Path(__file__).with_suffix(".npz")
@@ -45,8 +46,7 @@ def water(form: str = "relative", **changes: Any) -> Any:
 
 def with_drag(calm: Any, **numbers: Any) -> Any:
     """A water with other numbers of the polynomial drag."""
-    old = {"linear": "linear_drag", "quadratic": "quadratic_drag"}
-    return replace(calm, **{old.get(name, name): value for name, value in numbers.items()})
+    return replace(calm, drag=PolynomialDrag(**numbers))
 
 
 def custom(n: int) -> Any:

@@ -25,6 +25,7 @@ from scipy.optimize import least_squares
 
 import laticauda as lc
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.paper.following_run import figures_of
@@ -53,9 +54,9 @@ SERVO_POWER = 2.9 * 7.5  # stall torque x no-load speed of the published servo; 
 
 RANGES: dict[str, tuple[float, float]] = {
     "water.tangential_friction": (0.03, 0.5),
-    "water.reference_speed": (0.05, 1.0),
+    "water.drag.reference_speed": (0.05, 1.0),
     "water.added_mass": (0.8, 2.0),
-    "water.sway_friction": (0.02, 5.0),
+    "water.drag.sway_friction": (0.02, 5.0),
     "water.friction_taper": (-0.9, 0.9),
     "robot.joint.actuator.tracking": (0.3, 1.2),
     "speed_limit": (0.2, 7.5),
@@ -70,9 +71,9 @@ RANGES: dict[str, tuple[float, float]] = {
 SIGNED = ("water.friction_taper",)  # not fitted as a logarithm
 SHORT = {
     "water.tangential_friction": "C_f",
-    "water.reference_speed": "U_ref",
+    "water.drag.reference_speed": "U_ref",
     "water.added_mass": "C_A",
-    "water.sway_friction": "sway",
+    "water.drag.sway_friction": "sway",
     "water.friction_taper": "taper",
     "robot.joint.actuator.tracking": "tracking",
     "speed_limit": "limit",
@@ -84,8 +85,13 @@ SHORT = {
     "robot.joint.stiffness": "k_skin",
     "robot.caudal_fin.flexural_rigidity": "EI",
 }
-C_F, U_REF, LIMIT, GEARED = "water.tangential_friction", "water.reference_speed", "speed_limit", "geared.no_load_speed"
-GAIN, EI, SWAY = "robot.joint.actuator.servo_gain", "robot.caudal_fin.flexural_rigidity", "water.sway_friction"
+C_F, U_REF, LIMIT, GEARED = (
+    "water.tangential_friction",
+    "water.drag.reference_speed",
+    "speed_limit",
+    "geared.no_load_speed",
+)
+GAIN, EI, SWAY = "robot.joint.actuator.servo_gain", "robot.caudal_fin.flexural_rigidity", "water.drag.sway_friction"
 DAMPING, STIFFNESS = "robot.joint.damping", "robot.joint.stiffness"
 
 
@@ -293,7 +299,12 @@ CANDIDATES: tuple[Candidate, ...] = (
     of("prescribed, limited, U, taper", "prescribed", {**_BASIC, "water.friction_taper": 0.0}),
     of("prescribed, limited, sway", "prescribed", {**_FEW, SWAY: 1.0}),
     of("prescribed, limited, C_A", "prescribed", {**_FEW, "water.added_mass": 1.5}),
-    of("prescribed, limited, sway, quadratic", "prescribed", {**_FEW, SWAY: 1.0}, water={"linear_drag": False}),
+    of(
+        "prescribed, limited, sway, quadratic",
+        "prescribed",
+        {**_FEW, SWAY: 1.0},
+        water={"drag": PolynomialDrag(linear=False)},
+    ),
     of("prescribed, limited, U, kirchhoff", "prescribed", _BASIC, water={"added_mass_form": "kirchhoff"}),
     of("prescribed, limited, U, 10 links", "prescribed", _BASIC, n_links=10),
     of("prescribed, limited, U, steady fin", "prescribed", _BASIC, fin={"normal_drag": 1.2}),

@@ -36,7 +36,7 @@ for name in ("cross_track_error", "height_error"):
     print(f"path in space, last third: {name} within {100 * abs(dive.signals[name][late]).max():.1f} cm")
 
 # Friction that fades out below 1 cm/s instead of 1 mm/s lets the steps be ten times as long.
-snake_skin = lc.Ground(friction="coulomb", tangential=0.1, normal=0.5, regularization_speed=1e-2)
+snake_skin = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
 bare_skin = replace(snake_skin, tangential=0.4, normal=0.4)
 sidewinding = replace(yaw, amplitude=radians(25), pitch=replace(wave, amplitude=radians(5), phase=pi / 2))
 for name, gait, ground in (("lateral undulation", yaw, snake_skin), ("sidewinding", sidewinding, bare_skin)):

@@ -10,7 +10,7 @@ from dataclasses import replace
 from math import radians
 
 import laticauda as lc
-from laticauda.fluid import bending_frequencies
+from laticauda.hydrodynamics import bending_frequencies
 
 robot = lc.load_robot("mamba-fin")
 water = lc.load_water("paper-lateral")

@@ -5,7 +5,8 @@ from functools import cache, lru_cache
 
 import numpy as np
 
-from laticauda.fluid import link_coefficients
+from laticauda.fluid.laws import PolynomialDrag
+from laticauda.hydrodynamics import link_coefficients
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import Layout, layout
 from laticauda.planar.specialize import specialize
@@ -50,10 +51,12 @@ def random_water(rng, form, *, drag=True, **changes):
             added_mass=rng.uniform(0.5, 2.0),
             added_inertia=rng.uniform(0.0, 2.0),
             tangential_added_mass=rng.uniform(0.0, 0.5),
-            linear_drag=drag,
-            quadratic_drag=drag,
-            reference_speed=rng.uniform(0.2, 2.0),
-            sway_friction=rng.uniform(0.0, 2.0) if drag else 0.0,
+            drag=PolynomialDrag(
+                linear=drag,
+                quadratic=drag,
+                reference_speed=rng.uniform(0.2, 2.0),
+                sway_friction=rng.uniform(0.0, 2.0) if drag else 0.0,
+            ),
             friction_taper=rng.uniform(-1.0, 1.0),
             added_mass_form=form,
             rotational=str(rng.choice(["paper", "strip"])),
@@ -105,10 +108,7 @@ def oracle(robot, water):
     height = robot.caudal_fin.height / 2.0 if robot.caudal_fin else robot.modules[0].section.half_height
     options = equations.Options(
         form=water.added_mass_form,
-        linear_drag=water.linear_drag,
-        quadratic_drag=water.quadratic_drag,
-        reference_speed=water.reference_speed,
-        sway_friction=water.sway_friction,
+        drag=water.drag,
         current=np.array(water.current),
         wake_mass=water.density * np.pi * height**2 if water.trailing_edge == "elongated" else 0.0,
     )

@@ -69,7 +69,18 @@ def _expm1(x):
     return Dual(math.expm1(x.real), math.exp(x.real) * x.slope)
 
 
-def python_kernels(law=laws.polynomial_drag):
+def _by_numbers(formula, record, n_first):
+    """A law's formula as a function of numbers."""
+    last = n_first + len(record._fields)
+
+    def call(*numbers):
+        own = SimpleNamespace(**dict(zip(formula.fields, numbers[last:], strict=True)))
+        return formula.function(own, *numbers[:n_first], record(*numbers[n_first:last]))
+
+    return call
+
+
+def python_kernels(law=None):
     """The templates, not compiled."""
     same = lambda function: function  # noqa: E731
     namespace = {name: value for name, value in vars(rows).items() if name.isupper()}
@@ -86,16 +97,19 @@ def python_kernels(law=laws.polynomial_drag):
         "sincos": lambda x: (dual(x).sin(), dual(x).cos()),
         "expm1": _expm1,
         "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
+        "in_rows": _by_numbers,
+        "rows_from": lambda first, count: lambda S: tuple(S[first : first + count]),
+        "plate": laws.plate,
+        "Element": laws.Element,
+        "MOTION": laws.MOTION,
         "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
-    names = {"WIDTH": 1, "fluid_law": law}
+    names = {"WIDTH": 1, "law": (law or laws.PolynomialDrag()).formula}
     for template in ("loads", "recursion", "drives", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
         source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)
         inside = {**namespace, "bindings": lambda name: names, "__name__": template}
-        if template == "loads":
-            inside["laws"] = laws
         exec(compile(source, template, "exec"), inside)
         names[template] = SimpleNamespace(**inside)
     return names["stepping"]

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water.elements import Element
 
 
@@ -36,7 +37,7 @@ def elements(n_bodies: int = 5, *, drag: float = 1.0) -> list[Element]:
             torque_quadratic=tuple(drag * rng.uniform(1e-3, 1e-2, 3)),
             added_mass=tuple(rng.uniform(0.1, 2.0, 3)),
             added_inertia=tuple(rng.uniform(1e-3, 1e-2, 3)),
-            reference_speed=0.7,
+            law=PolynomialDrag(reference_speed=0.7),
         )
         for i in range(n_bodies)
     ]
@@ -83,8 +84,8 @@ def inertia_and_force(
             f -= np.cross(w, m @ u)
             tau -= np.cross(w, i @ w) + np.cross(u, m @ u)
         u_own, w_own = R.T @ u, R.T @ w
-        f += R @ (-np.array(e.drag) * u_own * (e.reference_speed + abs(u_own)))
-        slope = e.reference_speed * np.array(e.torque_linear) + np.array(e.torque_quadratic) * abs(w_own)
+        f += R @ (-np.array(e.drag) * u_own * (e.law.reference_speed + abs(u_own)))
+        slope = e.law.reference_speed * np.array(e.torque_linear) + np.array(e.torque_quadratic) * abs(w_own)
         tau += R @ (-slope * w_own)
         force += J.T @ f + K.T @ tau
     return A, force

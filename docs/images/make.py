@@ -199,7 +199,7 @@ def three_dimensions(folder: Path) -> None:
     wave = lc.Wave(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40), phase=radians(90))
     helix = lc.swim(robot, replace(yaw, pitch=wave), 8.0, environment=water, model="spatial", gravity=False)
     smaller_still(helix, folder / "helix.png", 8.0)
-    ground = lc.Ground(friction="coulomb", tangential=0.1, normal=0.5, regularization_speed=1e-2)
+    ground = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
     sidewinding = replace(yaw, amplitude=radians(25), pitch=replace(wave, amplitude=radians(5)))
     bare = replace(ground, tangential=0.4, normal=0.4)
     smaller_still(lc.swim(robot, sidewinding, 6.0, environment=bare, model="spatial"), folder / "sidewinding.png", 6.0)

@@ -21,6 +21,13 @@ if TYPE_CHECKING:
         Spline as Spline,
         StraightLine as StraightLine,
     )
+    from laticauda.fluid import (
+        CoulombFriction as CoulombFriction,
+        DragLaw as DragLaw,
+        FunctionDrag as FunctionDrag,
+        PolynomialDrag as PolynomialDrag,
+        ViscousFriction as ViscousFriction,
+    )
     from laticauda.gaits import (
         Gait as Gait,
         Wave as Wave,

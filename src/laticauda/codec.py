@@ -9,7 +9,7 @@ A table has the fields of a class as keys, and says them shorter in these ways:
 - entries of a list of a class that is `counted` may have a ``count``; keys that the class lists under that name may be
   lists, which the ``count`` objects go through again and again.
 
-A class may name the keys of older files in `former`, and where each of them stands now.
+A class may name the keys of older files in `former`, and where each of them stands now; "" for nowhere.
 """
 
 import math
@@ -197,11 +197,14 @@ def _with_new_names(kind: type, table: Table) -> Table:
     former: Mapping[str, str] = getattr(kind, "former", {})
     for old in former.keys() & table.keys():
         inner = table = dict(table)
+        given = table.pop(old)
         *way, last = former[old].split(".")
         for step in way:
-            inner[step] = dict(inner.get(step, {}))
+            held = inner.get(step, {})
+            inner[step] = {"kind": held} if isinstance(held, str) else dict(held)
             inner = inner[step]
-        inner.setdefault(last, table.pop(old))
+        if last:
+            inner.setdefault(last, given)
     return table
 
 

@@ -4,12 +4,14 @@ import pytest
 
 from laticauda.cli import flags
 from laticauda.cli.groups import WaterChanges
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.quantities import texts_of
 from laticauda.robot import Ground, Water, load_ground, load_water
 
 
 def test_every_field_of_water_but_its_name_is_an_option():
-    wanted = {field.name for field in dataclasses.fields(Water)} - {"name"}
+    wanted = {field.name for field in dataclasses.fields(Water)} - {"name", "drag"}
+    wanted |= {"linear_drag", "quadratic_drag", "reference_speed", "sway_friction"}  # of the law
     offered = {field.name for field in dataclasses.fields(WaterChanges)}
     assert offered == wanted | {"no_linear_drag", "no_quadratic_drag"}
 
@@ -17,7 +19,7 @@ def test_every_field_of_water_but_its_name_is_an_option():
 def test_the_help_of_an_option_is_what_its_field_is(run):
     text = " ".join(run("swim --help").out.replace("│", " ").split())
     for name, said in texts_of(Water).items():
-        assert name == "name" or " ".join(said.split()) in text
+        assert name in ("name", "drag") or " ".join(said.split()) in text
 
 
 def test_water_without_changes_stays_the_same():
@@ -31,7 +33,7 @@ def test_changes_replace_fields_and_the_name_says_so():
     assert changed == dataclasses.replace(
         water,
         normal_drag=0.0,
-        linear_drag=False,
+        drag=PolynomialDrag(linear=False),
         current=(0.1, 0.0),
         name="paper-eel with normal_drag 0, linear_drag off, current (0.1, 0)",
     )
@@ -39,7 +41,7 @@ def test_changes_replace_fields_and_the_name_says_so():
 
 def test_a_part_of_the_drag_can_be_switched_on_again():
     water = load_water("paper-vortex")
-    assert flags.changed(water, WaterChanges(linear_drag=True)).linear_drag
+    assert flags.changed(water, WaterChanges(linear_drag=True)).drag.linear
 
 
 def test_a_contradiction_is_refused():

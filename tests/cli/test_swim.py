@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.trial import FIGURES
 
 PAPER = (
@@ -109,9 +110,7 @@ def test_every_option_reaches_the_simulation(run):
         added_inertia=0.5,
         tangential_added_mass=0.1,
         density=1025.0,
-        reference_speed=0.5,
-        linear_drag=True,
-        quadratic_drag=False,
+        drag=PolynomialDrag(reference_speed=0.5, quadratic=False),
         current=(0.1, -0.05),
         depth=0.5,
         added_mass_form="kirchhoff",

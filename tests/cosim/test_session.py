@@ -154,7 +154,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `chain`, `mamba`"),
         ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
         ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be <= 200 on a server, got 1000000."),
-        ("reset", {"coefficients": {"drag": 1}}, "`drag` is not a field of `coefficients`"),
+        ("reset", {"coefficients": {"drag": 1}}, "`drag` must be a table, got 1"),
         ("reset", {"coefficients": {"normal_drag": -1}}, "`normal_drag` must be >= 0, got -1."),
         ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
         ("reset", {"ground": "viscous", "current": [0, 1]}, "`ground` must not be given with"),

@@ -1,10 +1,14 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from derivatives import check_compiled, check_complex_steps
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from laticauda.fluid import coulomb_friction, magnitude, plate, polynomial_drag
+from laticauda.compiling.formulas import in_numbers
+from laticauda.fluid.laws import MOTION, CoulombFriction, Element, PolynomialDrag, ViscousFriction, plate
+from laticauda.scalars import magnitude
 
 # Subnormal numbers are left out: they do not round like others.
 velocities = st.floats(-3.0, 3.0, allow_subnormal=False)
@@ -17,6 +21,20 @@ signed = st.one_of(st.floats(-3.0, -0.01), st.floats(0.01, 3.0))
 
 AEROSONDE = {"lift_slope": 3.45, "stall_angle": 0.4712, "sharpness": 50.0}
 PLATE = {"half_density_area": 5.0, **AEROSONDE, "parasitic_drag": 0.0}
+
+
+def polynomial_drag(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, *numbers):
+    """The law in the plane as a function of numbers alone, which derivatives are taken of."""
+    law = SimpleNamespace(
+        **dict(zip(("reference_speed", "linear", "quadratic", "sway_friction"), numbers, strict=True))
+    )
+    return PolynomialDrag.__call__(law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, lambda_2, lambda_3))
+
+
+def coulomb_friction(v_t, v_n, rate, c_t, c_n, eps):
+    """The same of dry friction."""
+    law = SimpleNamespace(regularization_speed=eps)
+    return CoulombFriction.__call__(law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, 0.1, 0.2))
 
 
 def moving(angle: float, speed: float = 1.0) -> tuple[float, float]:
@@ -129,7 +147,7 @@ def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arg
 def test_dry_friction_never_feeds_energy_in_and_never_exceeds_its_limit(
     v_t: float, v_n: float, rate: float, c_t: float, c_n: float, eps: float
 ):
-    f_t, f_n, tau = coulomb_friction(v_t, v_n, rate, c_t, c_n, 0.1, 0.2, eps, 1.0, 1.0, 0.5)
+    f_t, f_n, tau = coulomb_friction(v_t, v_n, rate, c_t, c_n, eps)
     assert f_t * v_t <= 0.0
     assert f_n * v_n <= 0.0
     assert abs(f_t) <= c_t * (1.0 + 1e-15)
@@ -138,13 +156,13 @@ def test_dry_friction_never_feeds_energy_in_and_never_exceeds_its_limit(
 
 
 def test_dry_friction_is_independent_of_the_speed_but_for_the_regularization():
-    f_t, f_n, _ = coulomb_friction(0.5, -2.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)
+    f_t, f_n, _ = coulomb_friction(0.5, -2.0, 0.0, 3.0, 4.0, 1e-3)
     assert (f_t, f_n) == (pytest.approx(-3.0, rel=1e-5), pytest.approx(4.0, rel=1e-5))
-    at_eps = coulomb_friction(1e-3, 0.0, 0.0, 3.0, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)[0]
+    at_eps = coulomb_friction(1e-3, 0.0, 0.0, 3.0, 4.0, 1e-3)[0]
     assert at_eps == pytest.approx(-3.0 / np.sqrt(2.0))
 
 
-@given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 8))
+@given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 3))
 def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
     check_complex_steps(coulomb_friction, arguments)
 
@@ -255,10 +273,26 @@ def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(argu
     ("law", "arguments"),
     [
         (magnitude, (-0.3,)),
-        (polynomial_drag, (0.5, -2.0, 3.0, 0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0, 0.6)),
-        (coulomb_friction, (0.5, -2.0, 3.0, 0.3, 4.0, 0.0, 0.0, 1e-3, 1.0, 1.0, 0.5)),
         (plate, (0.5, -0.3, 5.0, 3.0, 0.4, 50.0, 0.1)),
     ],
 )
 def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):
     check_compiled(law, arguments)  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        PolynomialDrag(reference_speed=0.7, sway_friction=0.6),
+        CoulombFriction(regularization_speed=0.1),
+        ViscousFriction(),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+def test_the_formula_of_a_law_with_its_numbers_in_rows_is_the_law(law):
+    compiled = in_numbers(law.formula, Element, MOTION)
+    element = Element(0.3, 4.0, 0.1, 0.2)
+    for motion in ((0.5, -2.0, 2.0, 3.0), (-0.5, 0.3, 0.8, -1.0), (0.0, 0.0, 0.0, 0.0)):
+        np.testing.assert_allclose(compiled(*motion, *element, *law.numbers), law(*motion, element), rtol=1e-14)
+        turned = compiled(*(one + 1e-30j for one in (*motion, *element, *law.numbers)))
+        np.testing.assert_allclose(np.real(turned), law(*motion, element), rtol=1e-14, atol=1e-50)

@@ -15,7 +15,7 @@ from laticauda.interfaces import Start
 from laticauda.trial.metrics import towing_drag
 
 WANTED = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
-OPTIONS = {"joints": "prescribed", "dt": None, "offset_bandwidth": 10.0, "ramp": None, "fluid_law": None}
+OPTIONS = {"joints": "prescribed", "dt": None, "offset_bandwidth": 10.0, "ramp": None}
 
 
 def put_of(candidates, wanted=WANTED):
@@ -103,7 +103,7 @@ def test_a_robot_that_coasts_slows_down_as_the_closed_form_says():
     still = lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.5)
     trial = lc.swim(ROBOT, still, 2.0, environment=WATER, start=Start(velocity=0.4, heading=0.3))
     drag, mass = towing_drag(ROBOT, WATER, 0.4), sum(module.mass for module in ROBOT.modules)
-    reference = WATER.reference_speed
+    reference = WATER.drag.reference_speed
     rate = drag / (0.4 * (reference + 0.4)) * reference / mass
     time = np.linspace(0.0, 2.0, 20001)
     ratio = 0.4 / (reference + 0.4) * np.exp(-rate * time)

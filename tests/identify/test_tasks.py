@@ -18,11 +18,11 @@ HEAD = 'kind = "identification"\nparameters = ["water.normal_drag"]\n'
 def test_the_preset_is_where_its_file_leads():
     # One Gauss-Newton step from the preset's numbers: it should stay well within their uncertainty.
     task, preset = load_task(EXAMPLE), lc.load_parameters("mamba-identified")
-    options = {"joints": "servo", "dt": None, "offset_bandwidth": 10.0, "ramp": None, "fluid_law": None}
+    options = {"joints": "servo", "dt": None, "offset_bandwidth": 10.0, "ramp": None}
     put = problem(task.measurements, None, task.unknowns, options=options, threads=1)
     water, actuator = preset.every_gait, preset.changes["actuator"]
     values = np.array(
-        [water.tangential_friction, water.reference_speed, actuator["no_load_speed"], actuator["servo_gain"]]
+        [water.tangential_friction, water.drag.reference_speed, actuator["no_load_speed"], actuator["servo_gain"]]
     )
     found = predict(put, values, jacobian=True)
     rows = found.jacobian / put.sigma[:, np.newaxis] * slopes_of(put, values)

@@ -12,6 +12,7 @@ import pytest
 import water_oracle as oracle
 
 from laticauda import mujoco_water as water
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water import Element, GeomCoefficients
 from laticauda.mujoco_water.geoms import lamb
 
@@ -265,7 +266,9 @@ def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, de
         text = text.replace('name="g"', 'name="g" euler="0 90 0"')  # lying
     model = water.compiled(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
-    element = water.geom_element(model, "g", GeomCoefficients(drag=(2, 2, 2), rotational_drag=1.0, reference_speed=0.5))
+    element = water.geom_element(
+        model, "g", GeomCoefficients(drag=(2, 2, 2), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5))
+    )
     water.attach(model, [element], surface=0.0)
     for _ in range(6000):
         mujoco.mj_step(model, data)
@@ -287,7 +290,9 @@ def test_a_raft_floats_flat_again_after_a_heel(axis: int):
     text = body("box", ".3 .2 .03", option='gravity="0 0 -9.81"', density=500.0)
     model = water.compiled(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
-    element = water.geom_element(model, "g", GeomCoefficients(drag=(1, 1, 1), rotational_drag=1.0, reference_speed=0.5))
+    element = water.geom_element(
+        model, "g", GeomCoefficients(drag=(1, 1, 1), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5))
+    )
     water.attach(model, [element], surface=0.0)
     data.qpos[3], data.qpos[4 + axis] = np.cos(0.15), np.sin(0.15)
     for _ in range(4000):
@@ -316,7 +321,9 @@ def test_implicit_drag_is_stable_at_any_step_and_right_at_small_ones():
         model = water.compiled(mujoco.MjSpec.from_string(text))
         model.opt.timestep = step
         data = mujoco.MjData(model)
-        element = Element(body="b", drag=(300.0,) * 3, volume=4 / 3 * np.pi * 1e-3, reference_speed=1.0)
+        element = Element(
+            body="b", drag=(300.0,) * 3, volume=4 / 3 * np.pi * 1e-3, law=PolynomialDrag(reference_speed=1.0)
+        )
         water.attach(model, [element], implicit_drag=implicit)
         for _ in range(round(1.0 / step)):
             mujoco.mj_step(model, data)
@@ -334,7 +341,7 @@ def test_a_body_drifts_with_a_current_that_depends_on_place_and_time():
     model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.5, 0.2, 0.1
-    element = Element(body="b", drag=(500.0,) * 3, reference_speed=1.0, volume=0.0)
+    element = Element(body="b", drag=(500.0,) * 3, law=PolynomialDrag(reference_speed=1.0), volume=0.0)
     water.attach(model, [element], current=swirl, implicit_drag=True)
     for _ in range(500):
         mujoco.mj_step(model, data)
@@ -501,10 +508,10 @@ def test_a_geom_without_volume_is_refused_by_name():
 
 def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
     model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
-    element = Element(body="b", drag=(2000.0,) * 3, reference_speed=1.0)
+    element = Element(body="b", drag=(2000.0,) * 3, law=PolynomialDrag(reference_speed=1.0))
     with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s it is stable up to"):
         handle = water.attach(model, [element])
-    limit = water.stable_step(model, handle.elements, handle.fluid_law, 0.0)
+    limit = water.stable_step(model, handle.elements, 0.0)
     for factor, grows in ((0.9, False), (1.1, True)):
         model.opt.timestep = factor * limit
         data = mujoco.MjData(model)

@@ -34,7 +34,7 @@ def test_the_preset_has_the_error_on_table_1_that_the_docs_state():
 def test_the_preset_is_the_candidate_that_was_chosen():
     values = {
         "water.tangential_friction": PRESET.water("eel_like").tangential_friction,
-        "water.reference_speed": PRESET.water("eel_like").reference_speed,
+        "water.drag.reference_speed": PRESET.water("eel_like").drag.reference_speed,
         "geared.no_load_speed": 0.590,
         "robot.joint.actuator.servo_gain": 3.67,
     }
@@ -52,7 +52,7 @@ def test_a_step_of_the_fit_does_not_leave_the_numbers_of_the_preset():
     values = {
         "water.tangential_friction": 0.136,
         "geared.no_load_speed": 0.590,
-        "water.reference_speed": 0.130,
+        "water.drag.reference_speed": 0.130,
         "robot.joint.actuator.servo_gain": 3.67,
     }
     every = np.ones(len(paper.ROWS), dtype=bool)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import PolynomialDrag, ViscousFriction
 from laticauda.robot import Ground, load_robot, load_water
 
-VISCOUS = replace(load_water("paper-lateral"), quadratic_drag=False, added_mass=0.0, added_inertia=0.0)
+VISCOUS = replace(load_water("paper-lateral"), drag=PolynomialDrag(quadratic=False), added_mass=0.0, added_inertia=0.0)
 
 
 def k_delta(n, delta, envelope=None):
@@ -48,7 +49,7 @@ def test_speed_grows_in_proportion_to_the_frequency_where_drag_dominates():
 @pytest.mark.parametrize(("n", "lateral"), [(9, 27), (10, 24)])
 def test_the_simulated_speed_peaks_at_the_phase_shift_of_k_delta_where_drag_dominates(n, lateral):
     # Anisotropic viscous friction with little mass to it: the setting of the theory.
-    ground = Ground(name="viscous", friction="viscous", tangential=5.0, normal=50.0)
+    ground = Ground(name="viscous", friction=ViscousFriction(), tangential=5.0, normal=50.0)
     robot = load_robot("mamba", n_links=n)
 
     def speed(degree):

@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.integrate import solve_ivp
 
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.planar import equations as eq
 from laticauda.planar.equations import Chain, Options
 
 FORMS = ("relative", "kirchhoff", "classic")
-NO_DRAG: dict[str, Any] = {"linear_drag": False, "quadratic_drag": False}
+NO_DRAG: dict[str, Any] = {"drag": PolynomialDrag(linear=False, quadratic=False)}
 RANGES = {
     "half_length": (0.02, 0.2), "mass": (0.1, 2.0), "inertia": (1e-3, 1e-2), "c_t": (0.0, 2.0), "c_n": (0.0, 20.0),
     "mu_t": (0.0, 1.0), "mu_n": (0.0, 5.0), "lambda_1": (0.0, 1e-2), "lambda_2": (0.0, 1e-2), "lambda_3": (0.0, 1e-2),
@@ -59,8 +60,11 @@ def problems(draw: st.DrawFn, forms: tuple[str, ...] = FORMS, wake: bool = True,
     n = draw(st.integers(least, 6))
     form = draw(st.sampled_from(forms))
     options = Options(
-        form=form, linear_drag=draw(st.booleans()), quadratic_drag=draw(st.booleans()),
-        reference_speed=draw(st.floats(0.1, 2.0)), sway_friction=draw(st.floats(0.0, 2.0)),
+        form=form,
+        drag=PolynomialDrag(
+            linear=draw(st.booleans()), quadratic=draw(st.booleans()),
+            reference_speed=draw(st.floats(0.1, 2.0)), sway_friction=draw(st.floats(0.0, 2.0)),
+        ),
         current=draw(numbers(2, -1.0, 1.0)),
         wake_mass=draw(st.sampled_from([0.0, 6.36])) if wake and form == "kirchhoff" else 0.0,
     )  # fmt: skip
@@ -123,10 +127,11 @@ def loads(p: Problem, i: int, v: np.ndarray) -> tuple[np.ndarray, float]:
     mu = np.diag([chain.mu_t[i], chain.mu_n[i]])
     R, dR = axes(p.theta[i]), turning(axes, p.theta[i])
     u = v - options.current
-    linear, quadratic = options.linear_drag * options.reference_speed, options.quadratic_drag
+    drag: Any = options.drag
+    linear, quadratic = drag.linear * drag.reference_speed, drag.quadratic
 
     along_axes = R.T @ u
-    growth = linear + quadratic * np.abs(along_axes) + options.sway_friction * np.array([abs(along_axes[1]), 0.0])
+    growth = linear + quadratic * np.abs(along_axes) + drag.sway_friction * np.array([abs(along_axes[1]), 0.0])
     force = -R @ (np.array([chain.c_t[i], chain.c_n[i]]) * along_axes * growth)
     torque = -(chain.lambda_2[i] * linear + chain.lambda_3[i] * quadratic * abs(rate)) * rate
     if options.form == "kirchhoff":  # Lagrange's equations for T = 1/2 u^T R mu R^T u
@@ -264,7 +269,7 @@ def test_a_link_equals_strips_with_locked_joints(p: Problem, parts: int):
         strips, **{k: np.append((split(v, parts) * length**2 / 3)[:parts], getattr(c, k)[1:]) for k, v in share.items()}
     )
     locked = np.zeros(parts - 1)
-    options = replace(p.options, quadratic_drag=False, sway_friction=0.0)
+    options = replace(p.options, drag=replace(p.options.drag, quadratic=False, sway_friction=0.0))
 
     one = p._replace(chain=whole, options=options, force=np.zeros((n, 2)))
     # The offset between the centers of the fin and of its first strip does not matter: no force acts on either.
@@ -404,6 +409,8 @@ def test_in_the_classic_form_they_do():
 @settings(max_examples=50)
 def test_a_turned_world_turns_the_motion(p: Problem, angle: float):
     R = axes(angle)
+    ahead = axes(p.theta[0])[:, 0] @ (velocities(p)[0] - p.options.current)
+    assume(p.options.wake_mass == 0.0 or abs(ahead) > 1e-9)  # the wake begins where the trailing edge moves ahead
     options = replace(p.options, current=R @ p.options.current)
     turned = p._replace(theta=p.theta + angle, velocity=R @ p.velocity, force=p.force @ R.T, options=options)
     (theta, center), (turned_theta, turned_center) = p.accelerations(), turned.accelerations()
@@ -472,7 +479,6 @@ def test_a_chain_refuses_what_no_chain_can_be(changes: dict[str, np.ndarray], me
     ("options", "message"),
     [
         ({"form": "kirchoff"}, "`form` must be one of .*, got 'kirchoff'; did you mean `kirchhoff`?"),
-        ({"reference_speed": -1.0}, r"`reference_speed` must be >= 0 m/s, got -1\.0\."),
         ({"wake_mass": 1.0}, r"`wake_mass` must be 0 kg/m unless `form` is `kirchhoff`, got 1\.0\."),
         ({"current": np.array([0.0, np.inf])}, "`current` must be 2 finite numbers in m/s"),
     ],

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 import laticauda as lc
-from laticauda.fluid import bending_frequencies
+from laticauda.fluid.laws import PolynomialDrag
+from laticauda.hydrodynamics import bending_frequencies
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
 from laticauda.planar.model import PlanarPlant
@@ -120,7 +121,7 @@ def test_the_stated_frequencies_are_those_of_the_kernel(opening, rotational):
 
 def test_a_plucked_fin_swings_at_that_frequency():
     fin = CaudalFin(opening="closed", n_strips=50, n_hinges=2, flexural_rigidity=2.0, added_mass=1.0)
-    still = replace(WATER, linear_drag=False, quadratic_drag=False)
+    still = replace(WATER, drag=PolynomialDrag(linear=False, quadratic=False))
     heavy = Robot(name="wall", modules=(Module(length=0.2, mass=1e9, inertia=1e9, section=SECTION),), caudal_fin=fin)
     plant = PlanarPlant(robot=heavy, environment=still, dt=2e-4)
     command = lc.Command(gait=GAIT)
@@ -163,7 +164,7 @@ def energy(trial, water):
 @pytest.mark.parametrize("form", ["relative", "kirchhoff"])
 @pytest.mark.parametrize("joints", ["prescribed", "pd"])
 def test_without_drag_the_work_of_the_joints_is_in_motion_and_springs(form, joints):
-    water = replace(WATER, added_mass_form=form, linear_drag=False, quadratic_drag=False)
+    water = replace(WATER, added_mass_form=form, drag=PolynomialDrag(linear=False, quadratic=False))
     robot = fitted(opening="closed", n_hinges=2, flexural_rigidity=1.0, joint=Joint())
     gait = replace(GAIT, fin=WAVE)
     trial = lc.swim(

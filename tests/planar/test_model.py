@@ -5,6 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
+from laticauda.fluid.laws import CoulombFriction, FunctionDrag, PolynomialDrag
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Actuator, CaudalFin, Ground, Joint, PectoralFin, Tether, load_robot, load_water
 from laticauda.simulate import plant_of
@@ -81,7 +82,7 @@ def test_drag_on_a_plate_beside_the_body_turns_the_robot_to_the_side_of_the_plat
 
 def test_friction_that_grows_with_the_sideways_speed_slows_the_robot_down():
     robot = load_robot("mamba")
-    with_sway = replace(WATER, sway_friction=1.0)
+    with_sway = replace(WATER, drag=PolynomialDrag(sway_friction=1.0))
     assert distance(robot, environment=with_sway) < 0.95 * distance(robot)
     # Towed straight, nothing moves sideways.
     towed, gait = replace(robot, tether=Tether(force=(1.0, 0.0))), replace(GAIT, amplitude=0.0)
@@ -162,7 +163,7 @@ def test_the_same_robot_crawls_on_the_ground(joints, friction):
 
 
 def test_without_anisotropy_dry_friction_does_not_propel():
-    same = Ground(name="same", friction="coulomb", tangential=0.3, normal=0.3)
+    same = Ground(name="same", friction=CoulombFriction(), tangential=0.3, normal=0.3)
     assert distance(load_robot("mamba"), environment=same) < 0.2 * distance(
         load_robot("mamba"), environment=lc.load_ground("coulomb")
     )
@@ -224,6 +225,10 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         lc.resume(lc.plant(robot, WATER, joints="pd"), trial, 1.0)
 
 
+def by_function(function):
+    return replace(WATER, drag=FunctionDrag(function=function))
+
+
 @pytest.mark.parametrize(
     ("choices", "message"),
     [
@@ -239,11 +244,10 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
         ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
         ({"joints": "servos"}, "`joints` must be one of"),
         ({"model": "special"}, "`model` must be"),
-        ({"environment": "paper-eel"}, "`environment` must be of class Water or Ground, got str."),
-        ({"fluid_law": 3}, "`fluid_law` must be a function of the eleven numbers"),
-        ({"fluid_law": lambda v: v}, "`fluid_law` must be a function of the eleven numbers"),
-        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j, k: a.nothing}, "cannot be: "),
-        ({"fluid_law": lambda a, b, c, d, e, f, g, h, i, j, k: a}, "`fluid_law` must return three finite numbers"),
+        ({"environment": by_function(3)}, "`function` must be a plain Python function, got 3"),
+        ({"environment": by_function(lambda v: v)}, "`<lambda>` must have a formula that Numba can compile: "),
+        ({"environment": by_function(lambda a, b, c, d, e: a.nothing)}, "must have a formula that Numba can compile: "),
+        ({"environment": by_function(lambda a, b, c, d, e: a)}, "`<lambda>` must return three finite numbers"),
         ({"environment": replace(WATER, depth=0.05)}, "`depth` must be > 0.055 m"),
     ],
 )
@@ -270,10 +274,8 @@ def test_a_start_that_is_no_number_is_refused():
         lc.Start(heading=float("nan"))
 
 
-def test_a_name_is_no_robot_and_no_gait():
-    with pytest.raises(ValueError, match="`robot` must be of class Robot, got str"):
-        lc.swim("mamba", GAIT)
-    with pytest.raises(ValueError, match="`gait` must be of class Gait, got str"):
+def test_a_name_is_no_gait():
+    with pytest.raises(ValueError, match="`gait` must be of class Gait or Controller, got str"):
         lc.swim(load_robot("mamba"), "eel_like")
 
 

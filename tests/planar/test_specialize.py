@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda import scalars
 from laticauda.compiling import fingerprint
-from laticauda.fluid import laws
 from laticauda.planar.specialize import is_compiled
 from laticauda.robot import load_robot
 
@@ -16,13 +16,15 @@ SCRIPT = textwrap.dedent(
     import sys
     from dataclasses import replace
     import laticauda as lc
+    from laticauda.fluid.laws import FunctionDrag
     from laticauda.planar.specialize import is_compiled
     sys.path.insert(0, {folder!r})
     from mylaw import make_law
-    law = make_law({exponent})
-    print(is_compiled(fluid_law=law))
+    law = FunctionDrag(function=make_law({exponent}))
+    print(is_compiled(law=law))
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    print(repr(lc.swim(lc.load_robot("mamba"), gait, duration=5.0, fluid_law=law).forward_velocity))
+    water = replace(lc.load_water("paper-lateral"), drag=law)
+    print(repr(lc.swim(lc.load_robot("mamba"), gait, duration=5.0, environment=water).forward_velocity))
     """
 )
 LAW = textwrap.dedent(
@@ -31,8 +33,9 @@ LAW = textwrap.dedent(
         return {factor} * (x * x) ** (0.5 * exponent)
 
     def make_law(exponent):
-        def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic, sway_friction):
-            return -c_t * v_t * power(v_t, exponent), -c_n * v_n * power(v_n, exponent), -lambda_2 * rate
+        def law(v_t, v_n, across, rate, element):
+            f_t, f_n = -element.c_t * v_t * power(v_t, exponent), -element.c_n * v_n * power(v_n, exponent)
+            return f_t, f_n, -element.lambda_2 * rate
         return law
     """
 )
@@ -41,7 +44,7 @@ LAW = textwrap.dedent(
 def test_the_digest_of_a_law_sees_its_code_its_constants_and_what_it_calls():
     def make(exponent, scale=1.0):
         def law(v_t, v_n, rate, *_):
-            return -(abs(v_t) ** exponent) * scale, laws.magnitude(v_n), rate
+            return -(abs(v_t) ** exponent) * scale, scalars.magnitude(v_n), rate
 
         return law
 

@@ -9,6 +9,7 @@ from numba.core.runtime import rtsys
 from scipy.integrate import solve_ivp
 
 import laticauda as lc
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
 from laticauda.planar.specialize import specialize
@@ -34,7 +35,7 @@ def order(steps, found):
 
 def test_prescribed_joints_converge_with_order_five_where_the_drag_is_smooth():
     steps = [0.1, 0.05, 0.025]
-    smooth = replace(load_water("paper-lateral"), quadratic_drag=False)
+    smooth = replace(load_water("paper-lateral"), drag=PolynomialDrag(quadratic=False))
     assert order(steps, errors(steps, environment=smooth)) == pytest.approx(5.0, abs=0.3)
 
 
@@ -93,7 +94,9 @@ def test_without_drag_and_actuation_energy_is_kept_and_by_kirchhoff_momentum(see
 @pytest.mark.parametrize("form", ["relative", "kirchhoff"])
 @pytest.mark.parametrize("fin", ["mamba", "mamba-fin"])
 def test_without_drag_the_work_of_the_joints_is_the_kinetic_energy(form, fin):
-    water = replace(load_water("paper-lateral"), added_mass_form=form, linear_drag=False, quadratic_drag=False)
+    water = replace(
+        load_water("paper-lateral"), added_mass_form=form, drag=PolynomialDrag(linear=False, quadratic=False)
+    )
     robot = load_robot(fin)
     trial = lc.swim(robot, GAIT, duration=3.0, environment=water, dt=0.0005)
     chain, options, n_fin = oracle(robot, water)

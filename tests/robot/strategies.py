@@ -4,6 +4,7 @@ import math
 
 from hypothesis import strategies as st
 
+from laticauda.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 from laticauda.robot import (
     Actuator,
     CaudalFin,
@@ -129,10 +130,12 @@ def waters(draw: st.DrawFn) -> Water:
         tangential_friction=draw(numbers(0.0, 1.0)),
         normal_drag=draw(numbers(0.0, 3.0)),
         added_mass=draw(numbers(0.0, 3.0)),
-        linear_drag=draw(st.booleans()),
-        quadratic_drag=draw(st.booleans()),
-        reference_speed=draw(numbers(0.0, 3.0)),
-        sway_friction=draw(numbers(0.0, 3.0)),
+        drag=PolynomialDrag(
+            linear=draw(st.booleans()),
+            quadratic=draw(st.booleans()),
+            reference_speed=draw(numbers(0.0, 3.0)),
+            sway_friction=draw(numbers(0.0, 3.0)),
+        ),
         friction_taper=draw(numbers(-1.0, 1.0)),
         added_mass_form=form,
         rotational=draw(st.sampled_from(["paper", "strip"])),
@@ -145,7 +148,7 @@ def waters(draw: st.DrawFn) -> Water:
 grounds = st.builds(
     Ground,
     name=names,
-    friction=st.sampled_from(["viscous", "coulomb"]),
+    friction=st.one_of(st.just(ViscousFriction()), st.builds(CoulombFriction, regularization_speed=numbers(1e-4, 1.0))),
     tangential=numbers(0.0, 10.0),
     normal=numbers(0.0, 10.0),
 )

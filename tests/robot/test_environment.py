@@ -6,6 +6,7 @@ from dataclasses import fields
 
 import pytest
 
+from laticauda.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 from laticauda.robot import Ground, Water, check_fits, load_ground, load_robot, load_water
 
 
@@ -21,10 +22,7 @@ def water(**changes):
         ({"tangential_friction": -0.3}, r"`tangential_friction` must be >= 0, got -0\.3"),
         ({"normal_drag": math.nan}, r"`normal_drag` must be a finite number, got nan"),
         ({"added_mass": "1.5"}, r"`added_mass` must be a number, got '1\.5'"),
-        ({"linear_drag": 1}, r"`linear_drag` must be true or false, got 1"),
-        ({"quadratic_drag": "no"}, r"`quadratic_drag` must be true or false, got 'no'"),
-        ({"reference_speed": -1.0}, r"`reference_speed` must be >= 0 m/s"),
-        ({"sway_friction": -0.1}, r"`sway_friction` must be >= 0, got -0\.1"),
+        ({"drag": 1}, r"`drag` must be of class DragLaw, got int"),
         ({"friction_taper": 1.1}, r"`friction_taper` must be between -1 and 1, got 1\.1"),
         ({"added_mass_form": "kirchoff"}, r"`added_mass_form` must be one of .*did you mean `kirchhoff`\?"),
         ({"rotational": "none"}, r"`rotational` must be one of `paper`, `strip`, got 'none'"),
@@ -47,16 +45,15 @@ def test_the_trailing_edge_goes_with_kirchhoff():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"friction": "slippery"}, r"`friction` must be one of `viscous`, `coulomb`"),
+        ({"friction": "slippery"}, r"`friction` must be of class DragLaw, got str"),
         ({"tangential": -1.0}, r"`tangential` must be >= 0, got -1\.0"),
-        ({"friction": "coulomb", "normal": -1.0}, r"`normal` must be >= 0, got -1\.0"),
-        ({"regularization_speed": 0.0}, r"`regularization_speed` must be > 0 m/s"),
+        ({"friction": CoulombFriction(), "normal": -1.0}, r"`normal` must be >= 0, got -1\.0"),
         ({"gravity": -9.81}, r"`gravity` must be >= 0 m/s\^2"),
     ],
 )
 def test_ground_refuses(changes, message):
     with pytest.raises(ValueError, match=message):
-        Ground(**{"friction": "viscous", "tangential": 0.5, "normal": 3.0, **changes})
+        Ground(**{"friction": ViscousFriction(), "tangential": 0.5, "normal": 3.0, **changes})
 
 
 def test_a_robot_must_be_below_the_surface():
@@ -90,8 +87,7 @@ def test_the_waters_have_the_published_coefficients(name, coefficients):
     found = load_water(name)
     assert (found.tangential_friction, found.normal_drag, found.added_mass) == coefficients
     assert found.name == name
-    assert found.quadratic_drag
-    assert found.linear_drag == (name != "paper-vortex")
+    assert found.drag == PolynomialDrag(linear=name != "paper-vortex")
 
 
 def test_help_shows_every_field_of_water_with_its_unit():

@@ -204,7 +204,13 @@ def test_a_file_that_is_hardly_one_is_refused(text, message, tmp_path):
     ("line", "message"),
     [
         ("currnet = [0, 0]", r"key `currnet`: is not known; did you mean `current`\?$"),
-        ("linear_drag = 1", r"key `linear_drag`: must be true or false, got 1$"),
+        ("linear_drag = 1", r"key `drag\.linear`: must be true or false, got 1$"),  # as older files have it
+        ('drag = "polynominal-drag"', r"key `drag\.kind`: must be one of .*; did you mean `polynomial-drag`\?$"),
+        (
+            'drag = {kind = "polynomial-drag", linera = true}',
+            r"key `drag\.linera`: is not known; did you mean `linear`\?$",
+        ),
+        ("drag = 3", r"key `drag`: must be a table, got 3$"),
         ('added_mass_form = "kirchoff"', r"key `added_mass_form`: must be one of .*; did you mean `kirchhoff`\?$"),
         ('trailing_edge = "elongated"', r"key `trailing_edge`: must be `none` unless `added_mass_form` is `kirchhoff`"),
         ("depth = -1", r"key `depth`: must be > 0 m, got -1$"),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import FunctionDrag
 from laticauda.robot import Tether, load_robot, load_water
 
 FIGURES = (
@@ -109,15 +110,17 @@ def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
 
 
 def test_a_law_that_branches_works_in_a_batch():
-    def law(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, reference_speed, linear, quadratic, sway_friction):
+    def law(v_t, v_n, across, rate, element):
         if v_n > 0.0:
-            return -c_t * v_t, -c_n * v_n, -lambda_2 * rate
-        return -c_t * v_t, -2.0 * c_n * v_n, -lambda_2 * rate
+            return -element.c_t * v_t, -element.c_n * v_n, -element.lambda_2 * rate
+        return -element.c_t * v_t, -2.0 * element.c_n * v_n, -element.lambda_2 * rate
+
+    water = replace(lc.load_water("paper-lateral"), drag=FunctionDrag(function=law))
 
     gaits = [GAIT, replace(GAIT, amplitude=0.3)]
-    swims = lc.swim_many(MAMBA, gaits, 14.0, fluid_law=law)
+    swims = lc.swim_many(MAMBA, gaits, 14.0, environments=water)
     for i, gait in enumerate(gaits):
-        check(swims, i, lc.swim(MAMBA, gait, 14.0, fluid_law=law))
+        check(swims, i, lc.swim(MAMBA, gait, 14.0, environment=water))
 
 
 def test_figures_without_meaning_are_nan():

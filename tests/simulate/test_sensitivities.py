@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.simulate.numbers import changed
 from laticauda.simulate.sensitivities import UNITS, sensitivities
@@ -67,7 +68,8 @@ def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
 
 def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives():
     # Not to the frequency: it moves the kinks of |v_n| past the time steps, where a difference is of no use.
-    water, names = replace(WATER, sway_friction=0.5), ["water.sway_friction", "gait.amplitude", "water.added_mass"]
+    water = replace(WATER, drag=PolynomialDrag(sway_friction=0.5))
+    names = ["water.drag.sway_friction", "water.drag.reference_speed", "gait.amplitude", "water.added_mass"]
     found = sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
     check(found, by_differences(FINNED, GAIT, water, names, dt=0.05), 1e-7)
 

@@ -150,7 +150,7 @@ def test_neutral_and_deep_it_swims_in_space_as_in_the_plane():
 
 
 def test_elements_have_the_planar_model_s_numbers_in_the_plane_and_the_turned_ellipse_s_across_it():
-    from laticauda.fluid import link_coefficients
+    from laticauda.hydrodynamics import link_coefficients
 
     robot = lc.load_robot("mamba-fin")
     c, elements = link_coefficients(robot, WATER), robot_elements(robot, WATER)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.paper import ParityCase, parity_cases
 from laticauda.paper.parity import parity
 from laticauda.robot import PectoralFin, Tether, Thruster
@@ -28,8 +29,8 @@ def test_the_difference_is_small_and_falls_with_the_step(name: str, joints: str)
 FORMS = [
     {"added_mass_form": "kirchhoff", "tangential_added_mass": 0.2, "rotational": "strip"},
     {"added_mass_form": "classic"},
-    {"quadratic_drag": False},
-    {"linear_drag": False, "depth": 0.2},
+    {"drag": PolynomialDrag(quadratic=False)},
+    {"drag": PolynomialDrag(linear=False), "depth": 0.2},
 ]
 
 
@@ -60,7 +61,7 @@ def driven(robot: lc.Robot, **actuator: float) -> lc.Robot:
 @pytest.mark.parametrize("joints", STEPS)
 def test_friction_of_its_own_kind_tracking_and_electrical_power_agree(joints: str):
     fin = CASES["fin"]
-    water = replace(fin.environment, sway_friction=1.5, friction_taper=-0.6)
+    water = replace(fin.environment, drag=PolynomialDrag(sway_friction=1.5), friction_taper=-0.6)
     robot = driven(fin.robot, tracking=0.8, friction_torque=0.1, viscous_friction=0.05)
     gait = replace(fin.gait, offset=0.1)
     dt = 0.005 if joints == "prescribed" else 0.001
@@ -89,7 +90,8 @@ def test_what_moves_up_and_down_has_the_friction_of_what_moves_sideways():
             "<geom size='.1'/></body></worldbody></mujoco>"
         )
         model = water.compiled(spec)
-        element = Element(body="b", drag=(2.0, 0.0, 0.0), quadratic=False, reference_speed=0.5, sway_friction=0.7)
+        law = PolynomialDrag(quadratic=False, reference_speed=0.5, sway_friction=0.7)
+        element = Element(body="b", drag=(2.0, 0.0, 0.0), law=law)
         handle = water.attach(model, (element,))
         data = mujoco.MjData(model)
         data.qvel[:3] = v

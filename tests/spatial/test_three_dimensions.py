@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.fluid.laws import CoulombFriction
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.mujoco_water.ground import SINK
 from laticauda.pictures.lines import path_dashes
@@ -15,7 +16,9 @@ from laticauda.simulate import plant, plant_of, resume, run
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")
 NEUTRAL = replace(WATER, density=ROBOT.mass / ROBOT.volume)
-SMOOTH = replace(lc.load_ground("coulomb"), regularization_speed=1e-2)  # steps ten times as long
+SMOOTH = replace(
+    lc.load_ground("coulomb"), friction=CoulombFriction(regularization_speed=1e-2)
+)  # steps ten times as long
 A, F, D = radians(30.0), radians(120.0), radians(40.0)
 WAVE = lc.Wave(amplitude=A, frequency=F, phase_shift=D)
 YAW = lc.lateral_undulation(amplitude=A, frequency=F, phase_shift=D)

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from laticauda.fluid import link_coefficients
+from laticauda.fluid.laws import PolynomialDrag
+from laticauda.hydrodynamics import link_coefficients
 from laticauda.robot import load_robot, load_water
 from laticauda.trial import metrics
 
@@ -148,9 +149,9 @@ def test_the_linear_share_of_the_drag_at_the_papers_speed():
     water = load_water("paper-lateral")
     assert metrics.linear_drag_share(water, 0.15) == pytest.approx(0.87, abs=0.001)
     assert metrics.linear_drag_share(load_water("paper-vortex"), 0.15) == 0.0
-    assert metrics.linear_drag_share(dataclasses.replace(water, quadratic_drag=False), 0.15) == 1.0
+    assert metrics.linear_drag_share(dataclasses.replace(water, drag=PolynomialDrag(quadratic=False)), 0.15) == 1.0
     with pytest.raises(ValueError, match="The water must have drag"):
-        metrics.linear_drag_share(dataclasses.replace(water, quadratic_drag=False, linear_drag=False), 0.15)
+        metrics.linear_drag_share(dataclasses.replace(water, drag=PolynomialDrag(linear=False, quadratic=False)), 0.15)
 
 
 @given(speed=st.floats(0.0, 2.0))

@@ -161,7 +161,7 @@ class DesignExperiment:
             [one.measurement for one in self._swims(None)],
             None,
             [_unknown(word) for word in self.unknowns.parameters],
-            options={"joints": joints, "dt": None, "offset_bandwidth": 10.0, "ramp": None, "fluid_law": None},
+            options={"joints": joints, "dt": None, "offset_bandwidth": 10.0, "ramp": None},
             threads=self.candidates.threads,
         )
         return put, {}

@@ -3,13 +3,15 @@
 import dataclasses
 import types
 import typing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 from laticauda.cli.messages import flag
+from laticauda.extensions import name_of
+from laticauda.formulas import Law
 from laticauda.quantities import hints_of, quantities_of, texts_of
 
 
@@ -77,46 +79,69 @@ def changes(kind: type, omit: Sequence[str], otherwise: str) -> type[Any]:
         omit: Names of fields that are no options.
         otherwise: What the help says about an option that is left out.
     """
-    hints, numbers = hints_of(kind), quantities_of(kind)
-    documented = {
-        name: f"{text} [{numbers[name].unit or '-'}]." if name in numbers else f"{text}."
-        for name, text in texts_of(kind).items()
-    }
     fields: list[tuple[str, Any, Any]] = []
-    for field in dataclasses.fields(kind):
-        if field.name in omit:
+    for name, _, hint, help in _options(kind):
+        if name in omit:
             continue
-        help = documented[field.name]
-        if hints[field.name] is bool:
-            fields.append((field.name, _described(Switch, help, otherwise), False))
-            fields.append(
-                (f"no_{field.name}", _described(Switch, f"The opposite of {flag(field.name)}.", otherwise), False)
-            )
+        if hint is bool:
+            fields.append((name, _described(Switch, help, otherwise), False))
+            fields.append((f"no_{name}", _described(Switch, f"The opposite of {flag(name)}.", otherwise), False))
         else:
-            fields.append((field.name, _described(_type_of(hints[field.name]), help, otherwise), None))
+            fields.append((name, _described(_type_of(hint), help, otherwise), None))
     return dataclasses.make_dataclass(f"{kind.__name__}Changes", fields, frozen=True, kw_only=True)
+
+
+def _options(kind: type) -> Iterator[tuple[str, tuple[str, ...], Any, str]]:
+    """By option: the way to its field, the field's type and what it is; those of a law are of its default's class.
+
+    A law's truth value is called after both, `linear` of the `drag` is `linear_drag`.
+    """
+    hints = hints_of(kind)
+    for field in dataclasses.fields(kind):
+        hint = hints[field.name]
+        if not (isinstance(hint, type) and issubclass(hint, Law)):
+            yield field.name, (field.name,), hint, _help(kind, field.name)
+        elif dataclasses.is_dataclass(field.default):
+            law: Any = type(field.default)
+            for own, inner in hints_of(law).items():
+                name = f"{own}_{field.name}" if inner is bool else own
+                yield name, (field.name, own), inner, _help(law, own)
+
+
+def _help(kind: type, name: str) -> str:
+    """What a field is, with its unit."""
+    numbers = quantities_of(kind)
+    return f"{texts_of(kind)[name]} [{numbers[name].unit or '-'}]." if name in numbers else f"{texts_of(kind)[name]}."
 
 
 def changed(thing: Any, wanted: Any) -> Any:
     """`thing`, a dataclass, with the fields that `changes` were asked for; its name says which.
 
     Raises:
-        ValueError: If a field is asked to be true and false, or out of its range.
+        ValueError: If a field is asked to be true and false, or out of its range, or its law has no such number.
     """
     values: dict[str, Any] = {}
-    for field in dataclasses.fields(thing):
-        value: Any = getattr(wanted, field.name, None)
+    listed: list[str] = []
+    kind: type[Any] = thing.__class__
+    for name, (field, *inner), _, _ in _options(kind):
+        value: Any = getattr(wanted, name, None)
         if isinstance(value, bool):
-            opposite: bool = getattr(wanted, f"no_{field.name}")
+            opposite: bool = getattr(wanted, f"no_{name}")
             if value and opposite:
-                raise ValueError(f"`{field.name}` and `no_{field.name}` must not be given together.")
+                raise ValueError(f"`{name}` and `no_{name}` must not be given together.")
             value = value if value or opposite else None
-        if value is not None:
-            values[field.name] = value
-    if not values:
-        return thing
-    listed = ", ".join(f"{name} {_plain(value)}" for name, value in values.items())
-    return dataclasses.replace(thing, **values, name=f"{thing.name} with {listed}")
+        if value is None:
+            continue
+        listed.append(f"{name} {_plain(value)}")
+        for own in inner:
+            law: Any = values.get(field, getattr(thing, field))
+            if own not in hints_of(law.__class__):
+                raise ValueError(
+                    f"`{name}` must not be given with the law {name_of(law.__class__)}, which has no such number."
+                )
+            value = dataclasses.replace(law, **{own: value})
+        values[field] = value
+    return dataclasses.replace(thing, **values, name=f"{thing.name} with {', '.join(listed)}") if values else thing
 
 
 def _type_of(hint: Any) -> Any:

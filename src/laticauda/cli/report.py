@@ -198,23 +198,15 @@ def _environment(trial: Trial, origin: str) -> str:
 
 
 def _water(water: Water) -> str:
-    drag = {
-        (True, True): f"linear and quadratic drag, equal at {water.reference_speed:g} m/s",
-        (True, False): f"linear drag, reference speed {water.reference_speed:g} m/s",
-        (False, True): "quadratic drag",
-        (False, False): "no drag",
-    }[water.linear_drag, water.quadratic_drag]
     parts = [
         f"tangential_friction {water.tangential_friction:g}",
         f"normal_drag {water.normal_drag:g}",
         f"added_mass {water.added_mass:g} ({water.added_mass_form})",
         f"added_inertia {water.added_inertia:g} (rotation: {water.rotational})",
-        drag,
+        f"drag {water.drag.words}",
     ]
     if water.tangential_added_mass:
         parts.append(f"tangential_added_mass {water.tangential_added_mass:g}")
-    if water.sway_friction:
-        parts.append(f"sway_friction {water.sway_friction:g}")
     if water.friction_taper:
         parts.append(f"friction_taper {water.friction_taper:g}")
     if water.trailing_edge != "none":
@@ -229,8 +221,8 @@ def _water(water: Water) -> str:
 
 
 def _ground(ground: Ground) -> str:
-    unit = " N s/m" if ground.friction == "viscous" else ""
-    return f"{ground.friction} friction, tangential {ground.tangential:g}{unit}, normal {ground.normal:g}{unit}"
+    unit = "" if ground.friction.of_weight else " N s/m"
+    return f"{ground.friction.words} friction, tangential {ground.tangential:g}{unit}, normal {ground.normal:g}{unit}"
 
 
 def _run(trial: Trial) -> str:

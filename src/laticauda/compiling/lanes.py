@@ -301,6 +301,8 @@ def each_lane(typingctx, function, arguments):
         columns = [context.get_constant_undef(kind) for _ in results]
         for lane in range(kind.width):
             lane_values = [_picked_lane(context, builder, a, v, lane) for v, a in zip(values, arguments, strict=True)]
+            if len(inner.args) < len(lane_values):  # those of a function of *numbers are one tuple
+                lane_values = [context.make_tuple(builder, inner.args[0], lane_values)]
             got = cgutils.unpack_tuple(builder, call(builder, lane_values))
             for j, (value, result) in enumerate(zip(got, results, strict=True)):
                 scalar = context.cast(builder, value, result, _alone(kind))

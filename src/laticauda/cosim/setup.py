@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
 
+from laticauda.codec import BadKey, decode, encode
 from laticauda.cosim.messages import Message, known, numbers, table
 from laticauda.errors import one_of, positive, whole, within
 from laticauda.gaits import Gait
@@ -106,9 +107,10 @@ class Setup:
             water = load_parameters(self.parameters).water(kind)
         else:
             water = load_water(self.water or default_water(self.command.gait))
-        fields = [field.name for field in dataclasses.fields(Water)]
-        known("`coefficients`", self.coefficients, fields)
-        return replace(water, **self.coefficients)
+        try:
+            return decode(Water, {**encode(water), **self.coefficients})
+        except BadKey as error:
+            raise ValueError(f"`{error.key}` {error.rule}.") from None
 
     @cached_property
     def plant(self) -> Plant[Any]:

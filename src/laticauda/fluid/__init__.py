@@ -1,16 +1,13 @@
-"""From sections and dimensionless coefficients to loads: coefficients per link, and scalar laws per element."""
+"""Loads of the water and of the ground on one element: drag laws as values, and the plate of a pectoral fin."""
 
-from laticauda.fluid.bending import bending_frequencies
-from laticauda.fluid.coefficients import Coefficients, immersion_factor, link_coefficients
-from laticauda.fluid.laws import coulomb_friction, magnitude, plate, polynomial_drag
+from laticauda.fluid.laws import (
+    CoulombFriction,
+    DragLaw,
+    Element,
+    FunctionDrag,
+    PolynomialDrag,
+    ViscousFriction,
+    plate,
+)
 
-__all__ = [
-    "Coefficients",
-    "bending_frequencies",
-    "coulomb_friction",
-    "immersion_factor",
-    "link_coefficients",
-    "magnitude",
-    "plate",
-    "polynomial_drag",
-]
+__all__ = ["CoulombFriction", "DragLaw", "Element", "FunctionDrag", "PolynomialDrag", "ViscousFriction", "plate"]

@@ -1,7 +1,8 @@
-"""Loads of the water (or the ground) on one rigid element, as scalar functions.
+"""Loads of the water (or the ground) on one rigid element: laws that own their numbers.
 
-They are plain Python on purpose: the kernels compile them, and anything else may call them as they stand. A law of
-one's own has the signature of `polynomial_drag` and is handed to `laticauda.simulate.plant(..., fluid_law=...)`.
+A law is a frozen value below `DragLaw`: its fields are its coefficients, its `__call__` the formula. Python calls it as
+it stands, and the kernels compile it (`laticauda.formulas`). It stands in the environment: `Water.drag`,
+`Ground.friction`. One's own is a class like those here, in any module, or a `FunctionDrag`.
 
 All quantities are in the element's own axes: t along the element towards the head, n to its left. Velocities are those
 of the element's middle relative to the water, or to the ground. The annotations say float; complex numbers work too,
@@ -11,30 +12,94 @@ trials are computed at once. So conditions look at the real part only, magnitude
 then called trial by trial.
 """
 
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, NamedTuple
+
 import numpy as np
 
+from laticauda.extensions import Extensible
+from laticauda.formulas import Formula, Law
+from laticauda.quantities import option, quantity, value
 from laticauda.scalars import magnitude
 
 # Keeps the direction of a velocity defined at rest, far below any speed that matters [m^2/s^2].
 _AT_REST = 1e-30
 
+MOTION = 4
+"""Numbers that a law gets before the element: v_t, v_n, across, rate."""
 
-def polynomial_drag(
-    v_t: float,
-    v_n: float,
-    rate: float,
-    c_t: float,
-    c_n: float,
-    lambda_2: float,
-    lambda_3: float,
-    reference_speed: float,
-    linear: float,
-    quadratic: float,
-    sway_friction: float,
-) -> tuple[float, float, float]:
+
+class Element(NamedTuple):
+    """What the section of an element and its surroundings make of it (`laticauda.hydrodynamics`)."""
+
+    c_t: float
+    """Drag along [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_t m g [N]."""
+    c_n: float
+    """Drag across, likewise."""
+    lambda_2: float
+    """Linear rotational drag per reference speed [N s^2]."""
+    lambda_3: float
+    """Quadratic rotational drag [N m s^2]."""
+
+
+class DragLaw(Law, Extensible, group="drag_laws"):
+    """Base of the loads on one element: a value whose fields are its coefficients.
+
+    Example:
+        >>> from laticauda.fluid.laws import DragLaw, PolynomialDrag
+        >>> DragLaw.named("polynomial-drag") is PolynomialDrag
+        True
+    """
+
+    of_weight: ClassVar[bool] = False
+    """Whether the coefficients of a ground are shares of an element's weight."""
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """Loads on an element.
+
+        In space it is called twice per element: with its left for n, then with what is above it.
+
+        Args:
+            v_t: Velocity along the element [m/s].
+            v_n: Velocity across it, to its left [m/s].
+            across: All of the speed across it, |v_n| in the plane, not negative [m/s].
+            rate: Angular velocity theta' [rad/s].
+            element: Its coefficients, not negative.
+
+        Returns:
+            f_t [N], f_n [N], tau about the element's middle [N m]. None of the three should ever feed energy in:
+            f_t v_t <= 0, f_n v_n <= 0, tau theta' <= 0.
+        """
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Refuse a law that kernels cannot compile.
+
+        Raises:
+            ValueError: With the reason.
+        """
+        from laticauda.compiling.formulas import check  # Numba is slow to import
+
+        check(self, Element, (0.3, -0.2, 0.2, 0.5, 1.0, 10.0, 0.1, 0.01), "f_t [N], f_n [N] and tau [N m]")
+
+    def steepest(self, speed: float) -> tuple[float, float]:
+        """Largest drag per speed between rest and `speed`, along and across, of an element with coefficients 1 [1/s].
+
+        Args:
+            speed: Along and across at once [m/s].
+        """
+        unit = Element(1.0, 1.0, 0.0, 0.0)
+        loads = [(v, self(v, v, v, 0.0, unit)) for v in (1e-12, speed)]
+        return max(-f_t / v for v, (f_t, _, _) in loads), max(-f_n / v for v, (_, f_n, _) in loads)
+
+
+@value
+class PolynomialDrag(DragLaw):
     """Linear plus quadratic drag: f = -c v (U_ref + |v|), tau = -(U_ref lambda_2 + lambda_3 |theta'|) theta'.
 
-    The literature uses the same number for the linear and the quadratic part; U_ref is the speed that this implies.
+    The literature uses the same number for the linear and the quadratic part [1]; U_ref is the speed that this implies.
 
     Along the element a third part may grow with how fast the element moves sideways,
 
@@ -44,23 +109,6 @@ def polynomial_drag(
     [3]); that it grows in proportion to |v_n| is this model, with one number to be identified: for a plate that moves
     along its normal into the flow, theory has the square root of the normal velocity [4].
 
-    Args:
-        v_t: Velocity along the element [m/s].
-        v_n: Velocity across it [m/s].
-        rate: Angular velocity theta' [rad/s].
-        c_t: Drag coefficient along [N s^2/m^2], not negative.
-        c_n: Drag coefficient across [N s^2/m^2], not negative.
-        lambda_2: Coefficient of the linear torque [N s^2], not negative.
-        lambda_3: Coefficient of the quadratic torque [N m s^2], not negative.
-        reference_speed: U_ref, the speed at which linear and quadratic drag are equal [m/s]; it acts on the torque too.
-        linear: 1 keeps the linear part of force and torque, 0 drops it.
-        quadratic: 1 keeps the quadratic part, 0 drops it.
-        sway_friction: gamma, not negative [-]; it acts whatever `linear` and `quadratic` say, 0 drops it.
-
-    Returns:
-        f_t [N], f_n [N], tau about the element's middle [N m]. None of the three ever feeds energy in: f_t v_t <= 0,
-        f_n v_n <= 0, tau theta' <= 0.
-
     References:
         [1] E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (7), which implies U_ref = 1 m/s.
         [2] M. J. Lighthill, Large-amplitude elongated-body theory of fish locomotion, Proc. R. Soc. B 179, 1971.
@@ -69,50 +117,116 @@ def polynomial_drag(
         [4] U. Ehrenstein, C. Eloy, Skin friction on a moving wall and its implications for swimming animals, J. Fluid
             Mech. 718, 2013.
     """
-    base = reference_speed * linear
-    f_t = -c_t * v_t * (base + quadratic * magnitude(v_t) + sway_friction * magnitude(v_n))
-    f_n = -c_n * v_n * (base + quadratic * magnitude(v_n))
-    tau = -(base * lambda_2 + quadratic * lambda_3 * magnitude(rate)) * rate
-    return f_t, f_n, tau
+
+    reference_speed: float = quantity(
+        "m/s", "U_ref, the speed at which linear and quadratic drag are equal", ge=0.0, default=1.0
+    )
+    linear: bool = option("Whether there is a part that is linear in the speed, of force and torque", default=True)
+    quadratic: bool = option("Whether there is a part that is quadratic in the speed", default=True)
+    sway_friction: float = quantity(
+        "", "gamma, drag along the body that grows with the local sideways speed", ge=0.0, default=0.0
+    )
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """Each direction on its own, but for the sway friction."""
+        base = self.reference_speed * self.linear
+        f_t = -element.c_t * v_t * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
+        f_n = -element.c_n * v_n * (base + self.quadratic * magnitude(v_n))
+        tau = -(base * element.lambda_2 + self.quadratic * element.lambda_3 * magnitude(rate)) * rate
+        return f_t, f_n, tau
+
+    @property
+    def words(self) -> str:
+        """Its parts, with the reference speed where it counts."""
+        parts = {
+            (True, True): f"linear and quadratic, equal at {self.reference_speed:g} m/s",
+            (True, False): f"linear only, reference speed {self.reference_speed:g} m/s",
+            (False, True): "quadratic only",
+            (False, False): "none",
+        }[self.linear, self.quadratic]
+        return f"{parts}, sway_friction {self.sway_friction:g}" if self.sway_friction else parts
 
 
-def coulomb_friction(
-    v_t: float,
-    v_n: float,
-    rate: float,
-    c_t: float,
-    c_n: float,
-    lambda_2: float,
-    lambda_3: float,
-    reference_speed: float,
-    linear: float,
-    quadratic: float,
-    sway_friction: float,
-) -> tuple[float, float, float]:
-    """Dry anisotropic friction on the ground: f = -c v / sqrt(v^2 + eps^2), along and across on their own.
+@value
+class ViscousFriction(DragLaw):
+    """Friction on the ground in proportion to the speed: f = -c v, along and across on their own."""
 
-    That is -c sgn(v) with the jump at v = 0 spread over some eps. There is no torque about the contact.
+    called: ClassVar[str] = "viscous"
+    former: ClassVar[Mapping[str, str]] = {"regularization_speed": ""}  # which older files gave, and it did not use
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """No torque about the contact."""
+        return -element.c_t * v_t, -element.c_n * v_n, 0.0 * rate
+
+
+def dry(v: float, c: float, regularization_speed: float) -> float:
+    """Dry friction, -c v / sqrt(v^2 + eps^2) [N].
 
     Args:
-        v_t: Velocity along the element [m/s].
-        v_n: Velocity across it [m/s].
-        rate: Not used, like `lambda_2`, `lambda_3`, `linear`, `quadratic` and `sway_friction`: all laws have one
-            signature.
-        c_t: Friction along at speeds far above eps, mu_t m g [N], not negative.
-        c_n: Friction across, mu_n m g [N], not negative.
-        lambda_2: Not used.
-        lambda_3: Not used.
-        reference_speed: eps, positive [m/s].
-        linear: Not used.
-        quadratic: Not used.
-        sway_friction: Not used.
-
-    Returns:
-        f_t [N], f_n [N], tau = 0 [N m]. Never feeds energy in: f_t v_t <= 0 and f_n v_n <= 0. |f_t| < c_t, |f_n| < c_n.
+        v: Velocity [m/s].
+        c: Friction at speeds far above eps [N].
+        regularization_speed: eps, positive [m/s].
     """
-    f_t = -c_t * v_t / (v_t * v_t + reference_speed * reference_speed) ** 0.5
-    f_n = -c_n * v_n / (v_n * v_n + reference_speed * reference_speed) ** 0.5
-    return f_t, f_n, 0.0 * rate
+    return -c * v / (v * v + regularization_speed * regularization_speed) ** 0.5
+
+
+@value
+class CoulombFriction(DragLaw):
+    """Dry anisotropic friction on the ground: f = -c v / sqrt(v^2 + eps^2), along and across on their own.
+
+    That is -c sgn(v) with the jump at v = 0 spread over some eps, so |f| < c, with c = mu m g. There is no torque about
+    the contact.
+    """
+
+    called: ClassVar[str] = "coulomb"
+    of_weight: ClassVar[bool] = True
+
+    regularization_speed: float = quantity("m/s", "eps, below which dry friction fades out", gt=0.0, default=1e-3)
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """No torque about the contact."""
+        eps = self.regularization_speed
+        return dry(v_t, element.c_t, eps), dry(v_n, element.c_n, eps), 0.0 * rate
+
+
+@value
+class FunctionDrag(DragLaw):
+    """A plain function as a law: it takes what a law takes, and what it closes over is compiled into it.
+
+    It has no numbers that could be swept or identified, and no file can say what it is: write a class for that.
+    """
+
+    function: Callable[..., tuple[float, float, float]] = option("f(v_t, v_n, across, rate, element)")
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """What the function says."""
+        return self.function(v_t, v_n, across, rate, element)
+
+    @property
+    def formula(self) -> Formula:
+        """The function, which has no numbers."""
+        function: Any = getattr(self.function, "py_func", self.function)
+        if not hasattr(function, "__code__"):
+            raise ValueError(f"`function` must be a plain Python function, got {function!r}.")
+
+        def call(law: Any, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Any:
+            return function(v_t, v_n, across, rate, element)
+
+        call.__module__ = function.__module__
+        return Formula(name=function.__name__, function=call, fields=())
+
+    @property
+    def words(self) -> str:
+        """The function's name."""
+        return self.function.__name__
 
 
 def plate(

@@ -17,7 +17,6 @@ from laticauda.identify.problem import Problem, problem
 from laticauda.identify.result import Fit
 from laticauda.identify.searching import Method, search
 from laticauda.identify.unknowns import Unknown
-from laticauda.planar.specialize import FluidLaw
 from laticauda.robot import Robot
 from laticauda.scenarios import MODELS
 from laticauda.simulate.runner import Progress
@@ -39,7 +38,6 @@ def fit(
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
-    fluid_law: FluidLaw | None = None,
     noise: str = "known",
     loss: str = "linear",
     n_starts: int = 4,
@@ -63,7 +61,6 @@ def fit(
         dt: See there [s].
         offset_bandwidth: See there [rad/s].
         ramp: See there [s].
-        fluid_law: See there.
         noise: known: the uncertainties take the noise as the measurements state it; estimated: a common factor on it is
             estimated from the residuals.
         loss: linear, or soft_l1, huber, cauchy, arctan: outliers count less.
@@ -95,7 +92,6 @@ def fit(
         "dt": dt,
         "offset_bandwidth": offset_bandwidth,
         "ramp": ramp,
-        "fluid_law": fluid_law,
     }
     put = problem(measurements, robot, parameters, model=model, options=options, threads=threads)
     return solve(put, method, progress=progress)

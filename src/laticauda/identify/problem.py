@@ -34,7 +34,7 @@ class Problem:
     model: str
     """planar or spatial."""
     options: Mapping[str, Any]
-    """How it is run: joints, dt, offset_bandwidth, ramp, fluid_law."""
+    """How it is run: joints, dt, offset_bandwidth, ramp."""
     threads: int | None
     """How many compute."""
 

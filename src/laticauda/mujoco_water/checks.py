@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from laticauda.extras import load_mujoco
+from laticauda.fluid.laws import Element as Coefficients
 from laticauda.mujoco_water.elements import Element
-from laticauda.mujoco_water.functions import FluidLaw
 
 INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 
@@ -29,13 +29,12 @@ def body_of(model: Any, name: str) -> int:
     return int(body)
 
 
-def stable_step(model: Any, elements: Iterable[Element], fluid_law: FluidLaw, speed: float) -> float:
+def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
     """Largest step at which the drag may be treated explicitly, in the model's reference pose.
 
     Args:
         model: The model that the water is attached to.
         elements: What the water sees of it.
-        fluid_law: Drag on one element in one plane.
         speed: Up to which the elements move, along all axes at once [m/s].
 
     Returns:
@@ -53,33 +52,36 @@ def stable_step(model: Any, elements: Iterable[Element], fluid_law: FluidLaw, sp
         R = data.xmat[body].reshape(3, 3) @ element.rotation
         at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ np.array(element.position)
         mujoco.mj_jac(model, data, linear, turning, at, body)
-        slope, slope_2 = _slopes(fluid_law, element, speed)
+        slope, slope_2 = _slopes(element, speed)
         J, K = R.T @ linear, R.T @ turning
         slopes += J.T @ (slope[:, np.newaxis] * J) + K.T @ (slope_2[:, np.newaxis] * K)
     fastest = float(np.max(np.real(np.linalg.eigvals(np.linalg.solve(inertia, slopes))))) if model.nv else 0.0
     return 2.0 / fastest if fastest > 0.0 else math.inf
 
 
-def _slopes(law: FluidLaw, element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
+def _slopes(element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Steepest slope of the drag between rest and a speed, along and about the element's axes."""
-    linear, quadratic = float(element.reference_speed > 0.0), float(element.quadratic)
-    water = (element.reference_speed, linear, quadratic)
-    spin = speed / max(element.half_size)
-    near = 1e-6
+    law, spin, near = element.law, speed / max(element.half_size), 1e-6
 
-    def slope(v: float, c: float, sway: float) -> float:
-        before, after = (law(at, sway and v, 0.0, c, 0.0, 0.0, 0.0, *water, sway)[0] for at in (v - near, v + near))
+    def along(v: float, c: float) -> float:
+        before, after = (law(at, v, v, 0.0, Coefficients(c, 0.0, 0.0, 0.0))[0] for at in (v - near, v + near))
         return before - after
 
-    def slope_2(w: float, a: float, b: float) -> float:
-        before, after = (law(0.0, 0.0, at, 0.0, 0.0, a, b, *water, 0.0)[2] for at in (w - near, w + near))
+    def across(v: float, c: float) -> float:
+        ends = ((at, abs(at)) for at in (v - near, v + near))
+        before, after = (law(v, at, size, 0.0, Coefficients(0.0, c, 0.0, 0.0))[1] for at, size in ends)
         return before - after
 
-    sways = (element.sway_friction, 0.0, 0.0)
-    along = [max(slope(0.0, c, s), slope(speed, c, s)) for c, s in zip(element.drag, sways, strict=True)]
+    def about(w: float, a: float, b: float) -> float:
+        before, after = (law(0.0, 0.0, 0.0, at, Coefficients(0.0, 0.0, a, b))[2] for at in (w - near, w + near))
+        return before - after
+
+    slopes = [
+        max(slope(0.0, c), slope(speed, c)) for slope, c in zip((along, across, across), element.drag, strict=True)
+    ]
     pairs = zip(element.torque_linear, element.torque_quadratic, strict=True)
-    about = [max(slope_2(0.0, a, b), slope_2(spin, a, b)) for a, b in pairs]
-    return np.array(along) / (2.0 * near), np.array(about) / (2.0 * near)
+    turning = [max(about(0.0, a, b), about(spin, a, b)) for a, b in pairs]
+    return np.array(slopes) / (2.0 * near), np.array(turning) / (2.0 * near)
 
 
 def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
@@ -146,16 +148,13 @@ def _dofs_above(model: Any, body: int) -> list[int]:
     return found[::-1]
 
 
-def warn_of(
-    model: Any, elements: Sequence[Element], bodies: np.ndarray, fluid_law: FluidLaw, speed: float | None
-) -> None:
+def warn_of(model: Any, elements: Sequence[Element], bodies: np.ndarray, speed: float | None) -> None:
     """Warn of what is likely not meant: nothing floats, nothing is stable, or nothing stays upright.
 
     Args:
         model: The `mujoco.MjModel`, its water attached.
         elements: What the water sees of it.
         bodies: Number of each element's body.
-        fluid_law: Drag on one element in one plane.
         speed: At which the step is checked against the drag [m/s]; None: not at all.
     """
     mujoco = load_mujoco()
@@ -173,7 +172,7 @@ def warn_of(
         _warn_upright(model, root, elements, bodies)
     if speed is None:
         return
-    limit = stable_step(model, elements, fluid_law, speed)
+    limit = stable_step(model, elements, speed)
     if model.opt.timestep > limit:
         warnings.warn(
             f"`timestep` {model.opt.timestep:g} s is too large for the drag: at {speed:g} m/s it is stable up to "

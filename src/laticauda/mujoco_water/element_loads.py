@@ -17,10 +17,10 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 from typing import no_type_check
 
 from laticauda.compiling import compiled, kernel
-from laticauda.fluid import laws
+from laticauda.fluid.laws import plate
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground_loads import ground_load
-from laticauda.mujoco_water.native import call_1, number_at
+from laticauda.mujoco_water.native import call_1, call_2, number_at
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import (
     cross,
@@ -37,7 +37,7 @@ from laticauda.mujoco_water.vectors import (
 )
 
 wetted = compiled(hydrostatics.wetted)
-plate_law = compiled(laws.plate)
+plate_law = compiled(plate)
 
 
 @kernel
@@ -127,29 +127,26 @@ def added_mass(keep, m, i, u, w, a, alpha):
 @kernel
 @no_type_check
 def drag(T, E, o, law_io, u, w, wet):
-    """Force and torque by the law of a plane: for x and y about z, then for z about y, then for the roll about x."""
+    """Force and torque by the law: with y across and about z, then with z across and about y, then the roll about x."""
     c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
-    f_x, f_y, t_z = drag_in_plane(T, E, o, law_io, u[0], u[1], w[2], c[0], c[1], linear[2], quadratic[2])
-    _, f_z, t_y = drag_in_plane(T, E, o, law_io, 0.0, u[2], w[1], 0.0, c[2], linear[1], quadratic[1])
-    if E[o + SWAY_FRICTION] != 0.0 and u[2] != 0.0:  # what moves up and down moves sideways too
-        across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
-        f_x, _, _ = drag_in_plane(T, E, o, law_io, u[0], across, 0.0, c[0], 0.0, 0.0, 0.0)
+    law, own = integers(T[LAWS], T[N_ELEMENTS])[o // ELEMENT_SIZE], E[o + LAW_NUMBERS :].ctypes.data
+    across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
+    f_x, f_y, t_z = by_law(law, own, law_io, (u[0], u[1], across, w[2]), (c[0], c[1], linear[2], quadratic[2]))
+    _, f_z, t_y = by_law(law, own, law_io, (u[0], u[2], across, w[1]), (c[0], c[2], linear[1], quadratic[1]))
     t_x = 0.0
     if linear[0] != 0.0 or quadratic[0] != 0.0:
-        _, _, t_x = drag_in_plane(T, E, o, law_io, 0.0, 0.0, w[0], 0.0, 0.0, linear[0], quadratic[0])
+        _, _, t_x = by_law(law, own, law_io, (0.0, 0.0, 0.0, w[0]), (0.0, 0.0, linear[0], quadratic[0]))
     return scaled(wet, (f_x, f_y, f_z)), scaled(wet, (t_x, t_y, t_z))
 
 
 @kernel
 @no_type_check
-def drag_in_plane(T, E, o, law_io, v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3):
-    """The fluid law."""
-    law_io[0], law_io[1], law_io[2] = v_t, v_n, rate
-    law_io[3], law_io[4], law_io[5], law_io[6] = c_t, c_n, lambda_2, lambda_3
-    law_io[7], law_io[8], law_io[9] = E[o + REFERENCE_SPEED], E[o + LINEAR], E[o + QUADRATIC]
-    law_io[10] = E[o + SWAY_FRICTION]
-    call_1(T[LAW], law_io.ctypes.data)
-    return three(law_io, 11)
+def by_law(law, own, law_io, motion, element):
+    """The loads of the law at an address, whose numbers stand at another."""
+    for k in range(MOTION):
+        law_io[k], law_io[MOTION + k] = motion[k], element[k]
+    call_2(law, law_io.ctypes.data, own)
+    return three(law_io, LOADS)
 
 
 @kernel

@@ -6,7 +6,8 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import finite, not_negative, one_of, positive
+from laticauda.errors import finite, instance, not_negative, one_of, positive
+from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground import Contact
 
@@ -25,9 +26,10 @@ _NAMES_OF_SHAPES = {
 class Element:
     """Loads on one piece of a body. A body may have several; drags that differ in kind are elements on one place.
 
-    With u the velocity of the element's middle relative to the water and w its angular velocity, per axis of its own:
+    With u the velocity of the element's middle relative to the water and w its angular velocity, per axis of its own
+    and by default, see `law`,
 
-        f = -c u (U_ref + |u|)        tau = -(U_ref lambda_2 + lambda_3 |w|) w
+        f = -c u |u|        tau = -lambda_3 |w| w
 
     Raises:
         ValueError: If a field is out of its range.
@@ -67,12 +69,8 @@ class Element:
     """What the surface cuts; a cylinder is elliptic, with its axis along x."""
     half_size: Three = (0.1, 0.1, 0.1)
     """Half the length, width and height of the shape; without a surface it plays no part [m]."""
-    reference_speed: float = 0.0
-    """U_ref, at which linear and quadratic drag are equal; 0: no linear drag [m/s]."""
-    quadratic: bool = True
-    """Whether there is quadratic drag."""
-    sway_friction: float = 0.0
-    """gamma: f_x has a further part -c_x u_x gamma |(u_y, u_z)|, not negative [-]."""
+    law: DragLaw = PolynomialDrag(reference_speed=0.0)
+    """How drag depends on speed; by default it is quadratic."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -101,8 +99,7 @@ class Element:
         w, x, y, z = (q / norm for q in self.orientation)
         object.__setattr__(self, "orientation", (w, x, y, z))
         object.__setattr__(self, "volume", not_negative("volume", self.volume, "m^3"))
-        object.__setattr__(self, "reference_speed", not_negative("reference_speed", self.reference_speed, "m/s"))
-        object.__setattr__(self, "sway_friction", not_negative("sway_friction", self.sway_friction))
+        instance("law", self.law, DragLaw)
         one_of("shape", self.shape, SHAPES)
 
     def _settle(self, name: str, check: Any, unit: str, length: int = 3) -> None:

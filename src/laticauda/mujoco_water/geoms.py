@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import not_negative, positive
+from laticauda.errors import instance, not_negative, positive
 from laticauda.extras import load_mujoco
+from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water.elements import Element, Shape, Three
 
 _ROUND = math.pi / 4.0  # share of a circle in the square around it
@@ -25,16 +26,17 @@ class GeomCoefficients:
     """Share of what the drags, spread over the geom, set against its rotation [-]."""
     added_mass: float = 1.0
     """Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115) [-]."""
-    reference_speed: float = 0.0
-    """U_ref [m/s]."""
+    law: DragLaw = PolynomialDrag(reference_speed=0.0)
+    """How drag depends on speed; by default it is quadratic."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
         if len(self.drag) != 3:
             raise ValueError(f"`drag` must hold 3 numbers, got {self.drag!r}.")
         object.__setattr__(self, "drag", tuple(not_negative(f"drag[{i}]", x) for i, x in enumerate(self.drag)))
-        for name, unit in (("rotational_drag", ""), ("added_mass", ""), ("reference_speed", "m/s")):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name), unit))
+        for name in ("rotational_drag", "added_mass"):
+            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+        instance("law", self.law, DragLaw)
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -109,7 +111,7 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
         volume=volume,
         shape=shape,
         half_size=half,
-        reference_speed=coefficients.reference_speed,
+        law=coefficients.law,
     )
 
 

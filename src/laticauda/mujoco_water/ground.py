@@ -13,7 +13,7 @@ Plain scalar functions, which the kernels compile.
 import math
 from dataclasses import dataclass
 
-from laticauda.fluid.laws import coulomb_friction, polynomial_drag
+from laticauda.fluid.laws import dry
 
 SINK = 1e-3  # [m]
 ROLL = 3.5  # how much faster friction stops the lowest point of a section than its middle: it may roll as well [-]
@@ -87,7 +87,5 @@ def touch(
         return 0.0, 0.0, 0.0
     c_t, c_n = along * normal, across * normal
     if eps > 0.0:
-        f_t, f_n, _ = coulomb_friction(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, eps, 0.0, 1.0, 0.0)
-    else:
-        f_t, f_n, _ = polynomial_drag(v_t, v_n, 0.0, c_t, c_n, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    return f_t, f_n, normal
+        return dry(v_t, c_t, eps), dry(v_n, c_n, eps), normal
+    return -c_t * v_t, -c_n * v_n, normal

@@ -1,5 +1,8 @@
 """Where every number sits that the compiled loads read: the table of one model, its water, and its elements."""
 
+from laticauda.fluid.laws import MOTION, Element
+from laticauda.formulas import MOST_NUMBERS
+
 # --- The table of one model: 64-bit integers -----------------------------------------------------------------------
 (
     N_BODIES,
@@ -19,7 +22,7 @@
     ELEMENT_BODY,
     ELEMENTS,  # records of numbers, see below
     WATER,  # numbers: see below
-    LAW,  # cfunc: ten numbers in, three out behind them
+    LAWS,  # of each element: its law, a cfunc of two addresses; see law_entry
     CURRENT,  # cfunc: x, y, z, t in, three out behind them; 0: constant
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
@@ -62,15 +65,15 @@ INERTIA = 24  # 3
 VOLUME = 27
 SHAPE = 28
 HALF = 29  # 3
-REFERENCE_SPEED = 32
-LINEAR = 33
-QUADRATIC = 34
-THRUST = 35  # 3
-PULL = 38  # 3
-TETHER_DRAG = 41
-WAKE_MASS = 42
-PLATE = 43  # 5, as in fluid.laws.plate
-CONTACT = 48  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-SWAY_FRICTION = 53
-ELEMENT_SIZE = 54
+THRUST = 32  # 3
+PULL = 35  # 3
+TETHER_DRAG = 38
+WAKE_MASS = 39
+PLATE = 40  # 5, as in fluid.laws.plate
+CONTACT = 45  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+LAW_NUMBERS = 50  # of the drag law, in the order of its fields
+ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]
+
+# --- What a drag law is called with: velocities, the element's coefficients, and behind them its loads
+LOADS = MOTION + len(Element._fields)

@@ -15,12 +15,11 @@ import numpy as np
 
 from laticauda.errors import finite, one_of, positive
 from laticauda.extras import load_mujoco
-from laticauda.fluid import laws
 from laticauda.mujoco_water import native, registry
 from laticauda.mujoco_water import table as rows
 from laticauda.mujoco_water.checks import body_of, check_model, warn_of
 from laticauda.mujoco_water.elements import Element
-from laticauda.mujoco_water.functions import Current, FluidLaw, compiled_current, compiled_law
+from laticauda.mujoco_water.functions import Current, compiled_current, compiled_law
 from laticauda.mujoco_water.ground import Terrain
 
 FORMS = ("relative", "kirchhoff", "classic")
@@ -39,8 +38,6 @@ class Water:
     """Addresses and offsets for the compiled code; see `loads`."""
     numbers: dict[str, np.ndarray]
     """What the table points to."""
-    fluid_law: FluidLaw
-    """Drag on one element in one plane."""
     mark: int
     """By which the compiled code knows the model and its copies."""
 
@@ -113,7 +110,6 @@ def attach(
     surface: float | None = None,
     form: str = "relative",
     implicit_drag: bool = False,
-    fluid_law: FluidLaw = laws.polynomial_drag,
     usual_speed: float = 1.0,
     terrain: Terrain | None = None,
 ) -> Water:
@@ -130,7 +126,6 @@ def attach(
         implicit_drag: Take the drag's slope into the inertia of the step. Stable at any step, and of first order in
             it; for the integrators Euler and implicitfast only. The accelerations in the data are then those of the
             step, and no longer forces over inertia.
-        fluid_law: Drag on one element in one plane, with the signature of `laticauda.fluid.laws.polynomial_drag`.
         usual_speed: At which the step is checked against the drag [m/s].
         terrain: The ground that elements with a `contact` touch; None: flat at height 0.
 
@@ -159,9 +154,7 @@ def attach(
     table, arrays = _table(model, elements, bodies, water)
     table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
     table[rows.HAS_SURFACE] = surface is not None
-    law = compiled_law(fluid_law)
-    table[rows.LAW] = law.address
-    keep: list[Any] = [law]
+    keep: list[Any] = []
     if callable(current):
         flow = compiled_current(current)
         table[rows.CURRENT] = flow.address
@@ -173,10 +166,8 @@ def attach(
     positive("usual_speed", usual_speed, "m/s")
     registry.install()
     mark = registry.enter(model, table, (arrays, keep))
-    handle = Water(
-        model=weakref.ref(model), elements=elements, table=table, numbers=arrays, fluid_law=fluid_law, mark=mark
-    )
-    warn_of(model, elements, bodies, fluid_law, None if implicit_drag else usual_speed)
+    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, mark=mark)
+    warn_of(model, elements, bodies, None if implicit_drag else usual_speed)
     return handle
 
 
@@ -226,10 +217,11 @@ def _table(
         "element_body": bodies.astype(np.int64),
         "elements": np.concatenate([_record(element) for element in elements]),
         "water": water,
+        "laws": np.array([compiled_law(element.law).address for element in elements], dtype=np.int64),
     }
     table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
-    table[rows.PARENT : rows.WATER + 1] = [a.ctypes.data for a in arrays.values()]
+    table[rows.PARENT : rows.LAWS + 1] = [a.ctypes.data for a in arrays.values()]
     inside = native.model_offsets()
     names = ("gravity", "timestep", "dof_armature")
     table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
@@ -257,11 +249,9 @@ def _record(element: Element) -> np.ndarray:
         (rows.PULL, element.pull),
         (rows.PLATE, element.plate or ()),
         (rows.CONTACT, astuple(element.contact) if element.contact else ()),
+        (rows.LAW_NUMBERS, element.law.numbers),
     ):
         record[at : at + len(values)] = values
     record[rows.VOLUME], record[rows.SHAPE] = element.volume, element.shape_number
-    record[rows.REFERENCE_SPEED] = element.reference_speed
     record[rows.TETHER_DRAG], record[rows.WAKE_MASS] = element.tether_drag, element.wake_mass
-    record[rows.LINEAR], record[rows.QUADRATIC] = element.reference_speed > 0.0, element.quadratic
-    record[rows.SWAY_FRICTION] = element.sway_friction
     return record

@@ -18,7 +18,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
-from laticauda.compiling import fingerprint
+from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
@@ -148,13 +148,14 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     """Indices of runs that can go side by side; `interval` is that of their samples [s]."""
     kinds: dict[object, list[int]] = {}
     of_plant: dict[int, object] = {}
-    of_law: dict[int, str] = {}
+    of_law: dict[object, str] = {}
     for i, run in enumerate(runs):
         plant = run.plant
         if id(plant) not in of_plant:
-            if id(plant.law) not in of_law:
-                of_law[id(plant.law)] = fingerprint(plant.law)
-            of_plant[id(plant)] = _kind(plant, interval, of_law[id(plant.law)])
+            law = type(plant.law), getattr(plant.law, "function", None)
+            if law not in of_law:
+                of_law[law] = digest_of(plant.law.formula)
+            of_plant[id(plant)] = _kind(plant, interval, of_law[law])
         kinds.setdefault(of_plant[id(plant)], []).append(i)
     return kinds.values()
 
@@ -163,7 +164,7 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    return shape, plant.joints, plant.steps_in(interval), plant.law, law_digest
+    return shape, plant.joints, plant.steps_in(interval), law_digest
 
 
 def _march(

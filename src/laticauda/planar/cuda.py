@@ -18,7 +18,7 @@ from laticauda.compiling import Target
 from laticauda.errors import MissingExtra
 from laticauda.planar import rows
 from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
-from laticauda.planar.specialize import FluidLaw, specialize
+from laticauda.planar.specialize import specialize
 
 try:
     # It puts itself in the place of the module that numba has.
@@ -64,7 +64,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
     S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
-    march = kernel_of(plant.law)
+    march = _kernel(specialize(1, plant.law, _target()).run)
     march[math.ceil(len(runs) / _THREADS), _THREADS](
         S,
         n,
@@ -91,9 +91,8 @@ def _with_freedom(law: np.ndarray) -> np.ndarray:
 
 
 @functools.cache
-def kernel_of(fluid_law: FluidLaw) -> Any:
-    """The kernel for a fluid law: arguments as for `stepping.run`, with a column of `flat` and of `log` per run."""
-    run = specialize(1, fluid_law, _target()).run
+def _kernel(run: Any) -> Any:
+    """The kernel that runs the functions of a GPU `run`, one thread per column of `flat` and of `log`."""
 
     @cuda.jit
     @no_type_check

@@ -25,6 +25,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.errors import not_negative, one_of, positive
+from laticauda.fluid.laws import DragLaw, Element, PolynomialDrag
 
 AddedMassForm = Literal["relative", "kirchhoff", "classic"]
 Plane = Float[np.ndarray, "2"]
@@ -85,14 +86,8 @@ class Options:
 
     form: AddedMassForm = "relative"
     """How the added mass turns with the link: "relative" (the paper), "kirchhoff" or "classic" [-]."""
-    linear_drag: bool = True
-    """Whether the part of the drag that is linear in the velocity acts [-]."""
-    quadratic_drag: bool = True
-    """Whether the part of the drag that is quadratic in the velocity acts [-]."""
-    reference_speed: float = 1.0
-    """Speed U_ref that gives linear and quadratic drag one common coefficient [m/s]."""
-    sway_friction: float = 0.0
-    """gamma, drag along a link that grows with how fast it moves sideways [-]."""
+    drag: DragLaw = PolynomialDrag()
+    """The law of the drag on one link; the paper's has U_ref = 1 m/s [-]."""
     current: Plane = field(default_factory=lambda: np.zeros(2))
     """Velocity (V_x, V_y) that the water moves to, world axes [m/s]."""
     wake_mass: float = 0.0
@@ -101,8 +96,6 @@ class Options:
     def __post_init__(self) -> None:
         """Refuse an unknown form, negative numbers, and a wake without the form it belongs to."""
         one_of("form", self.form, get_args(AddedMassForm))
-        not_negative("reference_speed", self.reference_speed, "m/s")
-        not_negative("sway_friction", self.sway_friction, "")
         not_negative("wake_mass", self.wake_mass, "kg/m")
         if np.shape(self.current) != (2,) or not np.all(np.isfinite(self.current)):
             raise ValueError(f"`current` must be 2 finite numbers in m/s, got {self.current}.")
@@ -171,7 +164,7 @@ def matrices(theta: Links, theta_rate: Links, chain: Chain, options: Options) ->
         N2_i = mu_t t_hat n_hat^T - mu_n n_hat t_hat^T,
 
     which is [mu_n s c, mu_n s^2; -mu_n c^2, -mu_n s c] + [-mu_t s c, mu_t c^2; -mu_t s^2, mu_t s c]. The other forms
-    add forces: see `fluid_forces`. Of the options, only the drag switches and the reference speed matter here.
+    add forces: see `fluid_forces`. Of the options, only the drag law matters here.
     """
     n = len(theta)
     S, C, Th = np.diag(np.sin(theta)), np.diag(np.cos(theta)), np.diag(theta_rate)
@@ -189,12 +182,11 @@ def matrices(theta: Links, theta_rate: Links, chain: Chain, options: Options) ->
     Q = np.hstack([-S @ Kbar, C @ Kbar]) @ (np.eye(2 * n) - Gamma @ E @ M_p @ E.T)
 
     J, Lambda_1 = np.diag(chain.inertia), np.diag(chain.lambda_1)
-    Lambda_2 = np.diag(chain.lambda_2) * options.reference_speed * options.linear_drag
-    Lambda_3 = np.diag(chain.lambda_3) * options.quadratic_drag
+    Lambda = np.diag(_rotational_drag(theta_rate, chain, options))  # Lambda_2 U_ref + Lambda_3 |Theta'|
     Q_N2 = Q @ N2
     M_theta = J + S @ Vbar @ S + C @ Vbar @ C + Lambda_1 - Q @ Gamma @ np.vstack([Kbar.T @ S, -Kbar.T @ C])
     W_theta = S @ Vbar @ C - C @ Vbar @ S - Q @ Gamma @ np.vstack([Kbar.T @ C, Kbar.T @ S])
-    V = Lambda_2 + Lambda_3 @ np.abs(Th) - Q_N2 @ np.vstack([Th @ Kbar.T @ S, -Th @ Kbar.T @ C])
+    V = Lambda - Q_N2 @ np.vstack([Th @ Kbar.T @ S, -Th @ Kbar.T @ C])
     return Matrices(
         Kbar=Kbar, Vbar=Vbar, M_p=M_p, N_p=E.T @ N2, L_p=E.T @ Gamma, M_theta=M_theta, W_theta=W_theta, V=V,
         N=-Q_N2[:, :n] @ Th, P=-Q_N2[:, n:] @ Th, K_x=Q[:, :n], K_y=Q[:, n:], Q=Q, Gamma=Gamma, N2=N2,
@@ -232,14 +224,19 @@ def _water_velocities(
     return _along_and_across(theta, link_velocities(theta, theta_rate, velocity, chain) - options.current)
 
 
-def _drag(speed: Links, coefficient: Links, options: Options) -> Links:
-    """Return -c v (U_ref + |v|), with either part left out on request."""
-    return -coefficient * speed * (options.linear_drag * options.reference_speed + options.quadratic_drag * abs(speed))
+def _drag(v_t: Links, v_n: Links, chain: Chain, options: Options) -> tuple[Links, Links]:
+    """Return the drag along and across every link [N]."""
+    elements = map(Element, chain.c_t, chain.c_n, chain.lambda_2, chain.lambda_3)
+    loads = [options.drag(t, n, abs(n), 0.0, e) for t, n, e in zip(v_t, v_n, elements, strict=True)]
+    return np.array([f_t for f_t, _, _ in loads]), np.array([f_n for _, f_n, _ in loads])
 
 
-def _drag_along(v_t: Links, v_n: Links, chain: Chain, options: Options) -> Links:
-    """Return -c_t v_t (U_ref + |v_t| + gamma |v_n|), the first two parts as in `_drag`."""
-    return _drag(v_t, chain.c_t, options) - chain.c_t * v_t * options.sway_friction * abs(v_n)
+def _rotational_drag(theta_rate: Links, chain: Chain, options: Options) -> Links:
+    """Return what theta' is multiplied by in the rotational drag, U_ref lambda_2 + lambda_3 |theta'| [N m s]."""
+    rates = np.where(theta_rate == 0.0, 1e-30, theta_rate)
+    elements = map(Element, chain.c_t, chain.c_n, chain.lambda_2, chain.lambda_3)
+    loads = [options.drag(0.0, 0.0, 0.0, rate, e) for rate, e in zip(rates, elements, strict=True)]
+    return np.array([-tau for _, _, tau in loads]) / rates
 
 
 def _trailing_edge(theta_rate: Links, v_t: Links, v_n: Links, chain: Chain) -> tuple[float, float]:
@@ -252,7 +249,7 @@ def fluid_forces(
 ) -> tuple[Links, Links, Links]:
     """Return the fluid loads that enter (1) and (2) where f_D and tau_t do: f_x, f_y [N] in world axes and tau [N m].
 
-    - Drag: f_t = -c_t v_t (U_ref + |v_t| + gamma |v_n|), f_n = -c_n v_n (U_ref + |v_n|).
+    - Drag, by `options.drag`: the paper's f_t = -c_t v_t (U_ref + |v_t|), f_n = -c_n v_n (U_ref + |v_n|).
     - `kirchhoff`: the change of direction of the added momentum, f_t = +mu_n v_n theta', f_n = -mu_t v_t theta', and
       the Munk moment -(mu_n - mu_t) v_t v_n.
     - `classic`: only the current enters the velocity term of the added mass force. So the part of the link's own
@@ -262,7 +259,7 @@ def fluid_forces(
     The rotational drag and added inertia (lambda) are in `matrices`, not here.
     """
     v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
-    f_t, f_n, tau = _drag_along(v_t, v_n, chain, options), _drag(v_n, chain.c_n, options), np.zeros(len(theta))
+    (f_t, f_n), tau = _drag(v_t, v_n, chain, options), np.zeros(len(theta))
     if options.form == "kirchhoff":
         f_t = f_t + chain.mu_n * v_n * theta_rate
         f_n = f_n - chain.mu_t * v_t * theta_rate
@@ -283,10 +280,8 @@ def fluid_forces(
 def dissipated_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options) -> float:
     """Return the power that drag takes from the robot in the water's frame [W]; never negative."""
     v_t, v_n = _water_velocities(theta, theta_rate, velocity, chain, options)
-    rotation = chain.lambda_2 * options.reference_speed * options.linear_drag
-    rotation = rotation + chain.lambda_3 * np.abs(theta_rate) * options.quadratic_drag
-    drag = _drag_along(v_t, v_n, chain, options) * v_t + _drag(v_n, chain.c_n, options) * v_n
-    return float(np.sum(rotation * theta_rate**2 - drag))
+    f_t, f_n = _drag(v_t, v_n, chain, options)
+    return float(np.sum(_rotational_drag(theta_rate, chain, options) * theta_rate**2 - f_t * v_t - f_n * v_n))
 
 
 def wake_power(theta: Links, theta_rate: Links, velocity: Plane, chain: Chain, options: Options) -> float:

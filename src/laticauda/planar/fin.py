@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from laticauda.fluid import Coefficients
+from laticauda.hydrodynamics import Coefficients
 from laticauda.planar import rows
 from laticauda.robot import CaudalFin, Hinge, Joint, Piece
 
@@ -33,7 +33,7 @@ def fin_bodies(fin: CaudalFin, strips: Coefficients, *, joints: int, as_links: b
 
     Args:
         fin: The plate.
-        strips: Its strips, none of which a hinge cuts (`laticauda.fluid.link_coefficients`).
+        strips: Its strips, none of which a hinge cuts (`laticauda.hydrodynamics.link_coefficients`).
         joints: Joint law of a driven root.
         as_links: Cut it at all strips, with locked hinges where it is rigid.
 

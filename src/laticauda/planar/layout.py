@@ -8,10 +8,21 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.fluid import Coefficients, link_coefficients
+from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.planar import rows
 from laticauda.planar.fin import FinBody, fin_bodies
-from laticauda.robot import Environment, Ground, Joint, Module, PectoralFin, Robot, Thruster, Water, has_power_model
+from laticauda.robot import (
+    Environment,
+    Ground,
+    Joint,
+    Module,
+    PectoralFin,
+    Robot,
+    Thruster,
+    Water,
+    has_power_model,
+    law_of,
+)
 
 Thing = TypeVar("Thing")
 
@@ -162,21 +173,15 @@ def _fold(tail: _Body, piece: FinBody) -> None:
 
 def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *, folded: bool) -> None:
     S[rows.OWN_VELOCITY] = 1.0
-    S[rows.LINEAR] = 1.0
     S[rows.BANDWIDTH] = 1.0
-    S[rows.REFERENCE_SPEED] = 1.0
     S[rows.ACTIVE_POWER] = robot.active_power or 0.0
+    numbers = law_of(environment).numbers
+    S[rows.LAW : rows.LAW + len(numbers)] = numbers
     if isinstance(environment, Ground):
-        if environment.friction == "coulomb":
-            S[rows.REFERENCE_SPEED] = environment.regularization_speed
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
     S[rows.CURRENT_X], S[rows.CURRENT_Y] = environment.current
-    S[rows.REFERENCE_SPEED] = environment.reference_speed
-    S[rows.LINEAR] = environment.linear_drag
-    S[rows.QUADRATIC] = environment.quadratic_drag
-    S[rows.SWAY_FRICTION] = environment.sway_friction
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":

@@ -9,16 +9,18 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 
 from typing import no_type_check
 
-from laticauda.compiling import compiled, in_lanes, kernel
-from laticauda.compiling.lanes import where
-from laticauda.fluid import laws
+from laticauda.compiling import compiled, kernel
+from laticauda.compiling.formulas import in_rows, rows_from
+from laticauda.compiling.lanes import magnitude, where
+from laticauda.compiling.templates import bindings
+from laticauda.fluid.laws import MOTION, Element, plate
 from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
-law = in_lanes(compiled(_names["fluid_law"]))
-plate_law = compiled(laws.plate)
+law = in_rows(_names["law"], Element, MOTION)
+law_numbers = rows_from(LAW, len(_names["law"].fields))
+plate_law = compiled(plate)
 
 
 @kernel
@@ -31,19 +33,8 @@ def element_drag(S, b, e):
     """
     rate = S[b + LINK_RATE]
     x = S[e]
-    f_t, f_n, tau = law(
-        S[b + V_T],
-        S[b + V_N] + x * rate,
-        rate,
-        S[e + 1],
-        S[e + 2],
-        S[e + 3],
-        S[e + 4],
-        S[REFERENCE_SPEED],
-        S[LINEAR],
-        S[QUADRATIC],
-        S[SWAY_FRICTION],
-    )
+    v_n = S[b + V_N] + x * rate
+    f_t, f_n, tau = law(S[b + V_T], v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S))
     return f_t, f_n, tau + x * f_n
 
 

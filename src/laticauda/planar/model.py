@@ -10,12 +10,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import not_negative, one_of, positive, within
-from laticauda.fluid import Coefficients, laws, link_coefficients
+from laticauda.fluid.laws import DragLaw
+from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
-from laticauda.planar.specialize import FluidLaw, specialize
-from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
+from laticauda.planar.specialize import specialize
+from laticauda.robot import Environment, Robot, check_fits, has_power_model, law_of
 
 FORCES = ("drag", "added_mass", "effector")
 
@@ -55,8 +56,6 @@ class PlanarPlant:
     """Of the filters in the reference generator [rad/s]."""
     ramp: float | None = None
     """T of the smooth start; None: 1 s for prescribed joints, none for the others [s]."""
-    fluid_law: FluidLaw | None = None
-    """Loads on one element; None takes the environment's own (`laticauda.fluid.laws`)."""
     fin_as_links: bool = False
     """Keep the fin's strips as links with locked joints; slower, with the same result."""
 
@@ -89,14 +88,12 @@ class PlanarPlant:
     @property
     def settings(self) -> Mapping[str, Any]:
         """How the plant was made, for the Trial's record."""
-        law = self.fluid_law
         return {
             "model": "planar",
             "joints": self.joints,
             "dt": self.dt,
             "offset_bandwidth": self.offset_bandwidth,
             "ramp": self.ramp,
-            "fluid_law": "built-in" if law is None else law.__name__,
         }
 
     @cached_property
@@ -125,9 +122,9 @@ class PlanarPlant:
         return specialize(width, self.law)
 
     @property
-    def law(self) -> FluidLaw:
+    def law(self) -> DragLaw:
         """Loads on one element."""
-        return law_of(self.environment, self.fluid_law)
+        return law_of(self.environment)
 
     def steps_in(self, interval: float) -> int:
         """How many equal steps, none longer than `dt`, make up an interval [s] between two samples."""
@@ -327,22 +324,9 @@ def _at(row: int) -> int:
     return row - rows.TIME
 
 
-def law_of(environment: Environment, fluid_law: FluidLaw | None) -> FluidLaw:
-    """The law of the loads on one element: one's own, or the environment's."""
-    if fluid_law is not None:
-        return fluid_law
-    dry = isinstance(environment, Ground) and environment.friction == "coulomb"
-    return laws.coulomb_friction if dry else laws.polynomial_drag
-
-
 def _stable_step(robot: Robot, c: Coefficients, environment: Environment) -> float:
     """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    if isinstance(environment, Ground):
-        along = across = 1.0 / environment.regularization_speed if environment.friction == "coulomb" else 1.0
-    else:
-        speed = 1.0  # m/s: links of a swimming robot are slower
-        across = environment.reference_speed * environment.linear_drag + speed * environment.quadratic_drag
-        along = across + speed * environment.sway_friction
+    along, across = law_of(environment).steepest(1.0)  # links of a swimming robot are slower
     free = [c] if c.fin is None or robot.caudal_fin is None or not robot.caudal_fin.hinges else [c, c.fin]
     rate = max(
         float(slope.max())

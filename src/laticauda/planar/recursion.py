@@ -16,9 +16,9 @@ A template (see `specialize`). `S` is the flat array of `rows`; `n` the number o
 from typing import no_type_check
 
 from laticauda.compiling import kernel
+from laticauda.compiling.templates import bindings
 from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 _loads = _names["loads"]

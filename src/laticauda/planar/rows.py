@@ -5,16 +5,14 @@ lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`
 record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin.
 """
 
+from laticauda.formulas import MOST_NUMBERS
+
 # --- Header: parameters -------------------------------------------------------------------------------------------
 (
     CURRENT_X,  # V_x [m/s]
     CURRENT_Y,  # V_y [m/s]
     OWN_VELOCITY,  # 1: added-mass velocity terms see v - V (relative, kirchhoff); 0: only -V (classic)
     KIRCHHOFF,  # 1: momentum-keeping terms and Munk moment on; 0: off
-    REFERENCE_SPEED,  # U_ref [m/s]
-    LINEAR,  # 1 or 0
-    QUADRATIC,  # 1 or 0
-    SWAY_FRICTION,  # gamma [-]
     WAKE_MASS,  # m' of the trailing edge [kg/m]; 0: off
     WAKE_POSITION,  # x of the trailing edge from the tail end of body 0 [m], headward positive
     ACTIVE_POWER,  # of the electronics above idle [W]
@@ -89,8 +87,9 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(79)
-HEADER_ROWS = SLOPES + 36
+) = range(75)
+LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
+HEADER_ROWS = LAW + MOST_NUMBERS
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME

@@ -17,8 +17,8 @@ from typing import no_type_check
 
 from laticauda.compiling import entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
+from laticauda.compiling.templates import bindings
 from laticauda.planar.rows import *
-from laticauda.planar.specialize import bindings
 
 _names = bindings(__name__)
 rows_of = lane_types.rows_of(_names["WIDTH"])

@@ -4,7 +4,7 @@ from laticauda.robot.bending import Hinge, Piece
 from laticauda.robot.catalog import ground_names, load_ground, load_robot, load_water, robot_names, water_names
 from laticauda.robot.describe import describe, summary, summary_rows, summary_table
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
-from laticauda.robot.environment import Environment, Ground, Water, check_fits
+from laticauda.robot.environment import Environment, Ground, Water, check_fits, law_of
 from laticauda.robot.files import RobotNotFound, from_toml, to_toml
 from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.modules import Module, Section
@@ -33,6 +33,7 @@ __all__ = [
     "from_toml",
     "ground_names",
     "has_power_model",
+    "law_of",
     "load_ground",
     "load_parameters",
     "load_robot",

@@ -165,12 +165,6 @@ def _fin(fin: CaudalFin) -> str:
 
 
 def _water_rows(water: Water) -> list[Row]:
-    drag = {
-        (True, True): f"linear and quadratic, equal at {water.reference_speed:g} m/s",
-        (True, False): f"linear only, reference speed {water.reference_speed:g} m/s",
-        (False, True): "quadratic only",
-        (False, False): "none",
-    }[water.linear_drag, water.quadratic_drag]
     return [
         ("water", water.name),
         ("density", f"{water.density:g} kg/m^3"),
@@ -179,8 +173,7 @@ def _water_rows(water: Water) -> list[Row]:
         ("added_mass", f"{water.added_mass:g}, form {water.added_mass_form}"),
         ("added_inertia", f"{water.added_inertia:g}, rotational form {water.rotational}"),
         ("tangential_added_mass", f"{water.tangential_added_mass:g}"),
-        ("drag", drag),
-        *([("sway_friction", f"{water.sway_friction:g}")] if water.sway_friction else []),
+        ("drag", water.drag.words),
         *([("friction_taper", f"{water.friction_taper:g}")] if water.friction_taper else []),
         ("trailing_edge", water.trailing_edge),
         ("current", f"({water.current[0]:g}, {water.current[1]:g}) m/s"),
@@ -189,15 +182,14 @@ def _water_rows(water: Water) -> list[Row]:
 
 
 def _ground_rows(ground: Ground) -> list[Row]:
-    unit = " N s/m per link" if ground.friction == "viscous" else " of the weight"
+    unit = " of the weight" if ground.friction.of_weight else " N s/m per link"
     rows = [
         ("ground", ground.name),
-        ("friction", ground.friction),
+        ("friction", ground.friction.words),
         ("tangential", f"{ground.tangential:g}{unit}"),
         ("normal", f"{ground.normal:g}{unit}"),
     ]
-    if ground.friction == "coulomb":
-        rows.append(("regularization_speed", f"{ground.regularization_speed:g} m/s"))
+    if ground.friction.of_weight:
         rows.append(("gravity", f"{ground.gravity:g} m/s^2"))
     return rows
 

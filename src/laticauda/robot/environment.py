@@ -1,15 +1,16 @@
 """What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
-from typing import Literal, TypeAlias
+from collections.abc import Mapping
+from typing import ClassVar, Literal, TypeAlias
 
 from laticauda.errors import BadArgument, label
+from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
 
 ADDED_MASS_FORMS = ("relative", "kirchhoff", "classic")
 ROTATIONAL_FORMS = ("paper", "strip")
 TRAILING_EDGES = ("none", "elongated")
-FRICTIONS = ("viscous", "coulomb")
 
 
 @value
@@ -26,14 +27,6 @@ class Water:
     added_mass: float = quantity("", "C_A, added mass across the body", ge=0.0)
     added_inertia: float = quantity("", "C_M, added moment of inertia; not with `strip`", ge=0.0, default=1.0)
     tangential_added_mass: float = quantity("", "Added per displaced mass, along the body", ge=0.0, default=0.0)
-    linear_drag: bool = option("Whether the drag has a part that is linear in the speed", default=True)
-    quadratic_drag: bool = option("Whether the drag has a part that is quadratic in the speed", default=True)
-    sway_friction: float = quantity(
-        "",
-        "gamma, drag along the body that grows with the local sideways speed: f_t = -c_t v_t (... + gamma |v_n|)",
-        ge=0.0,
-        default=0.0,
-    )
     friction_taper: float = quantity(
         "",
         "Drag along the links from 1 + taper at the tail end to 1 - taper at the head end, times C_f",
@@ -41,7 +34,7 @@ class Water:
         le=1.0,
         default=0.0,
     )
-    reference_speed: float = quantity("m/s", "U_ref, where linear and quadratic drag are equal", ge=0.0, default=1.0)
+    drag: DragLaw = option("How the drag depends on the speed: a law with numbers of its own", default=PolynomialDrag())
     added_mass_form: Literal["relative", "kirchhoff", "classic"] = option(
         "`relative` is the paper's; `kirchhoff` keeps energy and momentum; `classic` is for comparison only",
         default="relative",
@@ -55,6 +48,13 @@ class Water:
     )
     current: tuple[float, float] = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
     depth: float | None = quantity("m", "Of the body's axis; None for far below the surface", gt=0.0, default=None)
+
+    former: ClassVar[Mapping[str, str]] = {
+        "linear_drag": "drag.linear",
+        "quadratic_drag": "drag.quadratic",
+        "reference_speed": "drag.reference_speed",
+        "sway_friction": "drag.sway_friction",
+    }
 
     def __post_init__(self) -> None:
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
@@ -70,14 +70,24 @@ class Ground:
     """Flat ground with anisotropic friction: `viscous`, in proportion to the speed, or dry (`coulomb`)."""
 
     name: str = option("What messages and stored trials call it", default="custom", check=label)
-    friction: Literal["viscous", "coulomb"] = option("The law: `viscous` or `coulomb`")
+    friction: DragLaw = option("The law: `viscous` or `coulomb`")
     tangential: float = quantity("", "Coefficient along a link: N s/m, or share of its weight", ge=0.0)
     normal: float = quantity("", "Coefficient across a link, likewise", ge=0.0)
-    regularization_speed: float = quantity("m/s", "eps, where dry friction fades out", gt=0.0, default=1e-3)
     gravity: float = quantity("m/s^2", "g; `viscous` does not use it", ge=0.0, default=9.81)
+
+    former: ClassVar[Mapping[str, str]] = {"regularization_speed": "friction.regularization_speed"}
 
 
 Environment: TypeAlias = Water | Ground
+
+
+def law_of(environment: Environment) -> DragLaw:
+    """The law of the loads on one element.
+
+    Args:
+        environment: Water or ground.
+    """
+    return environment.friction if isinstance(environment, Ground) else environment.drag
 
 
 def check_fits(robot: Robot, environment: Environment) -> None:

@@ -37,7 +37,6 @@ class ModelChanges(TypedDict, total=False):
     dt: float | None
     offset_bandwidth: float
     ramp: float | None
-    fluid_law: Any
     root: Literal["free", "planar"] | str | None
     gravity: bool | None
     ballast_depth: float

@@ -1,6 +1,6 @@
 """By which model a robot swims: the closed form in the plane, or MuJoCo in space."""
 
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.quantities import option, quantity, value
@@ -21,7 +21,6 @@ class Planar:
     ramp: float | None = quantity(
         "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
     )
-    fluid_law: Any = option("Loads on one element; None takes the environment's own", default=None)
 
 
 @value
@@ -38,7 +37,6 @@ class Spatial:
     ramp: float | None = quantity(
         "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
     )
-    fluid_law: Any = option("Loads on one element; None takes the environment's own", default=None)
     root: Literal["free", "planar"] | None = option(
         "Of the tail module: free, or planar for one whose height and tilt are fixed; None: planar for a robot whose "
         "joints all turn about the vertical axis, else free",

@@ -5,7 +5,7 @@ from typing import Any, Unpack, cast
 from laticauda.errors import instance
 from laticauda.extensions import name_of
 from laticauda.interfaces import Plant
-from laticauda.robot import Environment, Ground, Robot, Water
+from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.robot.files import from_toml
 from laticauda.scenarios import Model, ModelChanges, Planar, Scenario, Spatial, model_of
 from laticauda.trial import Trial
@@ -41,10 +41,7 @@ def plant(
 
 
 def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
-    from laticauda.planar.specialize import check_law
-
-    if model.fluid_law is not None:
-        check_law(model.fluid_law)
+    law_of(environment).check()
     settings: dict[str, Any] = {**vars(model), "joints": name_of(type(model.joints))}
     if isinstance(model, Planar):
         from laticauda.planar.model import PlanarPlant
@@ -64,7 +61,7 @@ def plant_of(trial: Trial) -> Plant[Any]:
         trial: A simulated trial.
 
     Raises:
-        ValueError: If it was made with a fluid law of one's own, which a trial does not hold.
+        ValueError: If it was made with a fluid law that stood in no file, as laticauda could before laws were values.
     """
     settings: Any = trial.settings
     if settings.get("fluid_law", "built-in") != "built-in":
@@ -92,7 +89,6 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
 
         load_mujoco()
         return not is_spatial_compiled()
-    from laticauda.planar.model import law_of
     from laticauda.planar.specialize import is_compiled
 
-    return not is_compiled(fluid_law=law_of(environment, model.fluid_law))
+    return not is_compiled(law=law_of(environment))

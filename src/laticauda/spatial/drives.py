@@ -11,9 +11,9 @@ from typing import no_type_check
 
 import numpy as np
 
+from laticauda import scalars
 from laticauda.actuation import laws
 from laticauda.compiling import compiled, kernel
-from laticauda.fluid import laws as fluid_laws
 from laticauda.gaits import reference
 from laticauda.spatial.rows import *
 
@@ -22,7 +22,7 @@ filter_acceleration = compiled(reference.filter_acceleration)
 smooth_start = compiled(reference.smooth_start)
 ramped = compiled(reference.ramped)
 joint_reference = compiled(reference.joint_reference)
-magnitude = compiled(fluid_laws.magnitude)
+magnitude = compiled(scalars.magnitude)
 pd = compiled(laws.pd)
 servo = compiled(laws.servo)
 motor_power = compiled(laws.motor_power)

@@ -16,7 +16,6 @@ from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.mujoco_water import ground
-from laticauda.mujoco_water.functions import FluidLaw
 from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.robot.files import to_toml
 from laticauda.spatial import mjcf, rows
@@ -61,8 +60,6 @@ class SpatialPlant:
     """Of the filters in the reference generator [rad/s]."""
     ramp: float | None = None
     """T of the smooth start; None: 1 s for prescribed joints, none for the others [s]."""
-    fluid_law: FluidLaw | None = None
-    """Drag on one element in one plane; None takes the environment's own (`laticauda.fluid.laws`)."""
     gravity: bool = True
     """Weight and buoyancy."""
     root: Literal["free", "planar"] = "free"
@@ -97,9 +94,7 @@ class SpatialPlant:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 # A step at which the drag is well resolved, not only stable.
-                limit = 0.5 * water.stable_step(
-                    self._twin.model, self._twin.water.elements, self._twin.water.fluid_law, 0.5
-                )
+                limit = 0.5 * water.stable_step(self._twin.model, self._twin.water.elements, 0.5)
             contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
             if contacts:
                 limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
@@ -115,14 +110,12 @@ class SpatialPlant:
     @property
     def settings(self) -> Mapping[str, Any]:
         """How the plant was made, for the Trial's record."""
-        law = self.fluid_law
         return {
             "model": "spatial",
             "joints": self.joints,
             "dt": self.dt,
             "offset_bandwidth": self.offset_bandwidth,
             "ramp": self.ramp,
-            "fluid_law": "built-in" if law is None else law.__name__,
             "gravity": self.gravity,
             "root": self.root,
             "ballast_depth": self.ballast_depth,

@@ -8,7 +8,6 @@ import numpy as np
 
 from laticauda import mujoco_water as water
 from laticauda.extras import load_mujoco
-from laticauda.fluid import laws
 from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Ground, Joint, Robot, has_power_model
 from laticauda.spatial import mjcf, rows, scene, stepping
@@ -71,14 +70,10 @@ class Twin:
     def _attach(self, plant: "SpatialPlant") -> water.Water:
         environment = plant.environment
         elements = robot_elements(plant.robot, environment, floats=plant.gravity and plant.root == "free")
-        law = plant.fluid_law
-        if law is None:
-            dry = isinstance(environment, Ground) and environment.friction == "coulomb"
-            law = laws.coulomb_friction if dry else laws.polynomial_drag
         if plant.land is not None:
             elements = on_ground(elements, plant.robot, plant.land, wet=plant.shore is not None)
         if isinstance(environment, Ground):
-            return water.attach(self.model, elements, fluid_law=law)
+            return water.attach(self.model, elements)
         terrain = None
         if plant.shore is not None:
             terrain = water.Terrain(
@@ -92,7 +87,6 @@ class Twin:
             current=(x, y, 0.0),
             surface=0.0 if plant.root == "free" and plant.gravity else None,
             form=environment.added_mass_form,
-            fluid_law=law,
             terrain=terrain,
         )
 

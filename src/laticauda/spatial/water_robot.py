@@ -1,7 +1,7 @@
 """What the water sees of a robot: one element per module and per fin strip, with the planar model's coefficients.
 
-In the swimming plane the numbers are those of `laticauda.fluid.link_coefficients`. Across it they follow by turning the
-ellipse by 90 degrees, a and b its vertical and lateral half-axes, l half the module's length:
+In the swimming plane the numbers are those of `laticauda.hydrodynamics.link_coefficients`. Across it they follow by
+turning the ellipse by 90 degrees, a and b its vertical and lateral half-axes, l half the module's length:
 
     c_z = 1/2 rho C_D 2b 2l          mu_z = rho pi C_A b^2 2l
     about y, `paper`: as about z;    `strip`: c_z l^2 / 3, c_z l^3 / 4, mu_z l^2 / 3
@@ -18,10 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.fluid import Coefficients, link_coefficients
+from laticauda.fluid.laws import CoulombFriction, ViscousFriction
+from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.ground import SINK, Contact
-from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water
+from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water, law_of
 from laticauda.spatial.fin import fin_bodies
 
 
@@ -73,13 +74,16 @@ def contact(mass: float, ground: Ground) -> Contact:
         ground: Its friction; viscous coefficients hold for a piece that lies flat with its own weight.
     """
     weight = mass * ground.gravity
-    dry = ground.friction == "coulomb"
+    law = ground.friction
+    if not isinstance(law, CoulombFriction | ViscousFriction):
+        raise ValueError(f"`friction` must be coulomb or viscous where a robot lies with its weight, got {law.words}.")
+    dry = law.of_weight
     return Contact(
         stiffness=0.5 * weight / SINK,
         damping=2.0 / math.sqrt(ground.gravity * SINK),
         along=ground.tangential if dry else ground.tangential / weight,
         across=ground.normal if dry else ground.normal / weight,
-        regularization_speed=ground.regularization_speed if dry else 0.0,
+        regularization_speed=law.regularization_speed if isinstance(law, CoulombFriction) else 0.0,
     )
 
 
@@ -107,7 +111,7 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
         volume=module.volume,
         shape="cylinder",
         half_size=(l, b, a),
-        **_law(environment),
+        law=law_of(environment),
     )
 
 
@@ -129,7 +133,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
                 added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
                 shape="box",
                 half_size=(0.5 * d, 0.5 * fin.thickness, h),
-                **_law(environment),
+                law=law_of(environment),
             )
         )
     for (
@@ -139,7 +143,7 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
         volume = fin.volume * piece.length / fin.length
         place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
-        found.append(Element(**place, volume=volume, **_law(environment)))
+        found.append(Element(**place, volume=volume, law=law_of(environment)))
     return found
 
 
@@ -175,18 +179,6 @@ def _mounted(robot: Robot, effector: Thruster | PectoralFin, **loads: Any) -> El
         orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
         **loads,
     )
-
-
-def _law(environment: Environment) -> dict[str, Any]:
-    if isinstance(environment, Ground):
-        dry = environment.friction == "coulomb"
-        return {"reference_speed": environment.regularization_speed if dry else 1.0, "quadratic": dry}
-    speed = environment.reference_speed if environment.linear_drag else 0.0
-    return {
-        "reference_speed": speed,
-        "quadratic": environment.quadratic_drag,
-        "sway_friction": environment.sway_friction,
-    }
 
 
 def _own(override: float | None, water: float) -> float:

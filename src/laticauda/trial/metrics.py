@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.errors import positive
+from laticauda.fluid.laws import Element
 from laticauda.kinematics import trailing_edge
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial.cycles import (
@@ -269,10 +270,10 @@ def linear_drag_share(water: Water, speed: float) -> float:
     Raises:
         ValueError: If the water has no drag at that speed.
     """
-    linear, quadratic = _drag_speeds(water, speed)
-    if linear + quadratic <= 0.0:
+    total, near = -_along(water, speed), 1e-300  # a speed at which nothing but the linear part is left
+    if total <= 0.0:
         raise ValueError("The water must have drag, and the robot a speed, for a share of the linear drag.")
-    return linear / (linear + quadratic)
+    return -_along(water, near) / near * speed / total
 
 
 def towing_drag(robot: Robot, water: Water, speed: float) -> float:
@@ -287,14 +288,13 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
         water: Its coefficients and drag terms.
         speed: v through the water [m/s].
     """
-    # A late import: a trial that is only loaded and plotted needs no fluid laws.
-    from laticauda.fluid.coefficients import link_coefficients
+    from laticauda.hydrodynamics.coefficients import link_coefficients
 
     link = link_coefficients(robot, water)
     c_t = float(np.sum(link.c_t))
     if link.fin is not None:
         c_t += float(np.sum(link.fin.c_t))
-    return c_t * sum(_drag_speeds(water, speed))
+    return -c_t * _along(water, speed)
 
 
 def quasi_propulsive_efficiency(towing_drag: float, speed: float, mechanical_power: float) -> float:
@@ -325,10 +325,9 @@ def _moving(speed: float) -> float:
     return speed
 
 
-def _drag_speeds(water: Water, speed: float) -> tuple[float, float]:
-    """What c_t is multiplied by: the linear term's v U_ref and the quadratic term's v^2 [m2/s2]."""
-    linear = speed * water.reference_speed if water.linear_drag else 0.0
-    return linear, speed * speed if water.quadratic_drag else 0.0
+def _along(water: Water, speed: float) -> float:
+    """Drag along a straight body, per coefficient of 1 [m2/s2]."""
+    return water.drag(speed, 0.0, 0.0, 0.0, Element(1.0, 0.0, 0.0, 0.0))[0]
 
 
 def _displacement(time: Time, center_of_mass: Path, velocity: Path, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:

@@ -13,6 +13,7 @@ import pytest
 import laticauda as lc
 from laticauda.cosim import export_fmu
 from laticauda.errors import MissingProgram
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Joint, Robot, Water
 from laticauda.simulate import plant
@@ -179,8 +180,7 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
         added_mass=0.9,
         added_inertia=0.5,
         tangential_added_mass=0.1,
-        reference_speed=0.8,
-        sway_friction=0.3,
+        drag=PolynomialDrag(reference_speed=0.8, sway_friction=0.3),
         current=(0.02, -0.03),
     )
     gait = lc.custom_gait(
@@ -191,8 +191,9 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
     one = slave(make(**kind))
     for name in ("density", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
         one.put(f"water.{name}", getattr(other, name))
-    for name in ("tangential_added_mass", "reference_speed", "sway_friction"):
-        one.put(f"water.{name}", getattr(other, name))
+    one.put("water.tangential_added_mass", other.tangential_added_mass)
+    for name in ("reference_speed", "sway_friction"):
+        one.put(f"water.drag.{name}", getattr(other.drag, name))
     for name in ("amplitude", "frequency", "phase_shift", "offset"):
         one.put(f"gait.{name}", getattr(gait, name))
     for i in range(8):

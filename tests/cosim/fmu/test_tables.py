@@ -93,8 +93,7 @@ def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
     told = " ".join(name for name, _ in _facts(body, "gait"))
     missing = [field.name for field in fields(Water) if field.name not in names]
     spoken = {
-        "linear_drag": "drag",
-        "quadratic_drag": "drag",
+        "drag": "drag",
         "friction_taper": "friction taper",
         "added_mass_form": "form of the added mass",
         "rotational": "rotational loads",

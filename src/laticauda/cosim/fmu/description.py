@@ -140,7 +140,8 @@ def _add_variable(listed: ElementTree.Element, reference: int, variable: Variabl
         real = ElementTree.SubElement(ElementTree.SubElement(listed, "ScalarVariable", named), "Real")
     else:
         real = ElementTree.SubElement(listed, "Float64", named)
-    real.set("unit", variable.unit)
+    if variable.unit in UNITS:
+        real.set("unit", variable.unit)
     if variable.unit in DEGREES:
         real.set("displayUnit", DEGREES[variable.unit])
     if variable.causality not in ("parameter", "input"):

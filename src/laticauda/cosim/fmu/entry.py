@@ -27,12 +27,14 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
-from laticauda.compiling import PROCESSOR, Target, compiled, compiling_for
+from laticauda.compiling import PROCESSOR, Target, compiling_for
+from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
 from laticauda.compiling.sources import sources_digest
+from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.planar.rows import VX, VY
-from laticauda.planar.specialize import FluidLaw, specialize
+from laticauda.planar.specialize import specialize
 
 NAME = "laticauda_move"
 """What the function is called in the object file."""
@@ -62,7 +64,6 @@ NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
-_LAW_NUMBERS = 11  # that a fluid law takes
 _ANY = "x86-64"  # what every processor of that family can
 _OWN: Any = {**INLINED, "_nrt": False}
 # sin and the like: what is left to the C library.
@@ -85,11 +86,11 @@ _MATHS = {
 _MATHS |= {"hypot", "log", "log10", "log1p", "log2", "memcpy", "memset", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
 
 
-def object_code(fluid_law: FluidLaw) -> bytes:
+def object_code(law: DragLaw) -> bytes:
     """The object file with the function `NAME`, from the disk if it was made before.
 
     Args:
-        fluid_law: Loads on one element.
+        law: Loads on one element.
 
     Raises:
         ValueError: If this machine's processor is of another family, or the law needs more than numbers.
@@ -97,12 +98,12 @@ def object_code(fluid_law: FluidLaw) -> bytes:
     if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
         here = f"{sys.platform} on {platform.machine()}"
         raise ValueError(f"`fmu` must be made on Linux on an x86-64 processor, for which it will be, got {here}.")
-    kept = _kept(fluid_law)
+    kept = _kept(law)
     try:
         return kept.read_bytes()
     except OSError:
         pass
-    code = _compiled(fluid_law)
+    code = _compiled(law)
     try:  # another process may do the same at this moment
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
@@ -113,33 +114,33 @@ def object_code(fluid_law: FluidLaw) -> bytes:
     return code
 
 
-def is_compiled(fluid_law: FluidLaw) -> bool:
+def is_compiled(law: DragLaw) -> bool:
     """Whether the object file is on the disk; making it takes seconds.
 
     Args:
-        fluid_law: Loads on one element.
+        law: Loads on one element.
     """
-    return _kept(fluid_law).exists()
+    return _kept(law).exists()
 
 
-def _kept(fluid_law: FluidLaw) -> Path:
+def _kept(law: DragLaw) -> Path:
     """Where the object file of a law is kept: beside what Numba keeps, under a name that says what it was made from."""
-    run = specialize(1, fluid_law).run  # not compiled by being looked at; its module's name tells sources and law
+    run = specialize(1, law).run  # not compiled by being looked at; its module's name tells sources and law
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
     return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"
 
 
-def _compiled(fluid_law: FluidLaw) -> bytes:
-    rule = f"`fluid_law` must be plain arithmetic, which needs no Python; `{fluid_law.__name__}`"
+def _compiled(law: DragLaw) -> bytes:
+    rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
         with compiling_for(_target()):  # the law alone first, which takes no time
-            compiled(fluid_law).compile((types.float64,) * _LAW_NUMBERS)
-        move = _move(specialize(1, fluid_law, _target()).run)
+            count = MOTION + len(Element._fields) + len(law.formula.fields)
+            in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
+        move = _move(specialize(1, law, _target()).run)
     except NumbaError as err:
-        said = [line.strip(" :") for line in str(err).splitlines() if line.strip()]  # what failed, why, and where
-        raise ValueError(f"{rule} is not: {said[min(1, len(said) - 1)]}.") from err
+        raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
     foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _MATHS
     if foreign:

@@ -13,8 +13,7 @@ from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import instance, one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
-from laticauda.planar.model import PlanarPlant, law_of
-from laticauda.planar.specialize import FluidLaw
+from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Robot, Water
 from laticauda.scenarios import default_water, preset_water
 from laticauda.simulate import plant
@@ -36,7 +35,6 @@ def export_fmu(
     dt: float | None = None,
     offset_bandwidth: float = 10.0,
     ramp: float | None = None,
-    fluid_law: FluidLaw | None = None,
 ) -> tuple[Variable, ...]:
     """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
 
@@ -56,7 +54,6 @@ def export_fmu(
         dt: As for `laticauda.simulate.plant` [s].
         offset_bandwidth: As for `laticauda.simulate.plant` [rad/s].
         ramp: As for `laticauda.simulate.plant` [s].
-        fluid_law: As for `laticauda.simulate.plant`; it is compiled into the FMU.
 
     Returns:
         The FMU's variables, in the order of their value references.
@@ -80,7 +77,6 @@ def export_fmu(
         dt=dt,
         offset_bandwidth=offset_bandwidth,
         ramp=ramp,
-        fluid_law=fluid_law,
     )
     assert isinstance(body, PlanarPlant)
     if inputs == "references" and joints == "prescribed":
@@ -95,16 +91,15 @@ def export_fmu(
     return tables.variables
 
 
-def needs_compiling(water: Water, *, fluid_law: FluidLaw | None = None) -> bool:
+def needs_compiling(water: Water) -> bool:
     """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
 
     Args:
         water: Where it will swim.
-        fluid_law: As for `export_fmu`.
     """
     from laticauda.cosim.fmu.entry import is_compiled
 
-    return not is_compiled(law_of(water, fluid_law))
+    return not is_compiled(water.drag)
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
@@ -156,18 +151,16 @@ def _in_words(body: PlanarPlant) -> str:
 def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
     water = body.environment
     assert isinstance(water, Water)
-    drag = [name for name, on in (("linear", water.linear_drag), ("quadratic", water.quadratic_drag)) if on]
     return (
         ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
         ("joints", body.joints),
         ("inputs", inputs),
-        ("drag", " and ".join(drag) or "none"),
+        ("drag", water.drag.words),
         ("form of the added mass", water.added_mass_form),
         ("rotational loads", water.rotational),
         ("trailing edge", water.trailing_edge),
         ("friction taper", f"{water.friction_taper:g}"),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
-        ("fluid law", "built-in" if body.fluid_law is None else body.fluid_law.__name__),
     )
 
 

@@ -120,7 +120,7 @@ def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Tr
     """How the rows depend on density and coefficients, by laying the robot out in other waters.
 
     Every row is a sum of a number without water, of one times the density, and of one times the density times each
-    coefficient (`laticauda.fluid.coefficients`): no product of two coefficients enters. So differences between
+    coefficient (`laticauda.hydrodynamics.coefficients`): no product of two coefficients enters. So differences between
     layouts are exact slopes, to rounding, and not a linearization.
 
     Returns:

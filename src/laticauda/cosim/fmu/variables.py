@@ -9,6 +9,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.planar import rows
 from laticauda.planar.model import LEAST_DT, PlanarPlant
+from laticauda.quantities import quantities_of
 from laticauda.robot import Water, has_power_model
 
 Shares = tuple[tuple[int, float], ...]
@@ -120,12 +121,11 @@ def _water(plant: PlanarPlant) -> Iterator[Variable]:
     ):
         value = getattr(water, name)
         yield _parameter(f"water.{name}", unit, symbol, value, text, least=least, coefficient=name)
-    text = "Speed at which linear and quadratic drag are equal."
-    share = ((rows.REFERENCE_SPEED, 1.0),)
-    yield _parameter("water.reference_speed", "m/s", "U_ref", water.reference_speed, text, least=0.0, rows=share)
-    text = "Drag along the body that sideways motion adds."
-    share = ((rows.SWAY_FRICTION, 1.0),)
-    yield _parameter("water.sway_friction", "1", "gamma", water.sway_friction, text, least=0.0, rows=share)
+    for name, one in quantities_of(type(water.drag)).items():
+        share = ((rows.LAW + water.drag.formula.fields.index(name), 1.0),)
+        text, value = one.text[0].upper() + one.text[1:] + ".", getattr(water.drag, name)
+        limits = {"least": max(one.least, -FAR), "most": min(one.le, FAR)}
+        yield _parameter(f"water.drag.{name}", one.unit or "1", "", value, text, **limits, rows=share)
 
 
 def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:

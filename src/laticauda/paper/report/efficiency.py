@@ -182,10 +182,10 @@ def water_in_words(water: Water) -> str:
     Args:
         water: Any water.
     """
-    drag = "linear and quadratic drag" if water.linear_drag else "quadratic drag only"
     return (
         f"{water.name} (C_f {water.tangential_friction:g}, C_D {water.normal_drag:g}, C_A {water.added_mass:g}, "
-        f"form of the added mass: {water.added_mass_form}, rotational loads: {water.rotational}, {drag})"
+        f"form of the added mass: {water.added_mass_form}, rotational loads: {water.rotational}, "
+        f"drag {water.drag.words})"
     )
 
 

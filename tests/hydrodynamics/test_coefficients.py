@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.fluid import Coefficients, immersion_factor, link_coefficients, polynomial_drag
+from laticauda.fluid.laws import CoulombFriction, Element, PolynomialDrag, ViscousFriction
+from laticauda.hydrodynamics import Coefficients, immersion_factor, link_coefficients
 from laticauda.robot import CaudalFin, Ground, Joint, Module, Robot, Section, Water, load_robot
 
 LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
@@ -80,12 +81,13 @@ def test_the_strip_forms_inertia_and_linear_torque_obey_the_parallel_axis_theore
 def test_the_strip_form_is_the_sum_of_the_normal_loads_along_a_turning_link(
     length: float, a: float, b: float, C_D: float, C_A: float, rate: float, u: float
 ):
-    water = replace(UNIT, normal_drag=C_D, added_mass=C_A, rotational="strip", reference_speed=u)
+    water = replace(UNIT, normal_drag=C_D, added_mass=C_A, rotational="strip", drag=PolynomialDrag(reference_speed=u))
     found = of(module(length, a, b), water)
     x, weight = np.polynomial.legendre.leggauss(6)  # exact on each half, where x |x| is a polynomial
     x, weight = np.concatenate((x - 1.0, x + 1.0)) * length / 4.0, np.tile(weight, 2) / 4.0
-    normal = [polynomial_drag(0.0, xi * rate, 0.0, 0.0, found["c_n"], 0.0, 0.0, u, 1.0, 1.0, 0.0)[1] for xi in x]
-    tau = polynomial_drag(0.0, 0.0, rate, 0.0, 0.0, found["lambda_2"], found["lambda_3"], u, 1.0, 1.0, 0.0)[2]
+    across = Element(0.0, found["c_n"], 0.0, 0.0)
+    normal = [water.drag(0.0, xi * rate, abs(xi * rate), 0.0, across)[1] for xi in x]
+    tau = water.drag(0.0, 0.0, 0.0, rate, Element(0.0, 0.0, found["lambda_2"], found["lambda_3"]))[2]
     assert tau == pytest.approx(np.sum(weight * x * normal), rel=1e-12, abs=1e-15)
     assert found["lambda_1"] == pytest.approx(np.sum(weight * x**2) * found["mu_n"], rel=1e-12)
 
@@ -276,14 +278,16 @@ def test_a_fin_may_have_coefficients_of_its_own(override: str, changed: str):
 
 
 def test_viscous_ground_gives_every_link_the_same_friction_and_nothing_else():
-    found = link_coefficients(robot(module(0.1), module(0.2)), Ground(friction="viscous", tangential=1.0, normal=3.0))
+    found = link_coefficients(
+        robot(module(0.1), module(0.2)), Ground(friction=ViscousFriction(), tangential=1.0, normal=3.0)
+    )
     np.testing.assert_array_equal(found.c_t, 1.0)
     np.testing.assert_array_equal(found.c_n, 3.0)
     assert all(not np.any(getattr(found, name)) for name in LOADS[2:])
 
 
 def test_dry_ground_gives_every_link_a_share_of_its_weight():
-    ground = Ground(friction="coulomb", tangential=0.1, normal=0.5, gravity=10.0)
+    ground = Ground(friction=CoulombFriction(), tangential=0.1, normal=0.5, gravity=10.0)
     found = link_coefficients(robot(module(), replace(module(), mass=1.4)), ground)
     np.testing.assert_allclose(found.c_t, [0.7, 1.4])
     np.testing.assert_allclose(found.c_n, [3.5, 7.0])

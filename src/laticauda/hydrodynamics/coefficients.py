@@ -179,12 +179,12 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:
     edges = _strip_edges(fin, closed=True)
     mass = fin.mass * np.diff(edges) / fin.length
-    dry = ground.friction == "coulomb"
-    return _strips(fin, edges, _ground_loads(mass, ground) if dry else [np.zeros_like(mass)] * len(_LOADS))
+    loads = _ground_loads(mass, ground) if ground.friction.of_weight else [np.zeros_like(mass)] * len(_LOADS)
+    return _strips(fin, edges, loads)
 
 
 def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
-    weight = mass * ground.gravity if ground.friction == "coulomb" else np.ones_like(mass)
+    weight = mass * ground.gravity if ground.friction.of_weight else np.ones_like(mass)
     return [ground.tangential * weight, ground.normal * weight] + [np.zeros_like(mass)] * 5
 
 

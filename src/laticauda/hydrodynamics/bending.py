@@ -5,7 +5,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.fluid.coefficients import link_coefficients
+from laticauda.hydrodynamics.coefficients import link_coefficients
 from laticauda.robot import Environment, Robot
 
 

@@ -1,0 +1,102 @@
+"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with numbers alone, or with lanes."""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownArgumentType=false, reportUntypedNamedTuple=false
+
+import math
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any, cast, no_type_check
+
+from numba.core.errors import NumbaError
+
+from laticauda.compiling import compiled, fingerprint, in_lanes, kernel
+from laticauda.formulas import Formula, Law
+
+_checked: set[str] = set()
+
+
+def digest_of(formula: Formula) -> str:
+    """What the machine code of a formula depends on: its code and what that calls, the names and order of its fields.
+
+    Args:
+        formula: Of a law.
+    """
+    return " ".join([fingerprint(formula.function), *formula.fields])
+
+
+def in_numbers(formula: Formula, record: type, n_first: int) -> Any:
+    """A formula as a compiled function of numbers alone.
+
+    Args:
+        formula: It takes `n_first` numbers and a `record`.
+        record: A NamedTuple of what the kernel knows about the thing that the law acts on.
+        n_first: How many numbers come before the record's; behind those come the law's own.
+    """
+    inner, last = compiled(formula.function), n_first + len(record._fields)  # type: ignore[attr-defined]
+    own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
+    rest = () if formula.fields else (0.0,)
+
+    def call(*numbers: float) -> Any:
+        return inner(own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last]))
+
+    return compiled(call)
+
+
+def in_rows(formula: Formula, record: type, n_first: int) -> Any:
+    """The same for kernels: it takes lanes too; see `in_numbers`."""
+    return in_lanes(in_numbers(formula, record, n_first))
+
+
+def check(law: Law, record: type, example: tuple[float, ...], results: str) -> None:
+    """Refuse a law that cannot be compiled, or does not return three finite numbers; ours do.
+
+    Args:
+        law: With its numbers.
+        record: As for `in_numbers`.
+        example: What it is called with, the record's numbers at the end.
+        results: What it must return, in words.
+
+    Raises:
+        ValueError: With the reason.
+    """
+    formula = law.formula
+    made_of = digest_of(formula)
+    if made_of in _checked or formula.function.__module__.startswith("laticauda."):
+        return
+    try:
+        n_first = len(example) - len(record._fields)  # type: ignore[attr-defined]
+        found: Any = in_numbers(formula, record, n_first)(*example, *law.numbers)
+    except (NumbaError, TypeError) as err:
+        raise ValueError(f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}") from err
+    numbers = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
+    if [isinstance(one, float) and math.isfinite(one) for one in numbers] != [True] * 3:
+        raise ValueError(f"`{formula.name}` must return three finite numbers, {results}, got {found}.")
+    _checked.add(made_of)
+
+
+def reason_of(error: Exception) -> str:
+    """The line of Numba's long complaint that says what is wrong.
+
+    Args:
+        error: Of a compilation.
+    """
+    lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()] or [type(error).__name__]
+    telling = ("No implementation", "Unknown attribute", "missing a required", "too many", "Invalid use")
+    return next((line for line in lines if line.startswith(telling)), lines[-1])
+
+
+def rows_from(first: int, count: int) -> Callable[[Any], tuple[Any, ...]]:
+    """A kernel function of the rows S: `count` of them from row `first` on, as a tuple."""
+    if count == 0:
+
+        def none(rows):
+            return ()
+
+        return kernel(no_type_check(none))
+    before, last = rows_from(first, count - 1), first + count - 1
+
+    def read(rows):
+        return (*before(rows), rows[last])
+
+    return kernel(no_type_check(read))
