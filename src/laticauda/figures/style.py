@@ -7,6 +7,7 @@ beside those of the user.
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
+import functools
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,6 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
+
+from laticauda.files import write
 
 SINGLE_COLUMN = 3.5  # width [in]
 DOUBLE_COLUMN = 7.16  # width [in]
@@ -48,11 +51,15 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
     Args:
         figure: Any figure; its layout is settled by the first file.
         paths: Their endings, .png or .pdf, say the formats.
+
+    Raises:
+        StorageFailed: If one cannot be written.
     """
     # A date or a version in the file would make every one different.
     metadata: dict[str, Any] = {".png": {"Software": None}, ".pdf": {"CreationDate": None, "Creator": None}}
     for path in paths:
-        figure.savefig(path, dpi=DOTS_PER_INCH, metadata=metadata.get(Path(path).suffix.lower()))
+        about = metadata.get(Path(path).suffix.lower())
+        write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
         figure.set_layout_engine("none")  # settled: a third of the time of the next file
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from laticauda.files import write
 from laticauda.reports.page import Section
 from laticauda.reports.tables import Table
 
@@ -68,11 +69,11 @@ def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) 
     from laticauda.figures import save_figure
 
     files: list[str] = []
-    for name, write in chapter.data.items():
-        write(folder / name)
+    for name, store in chapter.data.items():
+        write(folder / name, store)
         files.append(name)
     for table in chapter.tables:
-        (folder / f"{table.name}.csv").write_text(table.csv, encoding="utf-8")
+        write(folder / f"{table.name}.csv", table.csv)
         files.append(f"{table.name}.csv")
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():

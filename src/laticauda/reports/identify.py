@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.files import write
 from laticauda.identify.checking import Checked
 from laticauda.identify.tasks import Task
 from laticauda.packaging import __version__
@@ -35,7 +36,7 @@ def write_identification(done: Checked, folder: str | Path, *, command: str = ""
     place = writable_folder(folder)
     done.task.parameters(done.found).save(place / "parameters.toml")
     text = json.dumps(as_dict(done, command), indent=2, allow_nan=False)
-    (place / "fit.json").write_text(text + "\n", encoding="utf-8")
+    write(place / "fit.json", text + "\n")
     tables = tables_of(done)
     chapter = Chapter(
         section=lambda pictures: Section(name="all", title="", parts=()),
@@ -45,7 +46,7 @@ def write_identification(done: Checked, folder: str | Path, *, command: str = ""
     pictures: dict[str, tuple[str, bytes]] = {}
     files, _ = write_chapter(_keeping(chapter, pictures), place, lambda n: None)
     text = page(f"Identification: {done.task.title}", _introduction(done, command), _sections(done, tables, pictures))
-    (place / "identify.html").write_text(text, encoding="utf-8")
+    write(place / "identify.html", text)
     return ["identify.html", "parameters.toml", "fit.json", *files]
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from laticauda.files import write
 from laticauda.robot import Environment, Robot
 from laticauda.spatial import mjcf
 from laticauda.spatial.appearance import checked
@@ -26,6 +27,7 @@ def write_mjcf(
     Raises:
         MissingExtra: If MuJoCo is not installed.
         ValueError: If an argument is out of its range.
+        StorageFailed: If the file cannot be written.
     """
     path = Path(path)
     model = mjcf.spec(robot, environment, meshes=checked(meshes, robot.n_links), **options)
@@ -37,7 +39,7 @@ def write_mjcf(
             if mesh.file:
                 mesh.file = names[Path(mesh.file)]
     model.compile()  # MuJoCo writes what it has checked
-    path.write_text(model.to_xml(), encoding="utf-8")
+    write(path, model.to_xml())
 
 
 def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] = ()) -> None:
@@ -50,9 +52,10 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
 
     Raises:
         ValueError: If an argument is out of its range.
+        StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    path.write_text(urdf(robot, _copied(checked(meshes, robot.n_links), path)), encoding="utf-8")
+    write(path, urdf(robot, _copied(checked(meshes, robot.n_links), path)))
 
 
 def _copied(files: list[Path], beside: Path) -> list[str]:

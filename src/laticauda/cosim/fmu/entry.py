@@ -12,10 +12,8 @@ A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
 import functools
 import hashlib
 import math
-import os
 import platform
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any, no_type_check
 
@@ -32,6 +30,7 @@ from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
 from laticauda.compiling.sources import sources_digest
+from laticauda.files import write
 from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.planar.rows import VX, VY
 from laticauda.planar.specialize import specialize
@@ -106,9 +105,7 @@ def object_code(law: DragLaw) -> bytes:
     code = _compiled(law)
     try:  # another process may do the same at this moment
         kept.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
-            file.write(code)
-        os.replace(file.name, kept)
+        write(kept, code)
     except OSError:  # pragma: no cover - nowhere to keep it
         pass
     return code

@@ -1,7 +1,7 @@
 """A robot in water as an FMU: a file that other simulation tools load and step."""
 
+import io
 import os
-import tempfile
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +11,7 @@ from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tab
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import instance, one_of
+from laticauda.files import write
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.planar.model import PlanarPlant
@@ -118,14 +119,12 @@ def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str
     content = words.model_description("").decode() + tables_in_c(tables, "") + digest(code)
     content += "".join(part.read_text(encoding="utf-8") for part in sorted(FOLDER.iterdir()))
     guid = _guid(digest(content.encode()))
-    _write(
-        file,
-        {
-            "modelDescription.xml": words.model_description(guid),
-            f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
-            "documentation/index.html": words.page().encode(),
-        },
-    )
+    parts = {
+        "modelDescription.xml": words.model_description(guid),
+        f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
+        "documentation/index.html": words.page().encode(),
+    }
+    write(file, _zipped(parts))
 
 
 def _identifier(stem: str) -> str:
@@ -164,20 +163,13 @@ def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _write(file: Path, content: dict[str, bytes]) -> None:
-    """Put a whole file in the place of an older one, or nothing."""
-    with tempfile.NamedTemporaryFile(dir=file.parent, prefix=f".{file.name}.", delete=False) as raw:
-        try:
-            with zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
-                for name, data in content.items():
-                    entry = zipfile.ZipInfo(name, date_time=_EPOCH)
-                    entry.compress_type = zipfile.ZIP_DEFLATED
-                    entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
-                    archive.writestr(entry, data)
-        except BaseException:
-            os.unlink(raw.name)
-            raise
-    mask = os.umask(0)
-    os.umask(mask)
-    os.chmod(raw.name, 0o666 & ~mask)
-    os.replace(raw.name, file)
+def _zipped(content: dict[str, bytes]) -> bytes:
+    """The archive that an FMU is; the same content always gives the same bytes."""
+    raw = io.BytesIO()
+    with zipfile.ZipFile(raw, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in content.items():
+            entry = zipfile.ZipInfo(name, date_time=_EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            archive.writestr(entry, data)
+    return raw.getvalue()
