@@ -92,9 +92,7 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
     new = target.with_name(f".{os.getpid()}-{os.urandom(4).hex()}{target.suffix}") if is_plain else target
     try:
         if callable(content):
-            new.open(
-                "ab"
-            ).close()  # what stands in the way is said by the system, and not by a library in its own words
+            new.open("ab").close()  # what stands in the way is said by the system, not by a library in its own words
             content(new)
         else:
             new.write_bytes(content.encode() if isinstance(content, str) else content)

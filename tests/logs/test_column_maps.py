@@ -48,7 +48,7 @@ def test_files_are_found_beside_the_map(tmp_path):
         ('kind = "columns"\nrobot = "mamba"\nstart = 3\nstop = 2\n', "key `stop`: must be > `start` = 3 s, got 2"),
         ('kind = "columns"\nrobot = "mamba"\nsmoothing = 0\n', "key `smoothing`: must be > 0 s, got 0"),
         ('kind = "columns"\nrobot = "mamba"\ndecimal = ";"\n', "key `decimal`: must be one of `.`, `,`, got ';'"),
-        ('kind = "columns"\nrobot = "mamba"\n[gait]\nkind = "eel"\n', "key `gait.amplitude_deg`: is missing"),
+        ('kind = "columns"\nrobot = "mamba"\n[gait]\nkind = "eel"\n', "key `gait.amplitude`: is missing"),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + BODY,
             "key `body`: must not be given beside `center_of_mass`",

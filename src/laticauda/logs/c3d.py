@@ -1,17 +1,17 @@
-"""C3D files of motion capture, the door of the package `ezc3d`."""
+"""C3D files of motion capture, by the package `ezc3d`."""
 
 # ezc3d has no types.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import io
 import struct
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from laticauda.errors import MissingExtra, TrialFileError
+from laticauda.errors import TrialFileError
+from laticauda.extras import optional_import
 from laticauda.logs.tables import Table
 from laticauda.trial.arrays import Samples
 
@@ -33,13 +33,10 @@ def read_c3d(path: Path) -> Table:
         TrialFileError: If it is no C3D file, or is damaged.
         OSError: If it cannot be read.
     """
-    try:
-        door: Any = import_module("ezc3d")
-    except ImportError as error:
-        raise MissingExtra("Reading C3D", "ezc3d", "logs") from error
+    library = optional_import("Reading C3D", "ezc3d", "logs")
     try:
         n_frames = _check_whole(path)
-        content = door.c3d(str(path))
+        content = library.c3d(str(path))
         found = content["data"]["points"].shape[2]
         if found < n_frames:  # the library takes what is there
             raise ValueError(f"it must have {n_frames} frames, got {found}: it is cut off")

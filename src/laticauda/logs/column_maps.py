@@ -25,8 +25,7 @@ They are read strictly: what is unknown, missing or out of range is refused with
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -312,37 +311,12 @@ def _column_map(table: Table, folder: Path) -> ColumnMap:
         raise BadKey("robot", "is missing; every column map needs it")
     hints = {name: hint for name, hint in hints_of(ColumnMap).items() if name != "environment"}
     check_keys(table, [*hints, "water", "ground"])
-    gait = _gait(table.pop("gait")) if "gait" in table else None
+    gait = decode(Gait, table.pop("gait"), "gait") if "gait" in table else None
     robot = _loaded("robot", load_robot, table.pop("robot"), folder)
     environment = _environment(table, gait, folder)
     sections = {name: decode(hints[name], one, name) for name, one in table.items()}
     with arguments_of(""):
         return ColumnMap(robot=robot, environment=environment, gait=gait, **sections)
-
-
-def _gait(table: Any) -> Gait:
-    words = decode(_GaitWords, table, "gait")
-    try:
-        return Gait(
-            kind=words.kind,
-            amplitude=math.radians(words.amplitude_deg),
-            frequency=math.radians(words.frequency_deg_s),
-            phase_shift=math.radians(words.phase_shift_deg),
-            offset=math.radians(words.offset_deg),
-            envelope=None if words.envelope is None else tuple(words.envelope),
-        )
-    except (ValueError, TypeError) as error:
-        raise BadKey("gait", str(error).removesuffix(".")) from error
-
-
-@dataclass(frozen=True, kw_only=True)
-class _GaitWords:
-    kind: str
-    amplitude_deg: float
-    frequency_deg_s: float
-    phase_shift_deg: float
-    offset_deg: float = 0.0
-    envelope: Sequence[float] | None = None
 
 
 def _environment(table: Table, gait: Gait | None, folder: Path) -> Environment:

@@ -27,6 +27,6 @@ class CsvFile(Format):
         columns = list(flat.columns(dataset))
         text = io.StringIO(newline="")
         writer = csv.writer(text)
-        writer.writerow([f"{column.name} [{column.unit}]" for column in columns])
-        writer.writerows(np.stack([column.values for column in columns], axis=1).tolist())
+        writer.writerow([f"{name} [{unit}]" for name, unit, _ in columns])
+        writer.writerows(np.stack([values for _, _, values in columns], axis=1).tolist())
         path.write_bytes(text.getvalue().encode())

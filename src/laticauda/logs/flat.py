@@ -1,10 +1,8 @@
-"""A trial as a flat table, one column per number, and a text: for formats that know nothing else."""
+"""A trial as a flat table, one column per number, for formats that know nothing else."""
 
 import itertools
-import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
@@ -16,20 +14,8 @@ if TYPE_CHECKING:
     import xarray
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Column:
-    """One column of the table."""
-
-    name: str
-    """As `joint_angle_0`; 0 is the tail."""
-    unit: str
-    """SI unit, in the notation of UDUNITS."""
-    values: Samples
-    """One number per sample."""
-
-
-def columns(dataset: "xarray.Dataset") -> Iterator[Column]:
-    """All time series of a trial as single columns, time first.
+def columns(dataset: "xarray.Dataset") -> Iterator[tuple[str, str, Samples]]:
+    """All time series of a trial as single columns, time first: name, as `joint_angle_0` of the tail, unit, values.
 
     Args:
         dataset: The trial.
@@ -39,31 +25,21 @@ def columns(dataset: "xarray.Dataset") -> Iterator[Column]:
             continue
         for index in np.ndindex(series.shape[1:]):
             ends = (f"_{AXES[i] if of == 'axis' else i}" for of, i in zip(series.dims[1:], index, strict=True))
-            values = series.values[(slice(None), *index)]
-            yield Column(name=f"{name}{''.join(ends)}", unit=series.attrs["units"], values=values)
+            yield f"{name}{''.join(ends)}", series.attrs["units"], series.values[(slice(None), *index)]
 
 
-def text(dataset: "xarray.Dataset") -> str:
-    """Everything of a trial that is no time series, as one JSON text in ASCII.
-
-    Args:
-        dataset: The trial.
-    """
-    return json.dumps(dataset.attrs)
-
-
-def dataset_of(table: Mapping[str, Samples], text: str) -> "xarray.Dataset":
+def dataset_of(table: Mapping[str, Samples], attributes: Mapping[str, Any]) -> "xarray.Dataset":
     """The trial again.
 
     Args:
         table: Its columns by name.
-        text: As `text` made it.
+        attributes: Of its Dataset.
 
     Raises:
         KeyError: If a column or an entry is missing.
         ValueError: If anything is not as it was written.
     """
-    return assembled(lambda name: series(table, name), json.loads(text))
+    return assembled(lambda name: series(table, name), attributes)
 
 
 def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samples ..."]:

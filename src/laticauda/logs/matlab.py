@@ -1,16 +1,17 @@
-"""Trials as .mat files for MATLAB and GNU Octave, the door of `scipy.io`."""
+"""Trials as .mat files for MATLAB and GNU Octave, by `scipy.io`."""
 
 # What is read from a .mat file can be anything: this module turns it into arrays and texts.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 import json
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda.errors import MissingExtra, TrialFileError
-from laticauda.logs import flat
+from laticauda.errors import TrialFileError
+from laticauda.extras import optional_import
 from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import assembled, variable
@@ -40,9 +41,9 @@ class MatFile(Format):
         content["units"] = {name: one.attrs["units"] for name, one in series.items()}
         # Its texts are bytes to Octave: what is not ASCII is escaped, and whole in the text that is read back.
         content |= {name: _ascii(str(dataset.attrs[name])) for name in TEXTS}
-        content[TEXT] = flat.text(dataset)
+        content[TEXT] = json.dumps(dataset.attrs)
         with path.open("wb") as file:
-            _door().savemat(file, content, long_field_names=True, oned_as="column")
+            _library().savemat(file, content, long_field_names=True, oned_as="column")
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
@@ -82,12 +83,10 @@ def mat_columns(path: Path) -> dict[str, Samples]:
 
 
 def _content(path: Path) -> dict[str, Any]:
-    from io import BytesIO
-
-    door = _door()
+    library = _library()
     content = path.read_bytes()
     try:
-        return door.loadmat(BytesIO(content))
+        return library.loadmat(BytesIO(content))
     except NotImplementedError as error:
         message = "it is a .mat file of version 7.3; save it with `-v7` instead"
         raise TrialFileError(f"Cannot load {path}: {message}.") from error
@@ -99,9 +98,5 @@ def _ascii(text: str) -> str:
     return text.encode("ascii", "backslashreplace").decode()
 
 
-def _door() -> Any:
-    try:
-        import scipy.io
-    except ImportError as error:
-        raise MissingExtra("Reading and writing .mat", "scipy", "logs") from error
-    return scipy.io
+def _library() -> Any:
+    return optional_import("Reading and writing .mat", "scipy", "logs", "scipy.io")

@@ -13,7 +13,6 @@ import numpy as np
 
 from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.kinematics import link_centers
-from laticauda.logs import flat
 from laticauda.logs.recorder import Recorder
 from laticauda.logs.recording import Logged, open_recording
 from laticauda.trial import Format, Trial
@@ -80,7 +79,7 @@ def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
     others = {PREFIX + name: one for name, one in series.items() if name not in OF_JOINTS}
     later = max(-float(trial.time[0]), 0.0)
     poses = _Poses(trial)
-    recorder.metadata(METADATA, {"trial": flat.text(dataset)})
+    recorder.metadata(METADATA, {"trial": json.dumps(dataset.attrs)})
     for k, moment in enumerate(trial.time + later):
         time = float(moment)
         recorder.joint_state(JOINTS, time, joints, trial.joint_angle[k], trial.joint_rate[k], trial.joint_torque[k])

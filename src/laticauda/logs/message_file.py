@@ -1,4 +1,4 @@
-"""An MCAP file that survives that its program is killed: the door of the package `mcap`."""
+"""An MCAP file that survives that its program is killed."""
 
 from __future__ import annotations
 

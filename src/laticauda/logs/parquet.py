@@ -1,16 +1,17 @@
-"""Trials as Parquet files, the door of the package `pyarrow`: one column per number, units in the columns' metadata."""
+"""Trials as Parquet files, by the package `pyarrow`: one column per number, units in the columns' metadata."""
 
 # pyarrow has no types.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 # pyright: reportMissingTypeStubs=false
 
-from importlib import import_module
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda.errors import MissingExtra, TrialFileError
+from laticauda.errors import TrialFileError
+from laticauda.extras import optional_import
 from laticauda.logs import flat
 from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
@@ -30,11 +31,11 @@ class ParquetFile(Format):
     @staticmethod
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write a trial as a Parquet file; see `Format.write`."""
-        pyarrow = _door()
+        pyarrow = _library()
         columns = list(flat.columns(dataset))
-        fields = [pyarrow.field(one.name, pyarrow.float64(), metadata={"unit": one.unit}) for one in columns]
-        schema = pyarrow.schema(fields, metadata={KEY: flat.text(dataset).encode()})
-        table = pyarrow.Table.from_arrays([pyarrow.array(one.values) for one in columns], schema=schema)
+        fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit, _ in columns]
+        schema = pyarrow.schema(fields, metadata={KEY: json.dumps(dataset.attrs).encode()})
+        table = pyarrow.Table.from_arrays([pyarrow.array(values) for _, _, values in columns], schema=schema)
         pyarrow.parquet.write_table(table, path)
 
     @staticmethod
@@ -45,7 +46,7 @@ class ParquetFile(Format):
         if text is None:
             message = "it is a table, but no trial of laticauda; say what its columns are"
             raise TrialFileError(f"Cannot load {path}: {message}.")
-        return flat.dataset_of(_numbers(table), text.decode())
+        return flat.dataset_of(_numbers(table), json.loads(text))
 
 
 def parquet_columns(path: Path) -> dict[str, Samples]:
@@ -63,7 +64,7 @@ def parquet_columns(path: Path) -> dict[str, Samples]:
 
 
 def _numbers(table: Any) -> dict[str, Samples]:
-    types = _door().types
+    types = _library().types
     found: dict[str, Samples] = {}
     for name, column in zip(table.column_names, table.columns, strict=True):
         kind = column.type
@@ -73,7 +74,7 @@ def _numbers(table: Any) -> dict[str, Samples]:
 
 
 def _table(path: Path) -> Any:
-    pyarrow = _door()
+    pyarrow = _library()
     content = path.read_bytes()
     try:
         return pyarrow.parquet.read_table(pyarrow.BufferReader(content))
@@ -81,9 +82,6 @@ def _table(path: Path) -> Any:
         raise TrialFileError(f"Cannot load {path}: it is no Parquet file, or it is damaged.") from error
 
 
-def _door() -> Any:
-    try:
-        import_module("pyarrow.parquet")
-        return import_module("pyarrow")
-    except ImportError as error:
-        raise MissingExtra("Reading and writing Parquet", "pyarrow", "logs") from error
+def _library() -> Any:
+    optional_import("Reading and writing Parquet", "pyarrow", "logs", "pyarrow.parquet")
+    return optional_import("Reading and writing Parquet", "pyarrow", "logs")

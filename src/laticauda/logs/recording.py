@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import io
 import json
+import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 from laticauda.errors import TrialFileError
 from laticauda.logs import ros2
 from laticauda.logs.message_file import need_mcap
 
 if TYPE_CHECKING:
-    from mcap.records import Channel, Chunk, Schema
+    from mcap.records import Channel, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
+_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C
 
 
 class Logged(NamedTuple):
@@ -70,19 +73,10 @@ class Recording:
         Raises:
             TrialFileError: If a message does not fit the definition of its type.
         """
-        contents = _Contents()
-        with self.path.open("rb") as file:
-            for opcode, content in _records(file):
-                for channel, time, data in contents.messages(opcode, content):
-                    if not topics or channel.topic in topics:
-                        kind = _kind(contents.schemas.get(channel.schema_id))
-                        yield Logged(channel.topic, time / 1e9, kind, self._decoded(contents, channel, data))
-
-    def _decoded(self, contents: _Contents, channel: Channel, data: bytes) -> Any:
-        try:
-            return contents.decoder(channel)(data)
-        except ValueError as error:
-            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
+        contents = _Contents(self.path)
+        for channel, time, data in contents.messages():
+            if not topics or channel.topic in topics:
+                yield Logged(channel.topic, time / 1e9, contents.kind(channel), contents.decoded(channel, data))
 
 
 def open_recording(path: str | Path) -> Recording:
@@ -98,32 +92,25 @@ def open_recording(path: str | Path) -> Recording:
         MissingExtra: If the package `mcap` is not installed.
     """
     need_mcap()
-    path = Path(path)
-    contents, counts, moments = _Contents(), dict[int, int](), list[int]()
-    end, is_complete = len(MAGIC), False
+    contents, counts = _Contents(Path(path)), Counter[str]()
+    start, stop = math.inf, 0
     try:
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise TrialFileError(f"Cannot load {path}: it is no MCAP file.")
-            for opcode, content in _records(file):
-                end = file.tell()
-                is_complete = is_complete or opcode == _FOOTER
-                for channel, time, _ in contents.messages(opcode, content):
-                    counts[channel.id] = counts.get(channel.id, 0) + 1
-                    moments[:] = [min([time, *moments]), max([time, *moments])]
+        for channel, time, _ in contents.messages():
+            counts[channel.topic] += 1
+            start, stop = min(start, time), max(stop, time)
     except OSError as error:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
-    lost = list(contents.damage)
-    if not is_complete:
-        lost.append(f"it ends before its end, with {max(size - end, 0)} bytes of an incomplete chunk")
+    topics = {
+        one.topic: Topic(kind=contents.kind(one), unit=one.metadata.get("unit", ""), n_messages=counts[one.topic])
+        for one in contents.channels.values()
+    }
     return Recording(
-        path=path,
-        topics=contents.topics(counts),
+        path=contents.path,
+        topics=topics,
         metadata=contents.metadata,
-        start=moments[0] / 1e9 if moments else 0.0,
-        stop=moments[1] / 1e9 if moments else 0.0,
-        lost=f"{path.name} is not whole: {'; '.join(lost)}." if lost else "",
+        start=start / 1e9 if counts else 0.0,
+        stop=stop / 1e9,
+        lost=f"{contents.path.name} is not whole: {'; '.join(contents.lost)}." if contents.lost else "",
     )
 
 
@@ -141,72 +128,60 @@ def read_messages(path: str | Path, *topics: str) -> Iterator[Logged]:
     return open_recording(path).messages(*topics)
 
 
-# ---- inside --------------------------------------------------------------------------------------------------------
-
-_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C
-
-
-def _records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
-    """Kind and content of all complete records, from the first to the footer; the file stands behind each."""
-    file.seek(0, io.SEEK_END)
-    size = file.tell()
-    file.seek(len(MAGIC))
-    while True:
-        start = file.read(9)
-        if len(start) < 9:
-            return
-        length = int.from_bytes(start[1:], "little")
-        if length > size - file.tell():
-            file.seek(-len(start), io.SEEK_CUR)
-            return
-        yield start[0], file.read(length)
-        if start[0] == _FOOTER:
-            return
-
-
 class _Contents:
-    """What the records of one file say, gathered while they are read."""
+    """What the records of one file say, gathered while its messages are read."""
 
-    def __init__(self) -> None:
-        self.schemas: dict[int, Schema] = {}
+    def __init__(self, path: Path) -> None:
+        self.path = path
         self.channels: dict[int, Channel] = {}
         self.metadata: dict[str, Mapping[str, str]] = {}
-        self.damage: list[str] = []
+        self.lost: list[str] = []
+        self._schemas: dict[int, Schema] = {}
         self._decoders: dict[int, Callable[[bytes], Any]] = {}
 
-    def decoder(self, channel: Channel) -> Callable[[bytes], Any]:
-        """What makes contents of the bytes of a channel's messages; raises ValueError where its definition is wrong."""
-        if channel.id not in self._decoders:
-            schema, read = self.schemas.get(channel.schema_id), bytes
-            if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
-                read = ros2.decoder(schema)
-            elif channel.message_encoding == "json":
-                read = json.loads
-            self._decoders[channel.id] = read
-        return self._decoders[channel.id]
+    def messages(self) -> Iterator[tuple[Channel, int, bytes]]:
+        """All complete messages, with their channel and time [ns]."""
+        size, opcode, end = self.path.stat().st_size, 0, len(MAGIC)
+        with self.path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise TrialFileError(f"Cannot load {self.path}: it is no MCAP file.")
+            for opcode, content in _records(file, size):
+                end = file.tell()
+                yield from self._messages(opcode, content)
+        if opcode != _FOOTER:
+            self.lost.append(f"it ends before its end, with {max(size - end, 0)} bytes of an incomplete chunk")
 
-    def messages(self, opcode: int, content: bytes) -> Iterator[tuple[Channel, int, bytes]]:
-        """The messages in one record, with their channel and time [ns]; everything else is noted."""
-        from mcap import records
-        from mcap.data_stream import ReadDataStream
+    def kind(self, channel: Channel) -> str:
+        """The type of a channel's messages."""
+        schema = self._schemas.get(channel.schema_id)
+        return "" if schema is None else schema.name.replace("/msg/", "/")
 
-        if opcode not in (_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA):
-            return
-        stream = ReadDataStream(io.BytesIO(content))
+    def decoded(self, channel: Channel, data: bytes) -> Any:
+        """The fields of a message."""
         try:
-            if opcode == _CHUNK:
-                found = _unpacked(records.Chunk.read(stream))
-            elif opcode == _MESSAGE:
-                found = [records.Message.read(stream, len(content))]
-            else:
-                kind = {_SCHEMA: records.Schema, _CHANNEL: records.Channel, _METADATA: records.Metadata}[opcode]
-                found = [kind.read(stream)]
+            if channel.id not in self._decoders:
+                self._decoders[channel.id] = self._decoder(channel)
+            return self._decoders[channel.id](data)
+        except ValueError as error:
+            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
+
+    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+        schema = self._schemas.get(channel.schema_id)
+        if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
+            return ros2.decoder(schema)
+        return json.loads if channel.message_encoding == "json" else bytes
+
+    def _messages(self, opcode: int, content: bytes) -> Iterator[tuple[Channel, int, bytes]]:
+        from mcap import records
+
+        try:
+            found = _unpacked(opcode, content)
         except Exception as error:  # whatever the decompressors and the parser raise at bytes that make no sense
-            self.damage.append(f"a chunk of {len(content)} bytes is damaged ({error})")
+            self.lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
             return
         for record in found:
             if isinstance(record, records.Schema):
-                self.schemas[record.id] = record
+                self._schemas[record.id] = record
             elif isinstance(record, records.Channel):
                 self.channels[record.id] = record
             elif isinstance(record, records.Metadata):
@@ -214,23 +189,28 @@ class _Contents:
             elif isinstance(record, records.Message) and record.channel_id in self.channels:
                 yield self.channels[record.channel_id], record.log_time, record.data
 
-    def topics(self, counts: Mapping[int, int]) -> dict[str, Topic]:
-        found: dict[str, Topic] = {}
-        for number, channel in self.channels.items():
-            before = found[channel.topic].n_messages if channel.topic in found else 0
-            found[channel.topic] = Topic(
-                kind=_kind(self.schemas.get(channel.schema_id)),
-                unit=channel.metadata.get("unit", ""),
-                n_messages=before + counts.get(number, 0),
-            )
-        return found
+
+def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
+    """Kind and content of all complete records, from the first to the footer; the file stands behind each."""
+    while len(start := file.read(9)) == 9:
+        length = int.from_bytes(start[1:], "little")
+        if length > size - file.tell():
+            return
+        yield start[0], file.read(length)
+        if start[0] == _FOOTER:
+            return
 
 
-def _unpacked(chunk: Chunk) -> list[Any]:
+def _unpacked(opcode: int, content: bytes) -> list[Any]:
+    """The records in a record: those of a chunk, or the one that it is, as far as they matter here."""
+    from mcap import records
+    from mcap.data_stream import ReadDataStream
     from mcap.stream_reader import breakup_chunk
 
-    return cast("list[Any]", breakup_chunk(chunk, validate_crc=True))
-
-
-def _kind(schema: Schema | None) -> str:
-    return "" if schema is None else schema.name.replace("/msg/", "/")
+    stream = ReadDataStream(io.BytesIO(content))
+    if opcode == _CHUNK:
+        return breakup_chunk(records.Chunk.read(stream), validate_crc=True)
+    if opcode == _MESSAGE:
+        return [records.Message.read(stream, len(content))]
+    kinds = {_SCHEMA: records.Schema, _CHANNEL: records.Channel, _METADATA: records.Metadata}
+    return [kinds[opcode].read(stream)] if opcode in kinds else []
