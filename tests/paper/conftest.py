@@ -51,7 +51,11 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(experiments, "paper_experiments", small)
     runs = {name: run for name, run in reproduce.RUNS.items() if name not in ("stability", "beyond")}
-    chapters = {name: _without_figures(chapter) for name, chapter in reproduce.CHAPTERS.items() if name in runs}
+    chapters = {
+        name: (title, _without_figures(chapter))
+        for name, (title, chapter) in reproduce.CHAPTERS.items()
+        if name in runs
+    }
     monkeypatch.setattr(reproduce, "RUNS", runs)
     monkeypatch.setattr(reproduce, "CHAPTERS", chapters)
 

@@ -1,12 +1,12 @@
 import math
 
+import numpy as np
 import pytest
+from paper.reading import said
 
 from laticauda.paper import BeyondSettings, CurvedSettings, DriftSettings, TurningSettings, run_beyond
 from laticauda.paper.report.beyond import beyond_chapter
-from laticauda.paper.report.beyond_tables import beyond_tables, curved_table, drift_table, turning_table
 from laticauda.paper.swimmers import swimmers
-from laticauda.reports.page import Paragraph, Picture, Points
 
 
 @pytest.fixture(scope="module")
@@ -20,22 +20,12 @@ def study():
     )
 
 
-def words(section) -> str:
-    said = [part.text for part in section.parts if isinstance(part, Paragraph)]
-    return " ".join([*said, *(text for part in section.parts if isinstance(part, Points) for text in part.texts)])
-
-
-def test_the_section_is_honest_about_what_stands_behind_it(study):
-    section = beyond_chapter(study).section({})
-    first = section.parts[0]
-    assert isinstance(first, Paragraph)
-    assert "None of this was measured" in first.text
-    assert "The tank had no current" in first.text
-    assert section.title == "Beyond the paper (simulation only)"
+def test_the_chapter_is_honest_about_what_stands_behind_it(study):
+    assert said(beyond_chapter(study)).startswith("None of this was measured. The tank had no current")
 
 
 def test_the_section_says_what_was_run_and_what_came_out(study):
-    said = words(beyond_chapter(study).section({}))
+    text = said(beyond_chapter(study))
     plain, integral, _ = study.drift
     curved = study.settings.curved
     for expected in (
@@ -50,37 +40,34 @@ def test_the_section_says_what_was_run_and_what_came_out(study):
         "3 offsets from 4 to 12 deg, 30 s each",
         f"radius {study.turning[3].radius[0]:.2f} to {study.turning[3].radius[-1]:.2f} m",
     ):
-        assert expected in said
+        assert expected in text
 
 
 def test_the_offset_for_a_turn_as_tight_as_the_curve_lies_between_those_that_were_run(study):
-    said = words(beyond_chapter(study).section({}))
+    text = said(beyond_chapter(study))
     tightest = study.settings.curved.tightest_radius
     for curve in study.turning:
         inside = curve.radius[-1] <= tightest <= curve.radius[0]
-        assert (f"{curve.swimmer.name} " in said.partition("takes an offset of:")[2]) == inside
+        assert (f"{curve.swimmer.name} " in text.partition("takes an offset of:")[2]) == inside
     assert any(curve.radius[-1] <= tightest <= curve.radius[0] for curve in study.turning)
 
 
 def test_the_tables_hold_every_run(study):
-    assert [table.name for table in beyond_tables(study)] == [
-        "beyond-cross-current",
-        "beyond-curved-path",
-        "beyond-turning",
-    ]
-    rows = drift_table(study).rows
-    assert [row[0] for row in rows] == [run.law.name for run in study.drift]
-    assert [row[3] for row in rows] == [None, 0.12, None]
-    assert [row[4] for row in rows] == [run.mean_error for run in study.drift]
-    assert [row[-1] for row in rows] == [run.holds for run in study.drift]
-    for row, run in zip(curved_table(study).rows, study.curved, strict=True):
-        assert row[:3] == (run.swimmer.name, run.rms, run.largest)
-        assert row[5] == pytest.approx(study.settings.curved.path.length / run.trial.duration)
-    turning = turning_table(study).rows
+    drift, curved, turning = beyond_chapter(study).tables.values()
+    assert list(drift["law"]) == [run.law.name for run in study.drift]
+    assert np.array_equal(drift["integral gain [m/s]"], [np.nan, 0.12, np.nan], equal_nan=True)
+    assert list(drift["mean e, last third [m]"]) == [run.mean_error for run in study.drift]
+    assert list(drift["holds the path"]) == [run.holds for run in study.drift]
+    for row, run in zip(curved.to_dict("records"), study.curved, strict=True):
+        assert row["swimmer"] == run.swimmer.name
+        assert (row["rms of the mean error [m]"], row["largest mean error [m]"]) == (run.rms, run.largest)
+        assert row["progress [m/s]"] == pytest.approx(study.settings.curved.path.length / run.trial.duration)
     assert len(turning) == 4 * 3
-    assert turning[1][1] == 8.0
-    assert turning[1][2] == pytest.approx(math.degrees(study.turning[0].turning_rate[1]))
-    assert turning[1][3] == pytest.approx(turning[1][5] / math.radians(turning[1][2]))
+    second = turning.iloc[1]
+    assert second["offset [deg]"] == 8.0
+    rate = second["turning rate [deg/s]"]
+    assert rate == pytest.approx(math.degrees(study.turning[0].turning_rate[1]))
+    assert second["radius [m]"] == pytest.approx(second["path speed [m/s]"] / math.radians(rate))
 
 
 def test_the_figures_show_ways_errors_and_turns(study):
@@ -90,5 +77,4 @@ def test_the_figures_show_ways_errors_and_turns(study):
     assert len(found) == chapter.n_figures
     assert all("Simulation only." in caption for caption, _ in found.values())
     assert [len(figure.axes) for _, figure in found.values()] == [3, 3, 3]
-    section = chapter.section({name: (caption, b"") for name, (caption, _) in found.items()})
-    assert sum(isinstance(part, Picture) for part in section.parts) == 3
+    assert chapter.html({name: (caption, b"") for name, (caption, _) in found.items()}).count("<img ") == 3

@@ -1,35 +1,15 @@
-import csv
-import io
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper.reading import cells, said
 
-from laticauda.paper.report.path_following import path_following_chapter, path_following_section
-from laticauda.paper.report.path_following_tables import (
-    loop_table,
-    path_following_tables,
-    prediction_table,
-    run_table,
-    table2,
-    trial_table,
-)
-from laticauda.paper.report.path_following_words import findings, held_out_verdict
-from laticauda.reports.chapter import write_chapter
-from laticauda.reports.page import Paragraph, Picture, Points, Section, page
-from laticauda.reports.tables import Table
+from laticauda.paper.report.chapter import write_chapter
+from laticauda.paper.report.path_following import path_following_chapter
 
 
-def said(section: Section) -> str:
-    return " ".join(
-        text
-        for part in section.parts
-        for text in (part.texts if isinstance(part, Points) else [part.text] if isinstance(part, Paragraph) else [])
-    )
-
-
-def cells(table: Table) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(table.csv)))
+def words_of(study) -> str:
+    return said(path_following_chapter(study))
 
 
 def kept(following, largest: float, *, but: int | None = None):
@@ -48,7 +28,7 @@ def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
     small = replace(following, settings=replace(following.settings, groups=(one,)), cases=following.cases[:3])
     chapter = path_following_chapter(small)
     drawn: list[int] = []
-    files, section = write_chapter(chapter, tmp_path, drawn.append)
+    files, html = write_chapter(chapter, tmp_path, drawn.append)
     assert sorted(files) == sorted(file.name for file in tmp_path.iterdir())
     names = ["table2-speeds", "figure-12", "figure-13", "figure-14", "held-out"]
     assert {f"{name}{end}" for name in names for end in (".png", ".pdf")} < set(files)
@@ -56,13 +36,11 @@ def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
     assert drawn == [1, 2, 3, 4, 5]
     assert chapter.n_figures == 5
     assert path_following_chapter(following).n_figures == 14
-    pictures = [part for part in section.parts if isinstance(part, Picture)]
-    assert len(pictures) == 5
-    assert ">nan<" not in page("A report", [], [section])
+    assert html.count("<img ") == 5 and ">nan<" not in html
 
 
 def test_the_section_says_what_was_run(following):
-    words = said(path_following_section(following, {}))
+    words = words_of(following)
     for text in (
         "41 runs: the 12 trials of Table 2",
         "look-ahead distance of 0.18 m; heading gain 0.4, offset within ±20 deg, asked for every 0.05 s",
@@ -75,7 +53,7 @@ def test_the_section_says_what_was_run(following):
 
 
 def test_misprints_and_costs_of_the_paper_are_pointed_out(following):
-    words = " ".join(findings(following))
+    words = words_of(following)
     for text in (
         "lateral undulation, with fin, case 1, change of power printed +89.04 %, recomputed from the table +89.11 %",
         "eel-like motion, with fin, case 2, change of power printed +94.51 %, recomputed from the table +94.91 %",
@@ -88,39 +66,67 @@ def test_misprints_and_costs_of_the_paper_are_pointed_out(following):
 
 
 def test_trials_that_do_not_keep_to_the_path_are_named(following):
-    assert "within 5 cm over the last third in all 12 trials (at most 4 cm)." in " ".join(
-        findings(kept(following, 0.04))
-    )
-    (text,) = [text for text in findings(kept(following, 0.04, but=17)) if text.endswith("rms of up to 10 cm.")]
-    assert "in 11 of the 12 trials (not in Fig. 17): it is up to 30 cm" in text
-    (text,) = [text for text in findings(kept(following, 0.2, but=17)) if text.endswith("rms of up to 10 cm.")]
-    assert "in none of the 12 trials: it is up to 30 cm" in text
+    assert "within 5 cm over the last third in all 12 trials (at most 4 cm)." in words_of(kept(following, 0.04))
+    one = words_of(kept(following, 0.04, but=17))
+    assert "in 11 of the 12 trials (not in Fig. 17): it is up to 30 cm, with an rms of up to 10 cm." in one
+    all_of_them = words_of(kept(following, 0.2, but=17))
+    assert "in none of the 12 trials: it is up to 30 cm, with an rms of up to 10 cm." in all_of_them
+
+
+def test_measured_speeds_are_counted_in_the_band_of_the_simulated_ones(following):
+    def with_measured(speed_of):
+        cases = [
+            replace(case, measured=replace(case.measured, forward_velocity=speed_of(i, case)))
+            for i, case in enumerate(following.cases)
+        ]
+        return words_of(replace(following, cases=tuple(cases)))
+
+    def middle(case):
+        speeds = [run.forward_velocity for run in case.band]
+        return (min(speeds) + max(speeds)) / 2.0
+
+    assert "lies in the band of all 12 trials." in with_measured(lambda i, case: middle(case))
+    above = with_measured(lambda i, case: 9.9 if i in (1, 3) else middle(case))
+    assert "lies in the band of 10 of the 12 trials; not in that of Figs. 13 and 15." in above
+    below = with_measured(lambda i, case: 1e-3)
+    assert "lies in the band of none of the 12 trials." in below
+
+
+def test_a_fin_that_takes_less_energy_per_meter_saves_it(following):
+    cheap = [
+        replace(case, measured=replace(case.measured, mean_power=1.0)) if case.group.has_fin else case
+        for case in following.cases
+    ]
+    words = words_of(replace(following, cases=tuple(cheap)))
+    assert words.count("per meter the fin saves energy") == 2 and "does not save" not in words
 
 
 def test_trials_that_never_converge_are_counted(following):
     lost = tuple(
         replace(case, run=replace(case.run, figures=dict.fromkeys(case.run.figures))) for case in following.cases
     )
-    assert "none of the 12 trials converges" in next(findings(replace(following, cases=lost)))
+    assert "none of the 12 trials converges" in words_of(replace(following, cases=lost))
 
 
 def test_the_held_out_trial_is_judged_by_the_published_ranges(following):
     held = following.held_out
-    words = " ".join(held_out_verdict(following))
+    words = words_of(following)
     assert "from a heading of \N{MINUS SIGN}88.3 deg and p_y = 1.97 m" in words
     low, high = np.degrees(held.offset)
     assert low > -10.0
     assert f"which is {high - 15.0:.1f} deg above the published range" in words
     within = replace(held, velocity=(0.03, 0.1), mean_velocity=(0.05, 0.17), offset=(-0.1, 0.1))
-    words = " ".join(held_out_verdict(replace(following, held_out=within)))
+    words = words_of(replace(following, held_out=within))
     assert "the velocity along the heading is 0.030 to 0.100 m/s, which is within the published range" in words
     assert "0.0500 to 0.1700 m/s, which is 0.01 m/s above the published range" in words
     lost = replace(held, run=replace(held.run, figures=dict.fromkeys(held.run.figures)))
-    assert "It does not converge." in " ".join(held_out_verdict(replace(following, held_out=lost)))
+    assert "It does not converge." in words_of(replace(following, held_out=lost))
 
 
 def test_the_tables_hold_the_numbers_of_the_study(following):
-    for row, trial, case in zip(cells(table2(following)), cells(trial_table(following)), following.cases, strict=True):
+    chapter = path_following_chapter(following)
+    rows = zip(cells(chapter, "table2"), cells(chapter, "following-trials"), following.cases, strict=True)
+    for row, trial, case in rows:
         assert float(row["measured: v [m/s]"]) == case.measured.forward_velocity
         assert float(row["simulated: v [m/s]"]) == pytest.approx(case.run.forward_velocity)
         speeds = [run.forward_velocity for run in case.band]
@@ -132,18 +138,16 @@ def test_the_tables_hold_the_numbers_of_the_study(following):
         assert float(trial["start: p_y [m]"]) == case.measured.initial_cross_track_error
         assert float(trial["last third: rms error [m]"]) == pytest.approx(case.run.last_third_rms)
         assert (trial["converged after [m]"] == "") == (not case.run.converged)
-    assert len(cells(run_table(following))) == 12 * 3 + 1
-    assert len(cells(prediction_table(following))) == 3 + 5
+    assert len(cells(chapter, "following-runs")) == 12 * 3 + 1
+    assert len(cells(chapter, "following-errors")) == 3 + 5
 
 
 def test_the_change_by_the_loop_is_that_of_the_steady_speeds(following):
-    for row, case in zip(cells(loop_table(following)), following.cases, strict=True):
+    for row, case in zip(cells(path_following_chapter(following), "following-loop"), following.cases, strict=True):
         free, steady = float(row["unsteered: steady v [m/s]"]), float(row["raw: steady v [m/s]"])
         assert free == pytest.approx(case.free_velocity)
         assert float(row["raw: change from unsteered [%]"]) == pytest.approx(100.0 * (steady / free - 1.0))
 
 
-def test_every_table_has_a_file_of_its_own(following):
-    names = [table.name for table in path_following_tables(following)]
-    assert len(set(names)) == len(names)
-    assert {table.name: len(table.rows) for table in path_following_tables(following)}["following-joules"] == 16
+def test_energy_per_meter_is_given_for_every_trial_and_group(following):
+    assert len(cells(path_following_chapter(following), "following-joules")) == 16

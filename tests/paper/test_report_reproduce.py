@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from laticauda.paper import BeyondSettings, Experiments, SideSettings, StabilitySettings, paper_experiments, reproduce
+from laticauda.paper.report.chapter import Chapter
 from laticauda.paper.report.experiments import HALVES, RUNS
 from laticauda.paper.report.reproduce import CHAPTERS
-from laticauda.reports.chapter import Chapter
 from laticauda.robot import Parameters, load_robot, load_water
 
 module = sys.modules[reproduce.__module__]
@@ -54,7 +54,9 @@ def told_to(told: list):
 
 @pytest.mark.slow
 def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "CHAPTERS", {name: with_one_figure(chapter) for name, chapter in CHAPTERS.items()})
+    monkeypatch.setattr(
+        module, "CHAPTERS", {name: (title, with_one_figure(chapter)) for name, (title, chapter) in CHAPTERS.items()}
+    )
     told: list = []
     done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
     assert sorted(done.files) == sorted(file.name for file in done.folder.iterdir())
@@ -97,7 +99,7 @@ def test_every_study_has_a_runner_and_a_half_of_the_paper():
 def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
     monkeypatch.setattr(module, "CHAPTERS", {})
-    monkeypatch.setattr(module, "claims_chapter", lambda found: module.Chapter(section=lambda pictures: None))
+    monkeypatch.setattr(module, "claims_chapter", lambda found: module.Chapter(name="parts", values={}, tables={}))
     monkeypatch.setattr(module, "Results", lambda **found: type("Found", (), {"claims": (), "found": found}))
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results.found) == {"path_following", "stability", "beyond"}

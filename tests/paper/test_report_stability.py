@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper.reading import said
 
 from laticauda.paper import StabilitySettings, run_stability
-from laticauda.paper.report.stability import boundary_table, stability_chapter, stability_table
+from laticauda.paper.report.stability import stability_chapter
 from laticauda.paper.swimmers import swimmers
-from laticauda.reports.page import Paragraph, Picture, Points, page
 
 
 @pytest.fixture(scope="module")
@@ -18,17 +18,8 @@ def study():
     )
 
 
-def words(section) -> str:
-    texts = [
-        part.texts if isinstance(part, Points) else (part.text,)
-        for part in section.parts
-        if hasattr(part, "text") or isinstance(part, Points)
-    ]
-    return " ".join(text for group in texts for text in group)
-
-
 def test_the_section_says_what_was_run_and_by_which_rule(study):
-    said = words(stability_chapter(study).section({}))
+    text = said(stability_chapter(study))
     for expected in (
         "18 runs of line of sight",
         "3 look-ahead distances with 2 gains for the mean heading",
@@ -40,40 +31,42 @@ def test_the_section_says_what_was_run_and_by_which_rule(study):
         "mamba (1.62 m) and mamba-fin (2.12 m)",
         "paper-lateral (C_f 0.3",
     ):
-        assert expected in said
+        assert expected in text
 
 
 def test_the_findings_are_computed(study):
-    said = words(stability_chapter(study).section({}))
+    text = said(stability_chapter(study))
     without = study.maps[0]
     error = 100.0 * without.cycle_mean.rms[0, 1]
     assert without.cycle_mean.behaviors[0][1] == "limit cycle"
     assert (
         f"At the paper's gains (0.18 m, 0.4) with the mean heading: {without.swimmer.name}: limit cycle, {error:.1f} cm"
-        in said
+        in text
     )
-    assert f"At the paper's gains (0.18 m, 0.4) with the raw heading: {without.swimmer.name}: settled" in said
+    assert f"At the paper's gains (0.18 m, 0.4) with the raw heading: {without.swimmer.name}: settled" in text
     # 3.24 m is two lengths of the bare robot, and less than two of the one with the fin.
     assert (
-        "0 of 2 loops that keep it swing in a limit cycle; of the 10 that do not keep it, 8 settle all the same" in said
+        "0 of 2 loops that keep it swing in a limit cycle; of the 10 that do not keep it, 8 settle all the same" in text
     )
     assert (
         "The shortest that settles with the mean heading at a gain of 0.4: lateral undulation, without fin 1.62 m"
-        in said
+        in text
     )
     lost = without.cycle_mean.forward_velocity[0, 1]
-    assert f"those in a limit cycle {lost:.3f} to {lost:.3f} m/s" in said
+    assert f"those in a limit cycle {lost:.3f} to {lost:.3f} m/s" in text
 
 
 def test_the_tables_hold_every_point(study):
-    table = stability_table(study)
-    assert len(table.rows) == study.settings.n_runs
-    rows = {row[:4]: row for row in table.rows}
+    tables = stability_chapter(study).tables
+    points = tables["stability"]
+    assert len(points) == study.settings.n_runs
     found = study.maps[1]
-    row = rows[found.swimmer.name, "mean heading", 1.62, 0.4]
-    assert row[4:6] == (found.cycle_mean.behaviors[1][1], found.cycle_mean.rms[1, 1])
-    boundary = {row[:3]: row[3:] for row in boundary_table(study).rows}
-    assert boundary[found.swimmer.name, "mean heading", 0.4] == (1.62, pytest.approx(1.62 / 2.12))
+    keys = ["swimmer", "heading", "look-ahead distance [m]", "gain [-]"]
+    row = points.set_index(keys).loc[(found.swimmer.name, "mean heading", 1.62, 0.4)]
+    assert row["behavior"] == found.cycle_mean.behaviors[1][1]
+    assert row["rms of the mean error, last third [m]"] == found.cycle_mean.rms[1, 1]
+    boundary = tables["stability-boundary"].set_index(["swimmer", "heading", "gain [-]"])
+    assert tuple(boundary.loc[(found.swimmer.name, "mean heading", 0.4)]) == (1.62, pytest.approx(1.62 / 2.12))
 
 
 def test_the_figure_shows_every_swimmer(study):
@@ -85,15 +78,12 @@ def test_the_figure_shows_every_swimmer(study):
     assert "last third of 120 s" in caption
     titles = [ax.get_title(loc="left") for ax in figure.axes if ax.get_title(loc="left")]
     assert titles == ["(a)  lateral undulation, without fin", "(b)  lateral undulation, with fin"]
-    section = chapter.section({name: (caption, b"")})
-    assert sum(isinstance(part, Picture) for part in section.parts) == 1
-    assert isinstance(section.parts[1], Paragraph)
-    assert "<h2>Stability of path following</h2>" in page("t", [], [section])
+    assert chapter.html({name: (caption, b"")}).count("<img ") == 1
 
 
 def test_maps_without_the_papers_point_say_nothing_about_it(study):
     shifted = replace(study, settings=replace(study.settings, paper=(0.2, 0.4)))
-    said = words(stability_chapter(shifted).section({}))
-    assert "At the paper's gains" not in said
-    assert "Rule of thumb" in said
+    text = said(stability_chapter(shifted))
+    assert "At the paper's gains" not in text
+    assert "Rule of thumb" in text
     assert np.isfinite(study.maps[0].cycle_mean.rms).all()

@@ -56,6 +56,20 @@ class FollowingCase:
     free_velocity: float
     """Steady velocity of the same gait with the chosen joints, unsteered [m/s]."""
 
+    @property
+    def is_in_band(self) -> bool:
+        """Whether the measured speed lies in the band of the simulated ones."""
+        speeds = [run.forward_velocity for run in self.band]
+        return min(speeds) <= self.measured.forward_velocity <= max(speeds)
+
+    def change_by_the_loop(self, run: FollowingRun) -> float | None:
+        """By how much closing the loop changes the steady velocity; None for a run that is too short [%].
+
+        Args:
+            run: Of this case.
+        """
+        return None if run.steady_velocity is None else 100.0 * (run.steady_velocity / self.free_velocity - 1.0)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeldOutRun:

@@ -14,10 +14,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from laticauda.extras import optional_import
 from laticauda.gaits import GAIT_WORDS
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
     from matplotlib.figure import Figure
     from pandas import DataFrame
     from xarray import Dataset
@@ -91,27 +91,30 @@ def as_csv(frame: "DataFrame") -> str:
 
 
 @cache
-def environment() -> "Environment":
-    """What renders the templates; all texts are escaped, and a value that is missing is an error."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+def environment() -> Any:
+    """What renders the templates (Jinja2's): all texts are escaped, and a value that is missing is an error.
 
-    made = Environment(
-        loader=PackageLoader("laticauda.paper.report"),
+    Raises:
+        MissingExtra: If Jinja2 is not installed.
+    """
+    jinja2 = optional_import("The report", "Jinja2", "paper", "jinja2")
+    made = jinja2.Environment(
+        loader=jinja2.PackageLoader("laticauda.paper.report"),
         autoescape=True,
-        undefined=StrictUndefined,
+        undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     made.filters |= {
-        "base64": lambda content: base64.b64encode(content).decode("ascii"),
+        "base64": _base64,
         "cell": shown,
-        "cm": lambda length: "unknown" if length is None else f"{100.0 * length:.2g} cm",
+        "cm": _centimeters,
         "degrees": math.degrees,
         "digits": in_digits,
         "figs": figure_numbers,
         "form_of": form_of,
         "span": span,
-        "upper_first": lambda text: text[:1].upper() + text[1:],
+        "upper_first": _upper_first,
     }
     made.globals |= {"by_gait": _by_gait, "is_numeric": is_numeric, "share": share, "words": GAIT_WORDS}
     return made
@@ -221,3 +224,15 @@ def _by_gait(swimmers: Iterable[Any]) -> list[list[Any]]:
     for swimmer in swimmers:
         groups.setdefault(swimmer.gait, []).append(swimmer)
     return [*groups.values()]
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
+
+
+def _centimeters(length: float | None) -> str:
+    return "unknown" if length is None else f"{100.0 * length:.2g} cm"
+
+
+def _upper_first(text: str) -> str:
+    return text[:1].upper() + text[1:]

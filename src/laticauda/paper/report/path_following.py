@@ -1,25 +1,17 @@
-"""The path-following study for readers: its figures, and its section of the report."""
+"""The path-following study for readers: its figures, and what its chapter of the report speaks of."""
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.following_dataset import write_following_netcdf
-from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
-from laticauda.paper.report.path_following_tables import (
-    cost_table,
-    fin_change_table,
-    loop_table,
-    path_following_tables,
-    prediction_table,
-    table2,
-    trial_table,
-)
-from laticauda.paper.report.path_following_words import findings, held_out_verdict, settings_in_words
-from laticauda.paper.table2 import Prediction, null_predictions
-from laticauda.reports.chapter import Chapter, Pictures
-from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Section
+from laticauda.paper.following_dataset import following_dataset
+from laticauda.paper.following_run import FollowingRun
+from laticauda.paper.path_following import FollowingCase, HeldOutRun, PathFollowingStudy
+from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.report.path_following_tables import path_following_tables
+from laticauda.paper.table1 import percent_change
+from laticauda.paper.table2 import Prediction, fin_changes, following_scores, meter_costs, null_predictions
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,12 +28,113 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         study: What `run_path_following` returned.
     """
     return Chapter(
+        name="path-following",
+        values={
+            "study": study,
+            "settings": study.settings,
+            "how": study.how,
+            "held": study.held_out,
+            "chosen": study.cases[0].run,
+            **_findings(study),
+            **_beyond_the_published(study.held_out),
+        },
         tables=path_following_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
-        section=lambda pictures: path_following_section(study, pictures),
-        data={"path_following.nc": lambda path: write_following_netcdf(study, path)},
+        data={"path_following.nc": lambda: following_dataset(study)},
     )
+
+
+def _findings(study: PathFollowingStudy) -> dict[str, Any]:
+    """What the sentences of the chapter are made of."""
+    settings, cases = study.settings, study.cases
+    ways = [score for score in following_scores(study) if score.n_fitted is None]
+    changes = fin_changes(study)
+    kinds = dict.fromkeys(change.with_fin.group.gait for change in changes)
+    laws: dict[str, list[FollowingRun]] = {}
+    for run in cases[0].band:
+        laws.setdefault(run.joints, []).append(run)
+    in_other_ways = [
+        [case.band[i] for case in cases] for i, run in enumerate(cases[0].band) if run.name != cases[0].run.name
+    ]
+    all_ways = [[case.run for case in cases], *in_other_ways, [case.cycle_mean for case in cases]]
+    return {
+        "n_runs": settings.n_runs(cases[0].run.joints, cases[0].run.offset_bandwidth),
+        "laws": laws,
+        "there": [case.run.figures for case in cases if case.run.converged],
+        "kept": [_kept(study, runs) for runs in all_ways],
+        "errors": ways,
+        "best": _best_null(study),
+        "outside_band": [case.figure for case in cases if not case.is_in_band],
+        "groups": [
+            _group(score, [case for case in cases if case.group == group])
+            for group, score in zip(settings.groups, ways[0].by_group, strict=True)
+        ],
+        "fin": {kind: [change for change in changes if change.with_fin.group.gait == kind] for kind in kinds},
+        "misprinted": [
+            (change.with_fin, what, getattr(change, f"printed_{what}"), getattr(change, f"measured_{what}"))
+            for change in changes
+            for what in change.misprints
+        ],
+        "costs": [*_costs(study)],
+    }
+
+
+def _kept(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> dict[str, Any]:
+    """Whether the cycle-mean error stays small in the last third of every trial, and where not."""
+    outside = [
+        (case.figure, run)
+        for case, run in zip(study.cases, runs, strict=True)
+        if run.last_third_largest is None or run.last_third_largest > study.settings.accepted_error
+    ]
+    return {
+        "name": runs[0].name,
+        "outside": [figure for figure, _ in outside],
+        "largest": max(run.last_third_largest or 0.0 for run in runs),
+        "rms": max((run.last_third_rms or 0.0 for _, run in outside), default=0.0),
+    }
+
+
+def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
+    """How far the speeds of one group are from the measured ones, and what closing the loop changes [%]."""
+    changes = {name: [case.change_by_the_loop(getattr(case, name)) for case in cases] for name in ("run", "cycle_mean")}
+    return {
+        "name": cases[0].group.name.replace(",", ""),
+        "mean_error": mean_error,
+        "errors": [percent_change(case.measured.forward_velocity, case.run.forward_velocity) for case in cases],
+        "swings": [math.degrees(case.run.offset_swing) for case in cases],
+        "changes": {name: [value for value in values if value is not None] for name, values in changes.items()},
+    }
+
+
+def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
+    """Measured energy per meter without and with the fin, gait by gait [J/m]."""
+    costs = {cost.group: cost.measured_mean for cost in meter_costs(study)}
+    for gait in dict.fromkeys(group.gait for group in study.settings.groups):
+        pair = {group.has_fin: costs[group.name] for group in study.settings.groups if group.gait == gait}
+        if len(pair) == 2:
+            yield gait, pair[False], pair[True]
+
+
+def _beyond_the_published(held: HeldOutRun) -> dict[str, Any]:
+    """By how much the held-out trial leaves the published ranges: its velocity, the mean of it [m/s], its offset."""
+    offset, published = ([math.degrees(end) for end in ends] for ends in (held.offset, held.settings.offset))
+    return {
+        "velocity_beyond": _outside(held.velocity, held.settings.velocity),
+        "mean_velocity_beyond": _outside(held.mean_velocity, held.settings.velocity),
+        "offset": offset,
+        "published_offset": published,
+        "offset_beyond": _outside(offset, published),
+    }
+
+
+def _outside(found: Sequence[float], known: Sequence[float]) -> dict[str, float]:
+    """By how much a range leaves another one, to which sides."""
+    sides = {"below": known[0] - found[0], "above": found[1] - known[1]}
+    return {side: by for side, by in sides.items() if by > 0.0}
+
+
+# ---- figures -------------------------------------------------------------------------------------------------------
 
 
 def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
@@ -73,43 +166,6 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
     title = f"Held-out trial (published 2016): {GAIT_WORDS[held.settings.gait.kind]}, {held.settings.robot}, {start}"
     caption = "Path following: a trial of another publication (2016), on which no choice here rests."
     yield HELD_OUT, caption, follow_sheet(held.trial, title=title, note=f"Simulated with {held.run.name}")
-
-
-def path_following_section(study: PathFollowingStudy, pictures: Pictures) -> Section:
-    """The study's part of the report.
-
-    Args:
-        study: What was run.
-        pictures: By name of the figure, its caption and the content of its PNG file.
-    """
-    parts: list[Part] = [
-        Heading(text="What was run"),
-        Paragraph(text=_what(study)),
-        Points(texts=(*settings_in_words(study),)),
-        Heading(text="What came out"),
-        Points(texts=(*findings(study),)),
-        Heading(text="Way to the path, trial by trial"),
-        trial_table(study),
-        Heading(text="Table 2, row by row"),
-        table2(study),
-        *_pictures(pictures, [SPEEDS], "table2.csv"),
-        Heading(text="What closing the loop changes"),
-        loop_table(study),
-        Heading(text="Errors, beside models without physics"),
-        prediction_table(study),
-        *_fin(study),
-        Heading(text="Energy per meter"),
-        cost_table(study),
-        Heading(text="A trial that no choice here rests on"),
-        Points(texts=(*held_out_verdict(study),)),
-        *_pictures(pictures, [HELD_OUT], "path_following.nc"),
-        Heading(text="Figures"),
-        *_pictures(pictures, [f"figure-{case.figure:02d}" for case in study.cases], "path_following.nc"),
-    ]
-    return Section(name="path-following", title="Path following", parts=tuple(parts))
-
-
-# ---- figures -------------------------------------------------------------------------------------------------------
 
 
 def _best_null(study: PathFollowingStudy) -> Prediction:
@@ -146,33 +202,4 @@ def _speeds(case: FollowingCase) -> str:
     return (
         f"Forward velocity {case.measured.forward_velocity:.4f} m/s measured, {case.run.forward_velocity:.4f} m/s "
         f"simulated ({case.run.name})"
-    )
-
-
-def _pictures(pictures: Pictures, names: Sequence[str], numbers: str) -> Iterator[Picture]:
-    for name in names:
-        if name in pictures:
-            caption, png = pictures[name]
-            yield Picture(png=png, caption=caption, description=f"{caption} The numbers are in {numbers}.")
-
-
-def _fin(study: PathFollowingStudy) -> Iterator[Part]:
-    """What the fin changes, if the study has cases with and without it."""
-    table = fin_change_table(study)
-    if table.rows:
-        yield Heading(text="What the fin changes in path following")
-        yield table
-
-
-# ---- words ---------------------------------------------------------------------------------------------------------
-
-
-def _what(study: PathFollowingStudy) -> str:
-    settings, first = study.settings, study.cases[0]
-    n_runs = settings.n_runs(first.run.joints, first.run.offset_bandwidth)
-    return (
-        f"{n_runs} runs: the {len(study.cases)} trials of Table 2 from its initial conditions along the x axis, each "
-        f"in {len(first.band)} ways with the raw heading and once with the heading's mean over the gait cycle; the "
-        f"{len(settings.groups)} gaits unsteered; and a trial of another publication. Chosen for figures and tables: "
-        f"{first.run.name}."
     )

@@ -13,30 +13,24 @@ from laticauda.errors import one_of, whole
 from laticauda.packaging import __version__
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
+from laticauda.paper.report.chapter import Chapter, environment, write_chapter
 from laticauda.paper.report.claims import claims_chapter
 from laticauda.paper.report.efficiency import efficiency_chapter
 from laticauda.paper.report.experiments import HALVES, RUNS, Experiments, Results
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.report.stability import stability_chapter
-from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.reports.page import Paragraph, Section, page
+from laticauda.reports.chapter import writable_folder
 
 STUDIES = tuple(HALVES)
 """The halves of the paper."""
 TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
-INTRODUCTION = (
-    "The trials of “Experimental Investigation of Locomotion Efficiency and Path-Following for Underwater Snake Robots "
-    "with and without a Caudal Fin”, repeated in simulation and put beside what was measured on the robot. Nothing was "
-    "tuned here to make the two agree. Coefficients: {coefficients}. All numbers are also in CSV and netCDF files "
-    "beside this page."
-)
-CHAPTERS: Mapping[str, Callable[..., Chapter]] = {
-    "efficiency": efficiency_chapter,
-    "path_following": path_following_chapter,
-    "stability": stability_chapter,
-    "beyond": beyond_chapter,
-    "parity": parity_chapter,
+CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
+    "efficiency": ("Locomotion efficiency", efficiency_chapter),
+    "path_following": ("Path following", path_following_chapter),
+    "stability": ("Stability of path following", stability_chapter),
+    "beyond": ("Beyond the paper (simulation only)", beyond_chapter),
+    "parity": ("Planar against spatial model", parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
 
@@ -73,7 +67,7 @@ class _Done:
 
     study: Any
     files: list[str] = field(default_factory=list[str])
-    section: Section | None = None
+    html: str = ""
 
 
 def reproduce(
@@ -105,12 +99,14 @@ def reproduce(
 
     Raises:
         ValueError: If an argument is out of its range, or the folder cannot be written; nothing has been run then.
+        MissingExtra: If Jinja2 is not installed; nothing has been run then.
         SimulationFailed: If a trial blows up.
     """
     if only is not None:
         one_of("only", only, STUDIES)
     whole("workers", workers, 1)
     folder = writable_folder(folder)
+    report = environment().get_template("report.html")
     settings = settings or Experiments()
     jobs = [
         _Job(name=name, settings=getattr(settings, name), model=model, joints=joints, folder=folder, repeats=repeats)
@@ -120,12 +116,15 @@ def reproduce(
     done = _run(jobs, min(workers, len(jobs)), progress or (lambda what, done, total: None))
     results = Results(**{name: part.study for name, part in done.items()})
     files, judged = write_chapter(claims_chapter(results.claims), folder, lambda n: None)
-    sections = [judged, *(done[name].section for name in CHAPTERS if name in done)]
-    introduction = [
-        Paragraph(text=INTRODUCTION.format(coefficients=settings.efficiency.models[0].title)),
-        Paragraph(text=f"Made with laticauda {__version__}; model: {model}; joints: {joints}."),
-    ]
-    text = page(TITLE, introduction, [section for section in sections if section is not None])
+    found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
+    text = report.render(
+        title=TITLE,
+        coefficients=settings.efficiency.models[0].title,
+        version=__version__,
+        model=model,
+        joints=joints,
+        chapters=[("claims", "The paper's claims", judged), *found],
+    )
     (folder / "report.html").write_text(text, encoding="utf-8")
     written = [file for part in done.values() for file in part.files]
     return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
@@ -159,9 +158,9 @@ def _do(job: _Job, progress: Progress) -> _Done:
     if job.name not in CHAPTERS:
         return _Done(study=study)
     more = {"repeats": job.repeats} if job.name == "efficiency" else {}
-    chapter = CHAPTERS[job.name](study, **more)
-    files, section = write_chapter(chapter, job.folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
-    return _Done(study=study, files=files, section=section)
+    chapter = CHAPTERS[job.name][1](study, **more)
+    files, html = write_chapter(chapter, job.folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
+    return _Done(study=study, files=files, html=html)
 
 
 # ---- in a worker ---------------------------------------------------------------------------------------------------
