@@ -10,11 +10,12 @@ import base64
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from laticauda.extras import optional_import
+from laticauda.files import write
 from laticauda.gaits import GAIT_WORDS
 
 if TYPE_CHECKING:
@@ -67,9 +68,9 @@ def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) 
     from laticauda.figures import save_figure
 
     for name, dataset in chapter.data.items():
-        dataset().to_netcdf(folder / name, engine="netcdf4")
+        write(folder / name, partial(dataset().to_netcdf, engine="netcdf4"))
     for name, frame in chapter.tables.items():
-        (folder / f"{name}.csv").write_text(as_csv(frame), encoding="utf-8")
+        write(folder / f"{name}.csv", as_csv(frame))
     files = [*chapter.data, *(f"{name}.csv" for name in chapter.tables)]
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():

@@ -10,6 +10,7 @@ from threading import Thread
 from typing import Any
 
 from laticauda.errors import one_of, whole
+from laticauda.files import write
 from laticauda.packaging import __version__
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
@@ -125,7 +126,7 @@ def reproduce(
         joints=joints,
         chapters=[("claims", "The paper's claims", judged), *found],
     )
-    (folder / "report.html").write_text(text, encoding="utf-8")
+    write(folder / "report.html", text)
     written = [file for part in done.values() for file in part.files]
     return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
 
