@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit import Cockpit, Live
 
 PAGES = 3
 PAGE = Path(__file__).with_name("_page.py")
@@ -70,7 +70,7 @@ def browsers(address: str) -> Iterator[list[int]]:
 
 
 def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = False) -> None:
-    live = Live(Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT, model=model))
+    live = Live(lc.scenario("mamba-fin", GAIT, model=model))
     live.speed = speed
     cockpit = Cockpit(live, port=0)
     cockpit.open()
@@ -79,10 +79,10 @@ def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = 
             time.sleep(0.1)
         time.sleep(5.0)
         got.clear()
-        begun, cpu, world, lag = time.perf_counter(), time.process_time(), live.world.time, live.lag
+        begun, cpu, world, lag = time.perf_counter(), time.process_time(), live.simulation.time, live.lag
         time.sleep(duration)
         wall = time.perf_counter() - begun
-        cpu, world, lag = time.process_time() - cpu, live.world.time - world, live.lag - lag
+        cpu, world, lag = time.process_time() - cpu, live.simulation.time - world, live.lag - lag
         size = f"{sum(got) / 1e6 / wall / PAGES:.2f} MB/s per page" if got else "Chromium"
         print(
             f"{model:8s} {PAGES} pages, {size}, time x {speed:g}: simulated/real {world / wall:.3f}, "

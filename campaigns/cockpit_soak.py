@@ -35,9 +35,9 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit import Cockpit, Live
+from laticauda.cockpit.changes import with_fin
 from laticauda.cockpit.page import FRAME
-from laticauda.cockpit.settings import with_fin
 from laticauda.control import StraightLine
 
 GAIT = lc.lateral_undulation(
@@ -112,19 +112,19 @@ def chromium(address: str) -> Iterator[Callable[[], float]]:
 def do_something(cockpit: Cockpit, chance: random.Random) -> None:
     """What somebody might do on the page."""
     live = cockpit.live
-    robot = live.setting.robot
+    robot = live.scenario.robot
     things: tuple[Callable[[], None], ...] = (
-        lambda: live.alter(gait=replace(live.setting.gait, amplitude=math.radians(chance.uniform(10.0, 40.0)))),
+        lambda: live.alter(gait=replace(live.scenario.gait, amplitude=math.radians(chance.uniform(10.0, 40.0)))),
         lambda: live.alter(robot=with_fin(robot, robot.caudal_fin is None, None)),
         lambda: live.alter(robot=with_fin(robot, True, chance.uniform(0.1, 0.5))),
         lambda: live.alter(joints=chance.choice(("prescribed", "pd", "servo"))),
         lambda: live.alter(current=(chance.uniform(-0.05, 0.05), 0.0)),
-        lambda: live.alter(path=None if live.setting.path else StraightLine()),
+        lambda: live.alter(path=None if live.scenario.path else StraightLine()),
         lambda: setattr(live, "link_forces", not live.link_forces),
         cockpit._reset,
     )
     chance.choice(things)()
-    cockpit._show_setting()
+    cockpit._show_scenario()
 
 
 def soak(
@@ -148,7 +148,7 @@ def soak(
     """
     chance = random.Random(seed)
     pause = round(every / FRAME) if math.isfinite(every) else 0
-    cockpit = Cockpit(Live(Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT)), port=0)
+    cockpit = Cockpit(Live(lc.scenario("mamba-fin", GAIT)), port=0)
     rows: list[tuple[float, float, float]] = []
     with (chromium if browser else reader)(cockpit.address) as heap:
         end = time.monotonic() + 60.0

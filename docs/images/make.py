@@ -212,13 +212,13 @@ def cockpit(folder: Path) -> None:
     """The live page: following a path with its plots, the controls, and a sweep as the map."""
     from page import camera  # here alone: it needs a browser
 
-    from laticauda.cockpit import Setting
+    from laticauda.cockpit.changes import changed
 
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
-    plain = Setting(robot=robot, gait=gait)
+    plain = lc.scenario(robot, gait)
     with camera(plain) as seen, tempfile.TemporaryDirectory() as scratch:
-        seen.swim(replace(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
+        seen.swim(changed(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
         seen.open("Plots")
         seen.look((-0.45, -2.1, 1.2), 0.3)
         seen.shoot(folder / "cockpit-path.png")

@@ -11,7 +11,8 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from laticauda.cockpit import Cockpit, Live, Setting
+import laticauda as lc
+from laticauda.cockpit import Cockpit, Live
 
 SIZE = {"width": 1600, "height": 900}
 # Without a graphics card.
@@ -34,10 +35,10 @@ class Camera:
             self.cockpit.live.advance(STEP)
             self.cockpit.frame()
 
-    def swim(self, setting: Setting, duration: float) -> None:
+    def swim(self, scenario: lc.Scenario, duration: float) -> None:
         """Let a robot swim from rest [s]."""
-        self.cockpit.live.change(setting)
-        self.cockpit._show_setting()
+        self.cockpit.live.change(scenario)
+        self.cockpit._show_scenario()
         self.cockpit._reset()
         self.pass_time(duration)
 
@@ -47,7 +48,7 @@ class Camera:
 
     def look(self, offset: tuple[float, float, float], ahead: float) -> None:
         """Put the camera beside the robot; `ahead` of it is the middle of the picture [m]."""
-        (view,) = self.cockpit._views.all()
+        (view,) = self.cockpit._cameras.all()
         view.follows.value = False
         x, y = (float(value) for value in self.cockpit.live.latest()["center_of_mass"][:2])
         target = np.array([x + ahead, y, 0.0])
@@ -68,13 +69,13 @@ class Camera:
 
 
 @contextlib.contextmanager
-def camera(setting: Setting) -> Iterator[Camera]:
+def camera(scenario: lc.Scenario) -> Iterator[Camera]:
     """A cockpit and its page, as long as the block lasts.
 
     Args:
-        setting: What swims how.
+        scenario: What swims how.
     """
-    cockpit = Cockpit(Live(setting), port=0)
+    cockpit = Cockpit(Live(scenario), port=0)
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))

@@ -6,12 +6,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from cockpit_browser import browser
 
 import laticauda as lc
 from laticauda.cli import main
-from laticauda.cockpit import Cockpit, Live, Setting
-from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, robot_source
-from laticauda.cockpit.settings import with_fin
+from laticauda.cockpit import Cockpit, Live, numbers
+from laticauda.cockpit.changes import changed, with_fin
+from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, copy_buttons, robot_source
 from laticauda.control import StraightLine
 from laticauda.gaits import Wave
 
@@ -20,16 +21,16 @@ GAIT = lc.lateral_undulation(
 )
 PITCH = Wave(amplitude=0.1, frequency=GAIT.frequency, phase_shift=GAIT.phase_shift, phase=0.5 * math.pi)
 DURATION = 6.0
-SETTINGS = [
-    Setting(robot=lc.load_robot("mamba"), gait=GAIT),
-    Setting(robot=lc.load_robot("mamba-fin"), gait=replace(GAIT, kind="eel_like", offset=0.05), joints="pd"),
-    Setting(robot=lc.load_robot("mamba"), gait=GAIT, current=(0.1, -0.02)),
-    Setting(robot=lc.load_robot("mamba"), gait=GAIT, path=StraightLine(point=(0.5, -0.6), angle=0.2)),
-    Setting(robot=with_fin(lc.load_robot("mamba"), True, 0.3), gait=GAIT, joints="servo"),
-    Setting(robot=lc.load_robot("mamba"), gait=GAIT, water=replace(lc.load_water("paper-lateral"), normal_drag=1.4)),
-    Setting(robot=lc.load_robot("mamba"), gait=GAIT, water=lc.load_water("paper-eel")),
-    Setting(robot=lc.load_robot("mamba"), gait=replace(GAIT, kind="custom", envelope=(1.0,) * 4 + (0.5,) * 4)),
-    Setting(robot=lc.load_robot("mamba-modules"), gait=replace(GAIT, pitch=PITCH), model="spatial"),
+SCENARIOS = [
+    lc.scenario("mamba", GAIT),
+    lc.scenario("mamba-fin", replace(GAIT, kind="eel_like", offset=0.05), joints="pd"),
+    changed(lc.scenario("mamba", GAIT), current=(0.1, -0.02)),
+    changed(lc.scenario("mamba", GAIT), path=StraightLine(point=(0.5, -0.6), angle=0.2)),
+    lc.scenario(with_fin(lc.load_robot("mamba"), True, 0.3), GAIT, joints="servo"),
+    lc.scenario("mamba", GAIT, environment=replace(lc.load_water("paper-lateral"), normal_drag=1.4)),
+    lc.scenario("mamba", GAIT, environment="paper-eel"),
+    lc.scenario("mamba", replace(GAIT, kind="custom", envelope=(1.0,) * 4 + (0.5,) * 4)),
+    lc.scenario("mamba-modules", replace(GAIT, pitch=PITCH), model="spatial"),
 ]
 
 
@@ -43,16 +44,16 @@ class Page:
         self.files[name] = content
 
 
-@pytest.mark.parametrize("setting", SETTINGS)
+@pytest.mark.parametrize("scenario", SCENARIOS)
 def test_the_copied_command_line_and_python_run_as_they_are_and_give_the_numbers_of_the_page(
-    setting, capsys, tmp_path, monkeypatch
+    scenario, capsys, tmp_path, monkeypatch
 ):
     pytest.importorskip("viser")
-    if setting.model == "spatial":
+    if isinstance(scenario.model, lc.Spatial):
         pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("laticauda.cockpit.commands.DURATION", DURATION)
-    live = Live(setting)
+    live = Live(scenario)
     cockpit, page = Cockpit(live, port=0), Page()
     try:
         cockpit._runs._send_robot(SimpleNamespace(client=page))
@@ -70,30 +71,60 @@ def test_the_copied_command_line_and_python_run_as_they_are_and_give_the_numbers
     scope = {}
     exec(code, scope)
     trial = scope["trial"]
-    assert trial.environment == setting.environment
-    assert trial.robot == (setting.robot if setting.model == "spatial" else setting.robot.planar())
+    assert trial.environment == scenario.environment
+    assert trial.robot == (scenario.robot if isinstance(scenario.model, lc.Spatial) else scenario.robot.planar())
     assert printed["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-4)
     assert printed["mean_power"] == pytest.approx(trial.mean_power, rel=1e-4)
     for _ in range(round(DURATION / 0.1)):
         live.advance(0.1)
-    assert live.numbers().time == pytest.approx(DURATION)
-    assert live.numbers().forward_velocity == pytest.approx(trial.forward_velocity, rel=1e-3)
+    assert numbers(live).time == pytest.approx(DURATION)
+    assert numbers(live).forward_velocity == pytest.approx(trial.forward_velocity, rel=1e-3)
     # The page steps by half as much: that matters to the work of the first moments, when a path begins with a jerk.
-    assert live.numbers().mean_power == pytest.approx(trial.mean_power, rel=3e-3)
+    assert numbers(live).mean_power == pytest.approx(trial.mean_power, rel=3e-3)
 
 
 def test_a_robot_that_is_no_preset_comes_from_a_file():
     robot = with_fin(lc.load_robot("mamba"), True, 0.3)
     assert robot_source(robot) == FILE
-    text = commands_text(Setting(robot=robot, gait=GAIT))
+    text = commands_text(lc.scenario(robot, GAIT))
     assert f"download it as `{FILE}` first" in text
     assert f"--robot {FILE}" in text
 
 
 def test_a_water_that_is_no_preset_comes_from_a_file_too():
     water = replace(lc.load_water("paper-lateral"), normal_drag=1.4)
-    text = commands_text(Setting(robot=lc.load_robot("mamba"), gait=GAIT, water=water))
+    text = commands_text(lc.scenario("mamba", GAIT, environment=water))
     assert f"download it as `{WATER_FILE}` first" in text
-    assert "--water paper-lateral" in commands_text(
-        Setting(robot=lc.load_robot("mamba"), gait=GAIT, water=lc.load_water("paper-lateral"))
-    )
+    assert "--water paper-lateral" in commands_text(lc.scenario("mamba", GAIT, environment="paper-lateral"))
+
+
+# ---- buttons that copy them ------------------------------------------------------------------------------------
+
+TEXTS = {"copy <this>": 'first "line" \\\n  --it\'s {one} & more', "copy that": f"{math.pi}"}
+
+
+def test_a_button_puts_its_text_on_the_clipboard_as_it_is(tmp_path):
+    (tmp_path / "page.html").write_text(f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8")
+    with browser() as found:
+        page = found.new_context().new_page()
+        # What the browser is asked to copy, in place of the clipboard, which a test must not overwrite.
+        kept = "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => {window.kept = t}}})"
+        page.add_init_script(kept)
+        page.goto((tmp_path / "page.html").as_uri())
+        for label, text in TEXTS.items():
+            page.get_by_role("button", name=label).click()
+            assert page.evaluate("window.kept") == text
+
+
+def test_where_the_browser_allows_no_clipboard_the_old_way_is_taken(tmp_path):
+    (tmp_path / "page.html").write_text(f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8")
+    with browser() as found:
+        page = found.new_context().new_page()
+        page.add_init_script(
+            "Object.defineProperty(navigator, 'clipboard', {value: undefined});"
+            "document.execCommand = () => {window.kept = document.activeElement.value}"
+        )
+        page.goto((tmp_path / "page.html").as_uri())
+        page.get_by_role("button", name="copy that").click()
+        assert page.evaluate("window.kept") == TEXTS["copy that"]
+        assert page.locator("textarea").count() == 0

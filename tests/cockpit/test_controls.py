@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.actuation.laws import Servo
 from laticauda.cli import main
-from laticauda.cockpit import Cockpit, Live, Setting
-from laticauda.cockpit.gait_map import at
-from laticauda.cockpit.turns import Asked
+from laticauda.cockpit import Cockpit, Live, numbers
+from laticauda.cockpit.changes import path_of
+from laticauda.cockpit.events import Event
+from laticauda.cockpit.maps import with_wave
 from laticauda.control import StraightLine
 from laticauda.errors import TrialFileError
 
@@ -38,57 +40,62 @@ class Page:
 
 @pytest.fixture
 def cockpit():
-    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=GAIT)), port=0)
+    served = Cockpit(Live(lc.scenario("mamba", GAIT)), port=0)
     yield served
     served.close()
+
+
+def control(cockpit, name):
+    return cockpit._controls.by_name[name].handle
 
 
 def use(cockpit, handle, value):
     """As if somebody had set a control on a page; what the page was told."""
     page = Page()
     handle.value = value
-    cockpit._controls._apply(Asked(client=page, target=handle, value=value))
-    cockpit._controls._settle()
+    cockpit._controls.apply(Event(page, handle, value))
+    cockpit._controls.settle()
     cockpit.live.advance(0.1)
     cockpit.frame()
     return page.told
 
 
 def test_every_control_acts_at_once(cockpit):
-    controls, live = cockpit._controls, cockpit.live
-    assert use(cockpit, controls._angles["amplitude"], 42.0) == []
-    assert math.degrees(live.setting.gait.amplitude) == pytest.approx(42.0)
-    use(cockpit, controls._kind, "eel_like")
-    use(cockpit, controls._fin, "rigid")
-    assert live.setting.robot.caudal_fin.n_hinges == 0
-    use(cockpit, controls._fin, "elastic")
-    use(cockpit, controls._rigidity, 0.4)
-    assert live.setting.robot.caudal_fin.flexural_rigidity == 0.4
-    use(cockpit, controls._joints, "servo")
-    use(cockpit, controls._current[0], 0.1)
-    use(cockpit, controls._follow, True)
-    assert (live.setting.gait.kind, live.setting.joints, live.setting.current) == ("eel_like", "servo", (0.1, 0.0))
-    assert abs(live.numbers().cross_track_error) == pytest.approx(0.6, abs=0.05)
-    use(cockpit, controls._robot, "chain")
-    assert live.setting.robot == lc.load_robot("chain")
-    assert controls._fin.value == "none"
+    live = cockpit.live
+    assert use(cockpit, control(cockpit, "amplitude"), 42.0) == []
+    assert math.degrees(live.scenario.gait.amplitude) == pytest.approx(42.0)
+    use(cockpit, control(cockpit, "kind"), "eel_like")
+    use(cockpit, control(cockpit, "fin"), "rigid")
+    assert live.scenario.robot.caudal_fin.n_hinges == 0
+    use(cockpit, control(cockpit, "fin"), "elastic")
+    use(cockpit, control(cockpit, "rigidity"), 0.4)
+    assert live.scenario.robot.caudal_fin.flexural_rigidity == 0.4
+    use(cockpit, control(cockpit, "joints"), "servo")
+    use(cockpit, control(cockpit, "current_x"), 0.1)
+    use(cockpit, control(cockpit, "path"), True)
+    assert (live.scenario.gait.kind, live.scenario.model.joints) == ("eel_like", Servo())
+    assert live.scenario.environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
+    assert abs(numbers(live).cross_track_error) == pytest.approx(0.6, abs=0.05)
+    use(cockpit, control(cockpit, "robot"), "chain")
+    assert live.scenario.robot == lc.load_robot("chain")
+    assert control(cockpit, "fin").value == "none"
 
 
 def test_a_bad_value_is_refused_in_the_words_of_the_api_and_the_field_goes_back(cockpit):
-    controls, live = cockpit._controls, cockpit.live
-    use(cockpit, controls._fin, "elastic")
-    before = live.setting
-    (told,) = use(cockpit, controls._rigidity, -1.0)
+    live = cockpit.live
+    use(cockpit, control(cockpit, "fin"), "elastic")
+    before = live.scenario
+    (told,) = use(cockpit, control(cockpit, "rigidity"), -1.0)
     assert told == "`flexural_rigidity` must be > 0 N m^2, got -1.0."
-    assert live.setting == before
-    assert controls._rigidity.value == before.robot.caudal_fin.flexural_rigidity
+    assert live.scenario == before
+    assert control(cockpit, "rigidity").value == before.robot.caudal_fin.flexural_rigidity
     for value, message in (
         (math.nan, "`current` must be a finite number"),
         (3.0, "`current` must be between -2 and 2 m/s"),
     ):
-        (told,) = use(cockpit, controls._current[1], value)
+        (told,) = use(cockpit, control(cockpit, "current_y"), value)
         assert told.startswith(message)
-        assert controls._current[1].value == 0.0
+        assert control(cockpit, "current_y").value == 0.0
 
 
 @pytest.mark.parametrize(
@@ -100,39 +107,39 @@ def test_a_bad_value_is_refused_in_the_words_of_the_api_and_the_field_goes_back(
     ],
 )
 def test_what_is_typed_beyond_the_ends_of_a_slider_is_refused(cockpit, field, value, message):
-    handle, before = cockpit._controls._angles[field], cockpit.live.setting
+    handle, before = cockpit._controls.by_name[field].handle, cockpit.live.scenario
     shown = handle.value
     (told,) = use(cockpit, handle, value)
     assert told.startswith(message)
-    assert cockpit.live.setting == before
+    assert cockpit.live.scenario == before
     assert handle.value == shown
 
 
 def test_a_slider_that_is_dragged_ends_where_it_was_let_go(cockpit):
-    handle, live = cockpit._controls._angles["frequency"], cockpit.live
+    handle, live = control(cockpit, "frequency"), cockpit.live
     for value in np.arange(125.0, 60.0, -1.0):
         handle._impl.value = value  # as the page's server does it
         for heard in handle._impl.update_cb:
             asyncio.run(heard(SimpleNamespace(client=Page(), target=handle)))
-    cockpit._turns.close()
-    assert math.degrees(live.setting.gait.frequency) == pytest.approx(61.0)
+    cockpit._events.close()
+    assert math.degrees(live.scenario.gait.frequency) == pytest.approx(61.0)
     assert handle.value == 61.0
 
 
 def test_a_speed_of_time_beyond_its_limits_is_refused(cockpit):
-    page, handle = Page(), cockpit._controls._speed
+    page, handle = Page(), cockpit._controls.speed
     handle.value = 99.0
-    cockpit._controls._set_speed(Asked(client=page, target=handle, value=99.0))
-    cockpit._controls._settle()
+    cockpit._controls.set_speed(Event(page, handle, 99.0))
+    cockpit._controls.settle()
     assert page.told == ["`speed` must be between 0.1 and 8, got 99.0."]
     assert handle.value == cockpit.live.speed == 1.0
 
 
 def test_the_path_goes_where_it_is_dragged(cockpit):
-    use(cockpit, cockpit._controls._follow, True)
+    use(cockpit, control(cockpit, "path"), True)
     pose = (1.0, 2.0, 0.0), (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
-    cockpit._drag(Asked(client=Page(), target=cockpit._gizmo, value=(*pose, "end")))
-    path = cockpit.live.setting.path
+    cockpit._drag(Event(Page(), cockpit._gizmo, (*pose, "end")))
+    path = path_of(cockpit.live.scenario)
     assert path.point == (1.0, 2.0)
     assert path.angle == pytest.approx(0.4)
 
@@ -145,10 +152,10 @@ def test_a_click_on_the_map_sets_the_gait(cockpit):
         cockpit.frame()
         time.sleep(0.05)
     eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(40.0, 160.0))
-    board._click(Asked(client=Page(), target=None, value=(eye, goal - eye)))
-    cockpit._show_setting()
-    assert live.setting.gait == at(GAIT, 40.0, 160.0)
-    assert cockpit._controls._angles["amplitude"].value == 40.0
+    board._click(Event(Page(), None, (eye, goal - eye)))
+    cockpit._show_scenario()
+    assert live.scenario.gait == with_wave(GAIT, 40.0, 160.0)
+    assert control(cockpit, "amplitude").value == 40.0
     assert board.pointed_at(eye, np.array([0.0, 1.0, 2.0])) is None  # beside the board
     board._on.value = False
     cockpit.frame()
@@ -165,14 +172,14 @@ def test_a_run_is_saved_and_comes_back_as_a_ghost(cockpit, tmp_path):
     runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
     cockpit.frame()
     assert page.told == []
-    assert runs._ghost.robot == cockpit.live.setting.robot
+    assert runs._ghost.robot == cockpit.live.scenario.robot
     runs._remove(None)
     assert runs._ghost is None
 
 
 def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world(cockpit):
     runs, live = cockpit._runs, cockpit.live
-    trial = lc.swim(live.setting.robot, GAIT, 3.0, start=lc.Start(center_of_mass=(5.0, 2.0)))
+    trial = lc.swim(live.scenario.robot, GAIT, 3.0, start=lc.Start(center_of_mass=(5.0, 2.0)))
     live.advance(1.0)
     runs.play(trial)
     cockpit.frame()
@@ -186,7 +193,7 @@ def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world
     np.testing.assert_allclose(runs._ghost.sample(0.0)["center_of_mass"], (5.0, 2.0))
     live.advance(1.0)
     cockpit._reset()
-    assert runs._since == live.world.time == 0.0
+    assert runs._since == live.simulation.time == 0.0
 
 
 def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cockpit, tmp_path):
@@ -220,12 +227,12 @@ def _replayed(path):
 
 def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
     gait = replace(GAIT, kind="custom", envelope=(1.0,) * 8)
-    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=gait)), port=0)
+    served = Cockpit(Live(lc.scenario("mamba", gait)), port=0)
     try:
-        assert use(served, served._controls._kind, "eel_like") == []
-        assert served.live.setting.gait.envelope is None
-        assert use(served, served._controls._kind, "custom") == []
-        assert served.live.setting.gait == gait
+        assert use(served, control(served, "kind"), "eel_like") == []
+        assert served.live.scenario.gait.envelope is None
+        assert use(served, control(served, "kind"), "custom") == []
+        assert served.live.scenario.gait == gait
     finally:
         served.close()
 
@@ -249,11 +256,11 @@ def test_forces_failure_and_reset_are_shown(cockpit):
         cockpit.frame()
     assert cockpit._scene._forces.points.shape == (9, 2, 3)
     assert "measured in the paper" in cockpit._figures.content
-    live._world = replace(live._world, failure="The run diverged.")
+    live._simulation = replace(live._simulation, failure="The run diverged.")
     for _ in range(12):
         cockpit.frame()
     assert cockpit._figures.content.startswith("**The run diverged.**")
     cockpit._reset()
-    assert live.world.failure is None
+    assert live.simulation.failure is None
     live.alter(path=StraightLine())
     cockpit.frame()

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cockpit import Live, Setting
-from laticauda.cockpit.live import MOST_TICKS
-from laticauda.cockpit.settings import with_fin
-from laticauda.cockpit.world import TICK
+from laticauda.actuation.laws import PD
+from laticauda.cockpit import Live, numbers
+from laticauda.cockpit.changes import changed, measured, with_fin
+from laticauda.cockpit.live import MOST_TICKS, RingBuffer
+from laticauda.cockpit.simulation import TICK
 from laticauda.control import StraightLine
 from laticauda.logs import load_trial
 from laticauda.paper.measured import efficiency_trials
@@ -20,7 +21,7 @@ GAIT = lc.lateral_undulation(
 
 @pytest.fixture
 def live():
-    return Live(Setting(robot=lc.load_robot("mamba"), gait=GAIT))
+    return Live(lc.scenario("mamba", GAIT))
 
 
 def swum(live, duration):
@@ -31,24 +32,24 @@ def swum(live, duration):
 
 def test_the_live_robot_swims_as_swim_says(live):
     swum(live, 30.0)
-    trial = lc.swim(live.setting.robot, GAIT, 30.0, environment=live.setting.environment)
-    assert live.numbers().time == pytest.approx(30.0)
-    assert live.numbers().forward_velocity == pytest.approx(trial.forward_velocity, rel=1e-6)
-    assert live.numbers().mean_power == pytest.approx(trial.mean_power, rel=1e-4)
-    assert live.numbers().cost_of_transport == pytest.approx(trial.cost_of_transport, rel=1e-4)
+    trial = lc.swim(live.scenario.robot, GAIT, 30.0, environment=live.scenario.environment)
+    assert numbers(live).time == pytest.approx(30.0)
+    assert numbers(live).forward_velocity == pytest.approx(trial.forward_velocity, rel=1e-6)
+    assert numbers(live).mean_power == pytest.approx(trial.mean_power, rel=1e-4)
+    assert numbers(live).cost_of_transport == pytest.approx(trial.cost_of_transport, rel=1e-4)
 
 
 def test_time_goes_as_fast_as_asked_for(live):
     live.speed = 4.0
     for _ in range(10):
         live.advance(0.05)
-    assert live.world.time == pytest.approx(2.0)
+    assert live.simulation.time == pytest.approx(2.0)
 
 
 def test_time_that_was_not_used_up_is_kept(live):
     for _ in range(100):
         live.advance(0.4 * TICK)
-    assert live.world.ticks == 40
+    assert live.simulation.ticks == 40
 
 
 def test_a_paused_world_stands_still(live):
@@ -87,7 +88,7 @@ def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
         angles.append(live.latest()["joint_angle"])
     steps = np.abs(np.diff(angles, axis=0)).max(axis=1)
     assert steps.max() < 0.12  # [rad], in 25 ms: what the old gait does anyway
-    assert live.world.shape.kind == "eel_like"
+    assert live.simulation.shape.kind == "eel_like"
     assert np.abs(angles[-40:]).max(axis=0)[0] > 2.0 * np.abs(angles[-40:]).max(axis=0)[-1]
 
 
@@ -111,7 +112,7 @@ def test_another_body_goes_on_at_the_same_place_and_heading(live, change):
     np.testing.assert_allclose(after["center_of_mass"], before["center_of_mass"], atol=1e-12)
     assert after["heading"] == pytest.approx(before["heading"], abs=1e-12)
     swum(live, 1.0)
-    assert live.world.failure is None
+    assert live.simulation.failure is None
 
 
 def test_the_spatial_model_takes_over_where_the_planar_one_was(live):
@@ -123,7 +124,7 @@ def test_the_spatial_model_takes_over_where_the_planar_one_was(live):
     assert live.latest()["heading"] == pytest.approx(before["heading"], abs=1e-9)
     swum(live, 1.0)
     live.alter(model="planar")
-    assert live.world.failure is None
+    assert live.simulation.failure is None
 
 
 def test_a_current_carries_the_robot(live):
@@ -135,23 +136,23 @@ def test_a_current_carries_the_robot(live):
 def test_following_a_path_brings_the_error_down(live):
     swum(live, 2.0)
     live.alter(path=StraightLine(point=(0.0, -0.6)))
-    first = abs(live.numbers().cross_track_error)
+    first = abs(numbers(live).cross_track_error)
     swum(live, 40.0)
     assert first > 0.4
-    assert abs(live.numbers().cross_track_error) < 0.15
+    assert abs(numbers(live).cross_track_error) < 0.15
 
 
 def test_what_does_not_go_together_is_refused_and_nothing_changes(live):
     swum(live, 1.0)
     live.alter(path=StraightLine())
-    before = live.world
+    before = live.simulation
     with pytest.raises(ValueError, match=r"`max_offset` must be <= 0\.0708 rad"):
         live.alter(gait=replace(GAIT, amplitude=1.5))
     with pytest.raises(ValueError, match="`joints` must be one of"):
         live.alter(joints="loose")
     with pytest.raises(ValueError, match=r"`flexural_rigidity` must be > 0 N m\^2, got -1"):
-        with_fin(live.setting.robot, True, -1.0)
-    assert live.world is before
+        with_fin(live.scenario.robot, True, -1.0)
+    assert live.simulation is before
 
 
 def test_the_run_since_the_last_change_is_saved_whole(live, tmp_path):
@@ -163,17 +164,17 @@ def test_the_run_since_the_last_change_is_saved_whole(live, tmp_path):
     trial = live.trial()
     assert trial.duration == pytest.approx(4.0, abs=0.051)
     assert trial.environment.current == (0.05, 0.0)
-    assert trial.forward_velocity == pytest.approx(live.numbers().forward_velocity)
+    assert trial.forward_velocity == pytest.approx(numbers(live).forward_velocity)
     trial.save(tmp_path / "run.nc")
     assert load_trial(tmp_path / "run.nc").equals(trial)
 
 
-def test_reset_begins_anew_with_the_present_setting(live):
+def test_reset_begins_anew_with_the_present_scenario(live):
     swum(live, 3.0)
     live.alter(joints="pd")
     live.reset()
-    assert live.world.time == 0.0
-    assert live.setting.joints == "pd"
+    assert live.simulation.time == 0.0
+    assert live.scenario.model.joints == PD()
     np.testing.assert_array_equal(live.latest()["center_of_mass"], (0.0, 0.0))
     assert live.plots() == {}
 
@@ -186,17 +187,17 @@ def test_link_forces_come_on_request(live):
     assert live.latest()["force_drag"].shape == (9, 2)
 
 
-def test_the_paper_stands_beside_its_own_settings_only(live):
-    assert live.setting.measured().forward_velocity == 0.1514
-    assert replace(live.setting, robot=with_fin(live.setting.robot, True, None)).measured().has_fin
+def test_the_paper_stands_beside_its_own_trials_only(live):
+    assert measured(live.scenario).forward_velocity == 0.1514
+    assert measured(changed(live.scenario, robot=with_fin(live.scenario.robot, True, None))).has_fin
     for change in (
         {"current": (0.1, 0.0)},
         {"path": StraightLine()},
         {"gait": replace(GAIT, amplitude=0.51)},
-        {"robot": with_fin(live.setting.robot, True, 0.2)},
+        {"robot": with_fin(live.scenario.robot, True, 0.2)},
         {"robot": lc.load_robot("mamba-thruster")},
     ):
-        assert replace(live.setting, **change).measured() is None
+        assert measured(changed(live.scenario, **change)) is None
 
 
 @pytest.mark.parametrize("case", efficiency_trials())
@@ -206,6 +207,42 @@ def test_every_trial_of_the_paper_is_known_when_its_sliders_are_set(case):
         name: round(math.degrees(getattr(case.gait, name)), 9) for name in ("amplitude", "frequency", "phase_shift")
     }
     gait = replace(case.gait, **{name: math.radians(value) for name, value in shown.items()})
-    assert Setting(robot=robot, gait=gait).measured() == case
-    assert Setting(robot=robot, gait=replace(gait, offset=0.1)).measured() is None
-    assert Setting(robot=robot, gait=gait, current=(0.1, 0.0)).measured() is None
+    assert measured(lc.scenario(robot, gait)) == case
+    assert measured(lc.scenario(robot, replace(gait, offset=0.1))) is None
+    assert measured(changed(lc.scenario(robot, gait), current=(0.1, 0.0))) is None
+
+
+def test_what_is_plotted_step_by_step_ends_with_the_newest_sample(live):
+    for n_ticks in (1, 6, 9):
+        live.advance(n_ticks * TICK)
+        whole, stepped = live.plots(), live.plots(step=4)
+        assert whole["time"][-1] == pytest.approx(live.simulation.time)
+        for name, column in whole.items():
+            np.testing.assert_array_equal(stepped[name], column[::-4][::-1])
+
+
+def test_no_more_is_kept_than_there_is_room_for_and_that_is_the_newest():
+    ring = RingBuffer(3)
+    for k in range(11):
+        ring.append({"time": float(k), "place": np.array([k, -k])})
+        expected = list(range(max(k - 2, 0), k + 1))
+        assert ring.last()["time"].tolist() == expected
+        assert ring.last()["place"][:, 0].tolist() == expected
+        assert ring.last(2)["time"].tolist() == expected[::-2][::-1]
+    ring.clear()
+    assert ring.last() == {}
+
+
+def test_the_paper_s_water_goes_along_with_the_kind_of_gait_and_another_stays():
+    eel = replace(GAIT, kind="eel_like")
+    drifting = changed(lc.scenario("mamba", GAIT), current=(0.1, 0.0))
+    assert changed(drifting, gait=eel).environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
+    own = replace(lc.load_water("paper-lateral"), normal_drag=1.4)
+    assert changed(lc.scenario("mamba", GAIT, environment=own), gait=eel).environment == own
+
+
+def test_what_a_page_cannot_show_is_refused():
+    with pytest.raises(ValueError, match="`environment` must be of class Water"):
+        Live(lc.scenario("mamba", GAIT, environment=lc.load_ground("coulomb")))
+    with pytest.raises(ValueError, match="`motion` must be of class Gait or PathFollowing"):
+        Live(lc.scenario("mamba", lc.OpenLoop(command=lc.Command(gait=GAIT))))

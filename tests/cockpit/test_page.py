@@ -30,7 +30,7 @@ from cockpit_browser import (
 )
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit import Cockpit, Live
 from laticauda.cockpit.scene import look_down
 
 pytestmark = pytest.mark.slow
@@ -63,7 +63,7 @@ def address():
 @pytest.fixture
 def cockpit():
     pytest.importorskip("viser")
-    served = Cockpit(Live(Setting(robot=lc.load_robot("mamba"), gait=GAIT)), port=0)
+    served = Cockpit(Live(lc.scenario("mamba", GAIT)), port=0)
     served.open()
     yield served
     served.close()
@@ -72,7 +72,7 @@ def cockpit():
 def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
     from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
-    from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES
+    from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES
     from laticauda.cockpit.scene import FIELD_OF_VIEW
     from laticauda.figures.gait_map import gait_map_picture
 
@@ -148,7 +148,7 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
 
 def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chromium, cockpit, tmp_path):
     (tmp_path / "broken.nc").write_bytes(b"no netCDF")
-    lc.swim(cockpit.live.setting.robot, GAIT, 5.0).save(tmp_path / "run.nc")
+    lc.swim(cockpit.live.scenario.robot, GAIT, 5.0).save(tmp_path / "run.nc")
     page = open_page(chromium, cockpit.address)
     page.get_by_role("tab", name="Run").click()
 
@@ -167,14 +167,14 @@ def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chrom
         page.get_by_text("save the run").click()
     download.value.save_as(tmp_path / "saved.nc")
     page.context.close()
-    assert lc.load_trial(tmp_path / "saved.nc").robot == cockpit.live.setting.robot
+    assert lc.load_trial(tmp_path / "saved.nc").robot == cockpit.live.scenario.robot
 
 
 def test_pages_keep_their_own_view(chromium, cockpit):
     cockpit.live.paused = True
     one, other = (open_page(chromium, cockpit.address, SMALL) for _ in range(2))
-    assert until(lambda: cockpit.pages == 2 and all(view.is_home for view in cockpit._views.all()))
-    views = cockpit._views.all()
+    assert until(lambda: cockpit.pages == 2 and all(view.is_home for view in cockpit._cameras.all()))
+    views = cockpit._cameras.all()
     first, second = (view.camera for view in views)
     home = np.array(first.position)
     np.testing.assert_allclose(second.position, home, atol=1e-3)
@@ -208,9 +208,9 @@ def test_a_browser_that_is_killed_harms_nothing(cockpit, tmp_path):
     finally:
         os.killpg(killed.pid, signal.SIGKILL)
         killed.wait()
-    ticks = cockpit.live.world.ticks
+    ticks = cockpit.live.simulation.ticks
     assert until(lambda: cockpit.pages == 0)
-    assert until(lambda: cockpit.live.world.ticks > ticks + 40)
+    assert until(lambda: cockpit.live.simulation.ticks > ticks + 40)
     assert cockpit._thread.is_alive()
 
 
@@ -229,8 +229,8 @@ def test_pages_that_vanish_in_the_middle_harm_nothing(cockpit):
     pages = [joined() for _ in range(3)]
     for page in pages[:2]:
         page.socket.close()  # without a word
-    ticks = cockpit.live.world.ticks
-    assert until(lambda: cockpit.live.world.ticks > ticks + 40)
+    ticks = cockpit.live.simulation.ticks
+    assert until(lambda: cockpit.live.simulation.ticks > ticks + 40)
     assert pages[2].recv(timeout=10.0)
     assert cockpit._thread.is_alive()
     pages[2].socket.close()

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import laticauda as lc
-from laticauda.cockpit import Live, Setting
-from laticauda.cockpit.settings import with_fin
+from laticauda.cockpit import Live
+from laticauda.cockpit.changes import with_fin
 from laticauda.cockpit.shapes import poses, quaternion, shapes
 from laticauda.kinematics import fin_line, from_quaternion, link_ends
 
@@ -23,7 +23,7 @@ def test_a_quaternion_gives_its_rotation_back(numbers):
 @pytest.mark.parametrize("rigidity", [None, 0.2])
 def test_modules_and_fin_are_where_kinematics_has_them(rigidity):
     robot = with_fin(lc.load_robot("mamba"), True, rigidity)
-    live = Live(Setting(robot=robot, gait=GAIT))
+    live = Live(lc.scenario(robot, GAIT))
     for _ in range(60):
         live.advance(0.05)
     sample = live.latest()
@@ -42,10 +42,10 @@ def test_both_models_show_the_same_robot():
     pytest.importorskip("mujoco")
     seen = []
     for model in ("planar", "spatial"):
-        live = Live(Setting(robot=lc.load_robot("mamba-fin"), gait=GAIT, model=model))
+        live = Live(lc.scenario("mamba-fin", GAIT, model=model))
         for _ in range(40):
             live.advance(0.05)
-        seen.append(poses(live.world.plant.robot, live.latest()))
+        seen.append(poses(live.simulation.plant.robot, live.latest()))
     np.testing.assert_allclose(seen[0].position[:, :2], seen[1].position[:, :2], atol=0.02)
     turned = np.abs(np.sum(seen[0].orientation * seen[1].orientation, axis=1))
     assert np.arccos(np.minimum(turned, 1.0)).max() < math.radians(1.0)

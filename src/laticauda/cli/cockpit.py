@@ -5,7 +5,7 @@ import sys
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
 from laticauda.cli.groups import GaitFlags, RobotFlags
@@ -15,7 +15,7 @@ from laticauda.cli.swim import COMPILING
 from laticauda.robot import Robot, Water, load_robot, load_water
 
 if TYPE_CHECKING:
-    from laticauda.cockpit.watched import Watched
+    from laticauda.cockpit.operated import OperatedRobot
     from laticauda.operate.settings import Operation
 
 HOST, PORT = "127.0.0.1", 8080
@@ -56,11 +56,11 @@ class LabFlags:
         """Whether one is to be shown."""
         return self.lab or self.trial is not None
 
-    def connect(self, watched: "Watched", robot: Robot) -> None:
+    def connect(self, operated: "OperatedRobot", robot: Robot) -> None:
         """Look on.
 
         Args:
-            watched: The page's.
+            operated: The page's.
             robot: What is in the tank.
         """
         from laticauda.estimation import Mount
@@ -69,7 +69,7 @@ class LabFlags:
         usual, mount = Connection(), Mount()
         if self.operation is not None:
             usual, mount = self.operation.connection, self.operation.calibration.mount
-        watched.connect(usual.at(can=self.can, mocap=self.mocap), robot, mount=mount)
+        operated.connect(usual.at(can=self.can, mocap=self.mocap), robot, mount=mount)
 
     @cached_property
     def operation(self) -> "Operation | None":
@@ -121,18 +121,19 @@ class CockpitCommand:
         port = PORT if self.port is None else self.port
         if not 0 <= port <= 65535:
             raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
-        from laticauda.cockpit import Cockpit, Live, Setting
-        from laticauda.cockpit.door import LOCAL, library
+        from laticauda.cockpit import Cockpit, Live
+        from laticauda.cockpit.pages import LOCAL, load_viser
+        from laticauda.scenarios import scenario
         from laticauda.simulate import needs_compiling
 
-        library()
-        robot, water = self.lab.robot(self.robot), self.body.chosen()
-        chosen = {name: value for name, value in given(self.body).items() if name in ("model", "joints")}
-        setting = Setting(robot=robot, gait=self.gait.chosen(), water=water, **chosen)
-        if needs_compiling(setting.environment, model=setting.model):
+        load_viser()
+        robot = self.lab.robot(self.robot)
+        chosen: dict[str, Any] = {n: v for n, v in given(self.body).items() if n in ("model", "joints")}
+        swum = scenario(robot, self.gait.chosen(), environment=self.body.chosen(), **chosen)
+        if needs_compiling(swum.environment, model=swum.model):
             print(COMPILING, file=sys.stderr, flush=True)
         host = self.host or HOST
-        cockpit = Cockpit(Live(setting), host=host, port=port)
+        cockpit = Cockpit(Live(swum), host=host, port=port)
         if host not in LOCAL:
             print(
                 f"Warning: anyone who reaches {host} can use this page and read what it shows: it knows no passwords.",
@@ -142,7 +143,7 @@ class CockpitCommand:
             if self.load is not None:
                 cockpit.load(Path(self.load))
             if self.lab.is_asked_for:
-                self.lab.connect(cockpit.watched, robot)
+                self.lab.connect(cockpit.operated, robot)
             cockpit.open()
             print(json.dumps({"address": cockpit.address}) if self.json else cockpit.address, flush=True)
             cockpit.wait()

@@ -1,12 +1,12 @@
-"""The cockpit: a live page where the robot swims. `Live` is its world without a page, `Cockpit` the page's server."""
+"""The cockpit: a live page where the robot swims; `Cockpit` is its server, `Live` its simulation without a page."""
 
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.cockpit.live import Live as Live, Numbers as Numbers
+    from laticauda.cockpit.live import Live as Live
     from laticauda.cockpit.page import Cockpit as Cockpit
-    from laticauda.cockpit.settings import Setting as Setting
+    from laticauda.cockpit.readouts import Numbers as Numbers, numbers as numbers
 
 __getattr__, __dir__, __all__ = lazy_exports()

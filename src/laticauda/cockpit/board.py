@@ -7,21 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.chart import Chart, with_values
-from laticauda.cockpit.controls import refuse
-from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, QUANTITIES, GaitMap, base, chart, gait_map
+from laticauda.cockpit.controls import joints_name
+from laticauda.cockpit.events import Event, EventQueue, refusing
+from laticauda.cockpit.files import received_sweep
 from laticauda.cockpit.live import Live
-from laticauda.cockpit.sweep_controls import SweepControls
-from laticauda.cockpit.turns import Asked, Turns
+from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES, OF_GAITS, Chart, Map, base_of, map_of_gaits, with_numbers
 from laticauda.errors import LaticaudaError
 from laticauda.figures.gait_map import Picture, gait_map_picture
+from laticauda.scenarios import Scenario
 
 WIDTH, HEIGHT = 1.8, 1.35  # [m]
 BEHIND, ABOVE = 1.5, 0.5  # where its middle is to the robot: along y, and along z [m]
 UPRIGHT = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)  # the picture's right is x, its top z; seen from -y
 WAITING = (
-    "Computing {} trials of this robot, water and joints; the first map on a computer also compiles, some 20 s ..."
+    f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials of this robot, water and joints; "
+    "the first map on a computer also compiles, some 20 s ..."
 )
+OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Click the map to swim so."
+HINT = "A sweep of `laticauda sweep`: its folder packed as .zip, or its Dataset as .nc"
 
 
 class Board:
@@ -31,32 +34,36 @@ class Board:
         gui: Of the page's server; the controls go where it is.
         scene: Of the same server.
         live: Whose gait the map sets.
-        turns: Where it is set.
+        events: Where it is set.
         changed: Called after every change.
     """
 
-    def __init__(self, gui: Any, scene: Any, live: Live, turns: Turns, changed: Callable[[], None]) -> None:
-        self._scene, self._live = scene, live
-        self._clicked = turns.hear(
+    def __init__(self, gui: Any, scene: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
+        self._gui, self._scene, self._live = gui, scene, live
+        self._clicked = events.handler(
             self._click, then=changed, read=lambda event: (event.ray_origin, event.ray_direction)
         )
         self._on = gui.add_checkbox("show the map", False, hint="On a board beside the robot; a click sets the gait")
-        self._quantity = gui.add_dropdown("quantity", tuple(QUANTITIES))
+        self._quantity = gui.add_dropdown("quantity", OF_GAITS)
         self._text = gui.add_markdown("")
-        self._map: GaitMap | None = None
-        self._failed: object = None
+        gui.add_upload_button("load a sweep", hint=HINT).on_upload(self._load)
+        self._folder = gui.add_folder("Sweep", visible=False)
+        with self._folder:
+            self._about = gui.add_markdown("")
+            self._x, self._y = gui.add_dropdown("across", ("",)), gui.add_dropdown("up", ("",))
+            gui.add_button("back to the computed map", order=1e9).on_click(self._remove)
+        self._x.on_update(self._choose)
+        self._y.on_update(self._choose)
+        self._sweep: Map | None = None
+        self._across, self._up = "", ""  # what the map of the sweep spans
+        self._others: dict[str, Any] = {}  # the controls of what it does not
+        self._computed: tuple[Scenario, Map | None] | None = None  # and of what; no map where that failed
+        self._worker: threading.Thread | None = None
         self._chart: Chart | None = None
         self._picture: Picture | None = None
         self._drawn: object = None
-        self._worker: threading.Thread | None = None
         self._frame: Any = None
         self._dot: Any = None
-        self._sweeps = SweepControls(gui, live, refuse, self._other_map)
-
-    @property
-    def sweeps(self) -> SweepControls:
-        """The controls of stored sweeps."""
-        return self._sweeps
 
     def show(self, at_robot: np.ndarray) -> None:
         """Bring it up to date: called with every picture, returns at once."""
@@ -68,60 +75,70 @@ class Board:
             return
         found = self._wanted()
         if found is not None:
-            self._draw(*found)
+            self._draw(found)
         if self._frame is not None and self._chart is not None:
             x, y = (float(value) for value in at_robot[:2])
             self._frame.position = (x, y + BEHIND, ABOVE)
-            place = self._chart.place_of(self._live.setting)
+            place = self._chart.place_of(self._live.scenario)
             self._dot.visible = place is not None
             if place is not None:
                 self._dot.position = self._place(*place)
 
-    def _wanted(self) -> tuple[Chart, object] | None:
-        """The map that is to be seen, and what tells it from others; None as long as there is none."""
-        stored = self._sweeps.chart(self._quantity.value)
-        if stored is not None:
-            self._sweeps.note(self._live.setting)
-            return stored
-        wanted = base(self._live.setting)
+    def show_sweep(self, sweep: Map | None) -> None:
+        """Let a stored sweep be the map from now on; None: the one that is computed."""
+        for handle in self._others.values():
+            handle.remove()
+        self._sweep, self._others, self._text.content = sweep, {}, ""
+        quantities, before = OF_GAITS if sweep is None else sweep.quantities, self._quantity.value
+        self._quantity.options = quantities
+        self._quantity.value = before if before in quantities else quantities[0]
+        self._folder.visible = sweep is not None
+        if sweep is None:
+            return
+        self._x.options = self._y.options = sweep.spanning
+        self._x.value, self._y.value = self._across, self._up = sweep.spanning[:2]
+        with self._folder:
+            for name in sweep.names if sweep.is_grid else ():
+                ticks, own = sweep.ticks(name), sweep.shown_of(self._live.scenario, name)
+                nearest = ticks[0] if own is None else min(ticks, key=lambda tick, own=own: abs(tick - own))
+                self._others[name] = self._gui.add_dropdown(
+                    sweep.label(name),
+                    tuple(f"{tick:.6g}" for tick in ticks),
+                    initial_value=f"{nearest:.6g}",
+                    visible=name not in (self._across, self._up),
+                )
+        self._on.value = True
+
+    def _wanted(self) -> Chart | None:
+        """The map that is to be seen; None as long as there is none."""
+        quantity = self._quantity.value
+        if self._sweep is not None:
+            self._about.content = _differences(self._sweep, self._live.scenario)
+            at = {name: handle.options.index(handle.value) for name, handle in self._others.items()}
+            return self._sweep.chart(quantity, self._across, self._up, at)
+        wanted = base_of(self._live.scenario)
         is_busy = self._worker is not None and self._worker.is_alive()
-        if not is_busy and wanted != self._failed and (self._map is None or self._map.setting != wanted):
-            self._text.content = WAITING.format(len(AMPLITUDES) * len(FREQUENCIES))
+        if not is_busy and (self._computed is None or self._computed[0] != wanted):
+            self._text.content = WAITING
             self._worker = threading.Thread(target=self._compute, args=(wanted,), name="map", daemon=True)
             self._worker.start()
-        quantity = self._quantity.value
-        if self._map is None or quantity not in QUANTITIES:
-            return None
-        return chart(self._map, quantity), (self._map, quantity)
+        found = None if self._computed is None else self._computed[1]
+        return None if found is None else found.chart(quantity, found.names[0], found.names[1])
 
-    def _other_map(self) -> None:
-        """After a sweep was loaded or sent away."""
-        sweep = self._sweeps.sweep
-        self._text.content = ""
-        names = tuple(QUANTITIES) if sweep is None else tuple(sweep.values)
-        before = self._quantity.value
-        self._quantity.options = names
-        self._quantity.value = before if before in names else names[0]
-        self._on.value = self._on.value or sweep is not None
-
-    def _compute(self, wanted: Any) -> None:
+    def _compute(self, wanted: Scenario) -> None:
         try:
-            found = gait_map(wanted)
+            self._computed, self._text.content = (wanted, map_of_gaits(wanted)), OF_THE_GAITS
         except (ValueError, LaticaudaError) as error:
-            self._failed = wanted
-            self._text.content = str(error)
-            return
-        self._failed, self._map = None, found
-        self._text.content = (
-            "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Click the map to swim so."
-        )
+            self._computed, self._text.content = (wanted, None), str(error)
 
-    def _draw(self, found: Chart, key: object) -> None:
+    def _draw(self, chart: Chart) -> None:
+        key = chart.quantity, chart.x, chart.y, id(chart.map), tuple(h.value for h in self._others.values())
         if self._drawn == key:
             return
-        self._drawn, self._chart = key, found
-        x, y = found.x, found.y
-        self._picture = gait_map_picture(x.ticks, y.ticks, found.values, found.title, (x.label, y.label))
+        self._drawn, self._chart, found = key, chart, chart.map
+        across, up, values = found.ticks(chart.x), found.ticks(chart.y), np.asarray(chart.cut, dtype=float)
+        labels = found.label(chart.x), found.label(chart.y)
+        self._picture = gait_map_picture(across.tolist(), up.tolist(), values, chart.title, labels)
         self._frame = self._scene.add_frame("/board", show_axes=False, wxyz=UPRIGHT)
         image = self._scene.add_image("/board/map", self._picture.pixels, WIDTH, HEIGHT, format="png")
         self._dot = self._scene.add_icosphere("/board/dot", radius=0.022, color=(230, 60, 30))
@@ -169,11 +186,42 @@ class Board:
             *(low + share * (top - low) for share, (low, top) in zip(inside, limits, strict=True))
         )
 
-    def _click(self, asked: Asked) -> None:
-        found = self.pointed_at(*(np.array(part) for part in asked.value))
-        if found is None:
+    @refusing
+    def _click(self, event: Event) -> None:
+        found = self.pointed_at(*(np.array(part) for part in event.value))
+        if found is not None:
+            self._live.change(with_numbers(self._live.scenario, found))
+
+    @refusing
+    def _load(self, event: Any) -> None:
+        file = event.target.value
+        self.show_sweep(received_sweep(file.name, file.content))
+
+    def _remove(self, event: Any) -> None:
+        self.show_sweep(None)
+
+    def _choose(self, event: Any) -> None:
+        """After another axis was chosen; one that was on the other axis changes places with it."""
+        if event.client is None or self._sweep is None:
             return
-        try:
-            self._live.change(with_values(self._live.setting, found))
-        except (ValueError, LaticaudaError) as error:
-            refuse(asked.client, error)
+        x, y = self._x.value, self._y.value
+        if x == y:
+            x, y = (x, self._across) if event.target is self._x else (self._up, y)
+            self._x.value, self._y.value = x, y
+        for name, handle in self._others.items():
+            handle.visible = name not in (x, y)
+        self._across, self._up = x, y
+
+
+def _differences(sweep: Map, scenario: Scenario) -> str:
+    """What a sweep is of, and in what that is not what swims here."""
+    here = {
+        "robot": scenario.robot.name,
+        "gait": scenario.gait.kind,
+        "environment": scenario.environment.name,
+        "joints": joints_name(scenario),
+    }
+    of = ", ".join(value.replace("_", " ") for value in sweep.about.values())
+    other = [f"{name} {here[name]}" for name, value in sweep.about.items() if here[name] != value]
+    text = f"**{sweep.name}**: {of}. A click sets the numbers of a trial."
+    return text + (f" Here it is {', '.join(other)}." if other else "")

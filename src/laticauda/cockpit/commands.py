@@ -1,16 +1,31 @@
-"""The same run elsewhere: a command line and Python that repeat what swims here, from straight and at rest."""
+"""The same run elsewhere: a command line and Python that repeat what swims here, and buttons that copy them."""
 
+import json
 import math
 import re
-from dataclasses import MISSING, fields
+from collections.abc import Iterator
+from dataclasses import MISSING, fields, is_dataclass, replace
+from html import escape
+from typing import Any
 
-from laticauda.cockpit.settings import GAIN, LOOK_AHEAD, MAX_OFFSET, Setting
-from laticauda.control import StraightLine
-from laticauda.gaits import Gait
+from laticauda.cockpit.changes import STILL, path_of
+from laticauda.cockpit.controls import joints_name, model_name
 from laticauda.robot import Robot, Water, load_robot, load_water, robot_names, water_names
+from laticauda.scenarios import Scenario
 
 DURATION = 30.0  # [s]
 FILE, WATER_FILE = "robot.toml", "water.toml"  # of what is no preset
+STYLE = (
+    "font:inherit;font-size:0.875em;padding:0.3em 0.8em;margin:0 0.5em 0.3em 0;border:0;border-radius:2px;"
+    "background:#1971c2;color:white;cursor:pointer"
+)
+# Browsers let a page write to the clipboard only if it comes from this computer, or by https; else by the old way.
+SCRIPT = (
+    "const t={text},b=this,s=b.textContent,done=()=>{{b.textContent='copied';setTimeout(()=>b.textContent=s,1200)}};"
+    "if(navigator.clipboard)navigator.clipboard.writeText(t).then(done);"
+    "else{{const a=document.createElement('textarea');a.value=t;document.body.append(a);a.select();"
+    "document.execCommand('copy');a.remove();done()}}"
+)
 
 
 def robot_source(robot: Robot) -> str:
@@ -22,97 +37,83 @@ def robot_source(robot: Robot) -> str:
     return next((name for name in robot_names() if load_robot(name) == robot), FILE)
 
 
-def water_source(water: Water) -> str:
-    """The preset that a water is, or the name of a file that it has to be saved to first.
+def water_source(scenario: Scenario) -> str:
+    """The preset that the water is but for its current, or the name of a file that it has to be saved to first.
 
     Args:
-        water: Where it swims.
+        scenario: What swims where.
     """
-    return next((name for name in water_names() if load_water(name) == water), WATER_FILE)
+    water = scenario.environment
+    assert isinstance(water, Water)
+    still = replace(water, current=STILL)
+    return next((name for name in water_names() if load_water(name) in (water, still)), WATER_FILE)
 
 
-def command_line(setting: Setting) -> str:
-    """The command that runs a setting.
+def command_line(scenario: Scenario) -> str:
+    """The command that runs a scenario.
 
     Args:
-        setting: What swims how.
+        scenario: What swims how.
     """
-    gait = setting.gait
-    words = [f"laticauda {'swim' if setting.path is None else 'follow'} --robot {robot_source(setting.robot)}"]
+    gait, path, water = scenario.gait, path_of(scenario), scenario.environment
+    assert isinstance(water, Water)
+    words = [f"laticauda {'swim' if path is None else 'follow'} --robot {robot_source(scenario.robot)}"]
     words.append(f"--gait {gait.kind.replace('_', '-')}")
-    for flag, value in (
-        ("amplitude-deg", gait.amplitude),
-        ("frequency-deg-s", gait.frequency),
-        ("phase-shift-deg", gait.phase_shift),
-        ("offset-deg", gait.offset),
-    ):
-        words.append(f"--{flag} {_degrees(value)}")
+    words += _angles("", gait, "amplitude", "frequency", "phase_shift", "offset")
     if gait.envelope is not None:
         words.append("--envelope " + " ".join(f"{value:g}" for value in gait.envelope))
-    words += _waves(gait)
-    if setting.water is not None:
-        words.append(f"--water {water_source(setting.water)}")
-    if any(setting.current):
-        words.append("--current {:g} {:g}".format(*setting.current))
-    words.append(f"--model {setting.model} --joints {setting.joints}")
-    if setting.path is not None:
-        words.append(
-            "--waypoints " + " ".join(f"{value:.6g}" for point in _two_points(setting.path) for value in point)
-        )
-        words.append("--position 0 0")
-    words.append(f"--duration {DURATION:g}")
-    return " ".join(words)
+    if gait.pitch is not None:
+        words += _angles("pitch-", gait.pitch, "amplitude", "phase", "offset")
+    if gait.fin is not None:
+        words += _angles("fin-", gait.fin, "amplitude", "phase", "offset", "frequency")
+    words.append(f"--water {water_source(scenario)} --current {water.current[0]:g} {water.current[1]:g}")
+    words.append(f"--model {model_name(scenario)} --joints {joints_name(scenario)}")
+    if path is not None:
+        (x, y), (c, s) = path.point, (math.cos(path.angle), math.sin(path.angle))
+        words.append(f"--waypoints {x:.6g} {y:.6g} {x + 10.0 * c:.6g} {y + 10.0 * s:.6g} --position 0 0")
+    return " ".join([*words, f"--duration {DURATION:g}"])
 
 
-def python_code(setting: Setting) -> str:
-    """The script that runs a setting; its `trial` is the run.
+def python_code(scenario: Scenario) -> str:
+    """The script that runs a scenario; its `trial` is the run.
 
     Args:
-        setting: What swims how.
+        scenario: What swims how.
     """
-    gait = setting.gait
-    water = "default_water(gait)" if setting.water is None else repr(water_source(setting.water))
-    lines = [
-        "from dataclasses import replace",
-        "import laticauda as lc",
-        f"from laticauda.gaits import Gait{', Wave' if gait.pitch or gait.fin else ''}",
-        "from laticauda.interfaces import Command, OpenLoop",
-        "from laticauda.robot import load_water",
-        "from laticauda.scenarios import default_water",
-        "from laticauda.simulate import plant, run",
-        "",
-        f'robot = lc.load_robot("{robot_source(setting.robot)}")',
-        *_gait_code(gait),
-        f"water = replace(load_water({water}), current={setting.current!r})",
-        f'body = plant(robot, water, model="{setting.model}", joints="{setting.joints}")',
-    ]
-    if setting.path is None:
-        lines.append("controller = OpenLoop(command=Command(gait=gait))")
-    else:
-        lines.insert(2, "from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine")
-        lines += [
-            "controller = PathFollowing(",
-            "    gait=gait,",
-            f"    path={setting.path!r},",
-            f"    guidance=LineOfSight(look_ahead_distance={LOOK_AHEAD}),",
-            f"    heading=HeadingController(gain={GAIN}, max_offset={MAX_OFFSET!r}),",
+    water = scenario.environment
+    assert isinstance(water, Water)
+    kinds = sorted({(type(one).__module__.split(".")[1], type(one).__name__) for one in _parts(scenario.motion)})
+    return "\n".join(
+        [
+            "from dataclasses import replace",
+            "import laticauda as lc",
+            *(f"from laticauda.{package} import {name}" for package, name in kinds),
+            "",
+            f'robot = lc.load_robot("{robot_source(scenario.robot)}")',
+            f'water = replace(lc.load_water("{water_source(scenario)}"), current={water.current!r})',
+            f"motion = {_code(scenario.motion)}",
+            "trial = lc.swim(",
+            f"    robot, motion, {DURATION}, environment=water,",
+            f'    model="{model_name(scenario)}", joints="{joints_name(scenario)}",',
             ")",
+            "print(trial.forward_velocity, trial.mean_power)",
         ]
-    lines += [f"trial = run(body, controller, {DURATION})", "print(trial.forward_velocity, trial.mean_power)"]
-    return "\n".join(lines)
+    )
 
 
-def commands_text(setting: Setting) -> str:
+def commands_text(scenario: Scenario) -> str:
     """Both as Markdown.
 
     Args:
-        setting: What swims how.
+        scenario: What swims how.
     """
-    is_file = robot_source(setting.robot) == FILE
-    note = f"This robot is no preset: download it as `{FILE}` first.\n\n" if is_file else ""
-    is_file = setting.water is not None and water_source(setting.water) == WATER_FILE
-    note += f"This water is no preset: download it as `{WATER_FILE}` first.\n\n" if is_file else ""
-    return f"{note}```bash\n{folded(command_line(setting))}\n```\n```python\n{python_code(setting)}\n```"
+    sources = {"robot": (robot_source(scenario.robot), FILE), "water": (water_source(scenario), WATER_FILE)}
+    note = "".join(
+        f"This {what} is no preset: download it as `{file}` first.\n\n"
+        for what, (source, file) in sources.items()
+        if source == file
+    )
+    return f"{note}```bash\n{folded(command_line(scenario))}\n```\n```python\n{python_code(scenario)}\n```"
 
 
 def folded(command: str) -> str:
@@ -120,39 +121,50 @@ def folded(command: str) -> str:
     return " \\\n  ".join(re.split(r" (?=--)", command))
 
 
-def _waves(gait: Gait) -> list[str]:
-    """The flags of a second wave and of a driven fin."""
-    words: list[str] = []
-    for name, wave in (("pitch", gait.pitch), ("fin", gait.fin)):
-        if wave is not None:
-            words += [
-                f"--{name}-{flag} {_degrees(value)}"
-                for flag, value in (
-                    ("amplitude-deg", wave.amplitude),
-                    ("phase-deg", wave.phase),
-                    ("offset-deg", wave.offset),
-                )
-            ]
-    if gait.fin is not None:
-        words.append(f"--fin-frequency-deg-s {_degrees(gait.fin.frequency)}")
-    return words
+def copy_buttons(texts: dict[str, str]) -> str:
+    """Buttons, as HTML, that put a text on the clipboard of whoever looks at the page: the server cannot.
+
+    Args:
+        texts: What is copied, by what stands on its button.
+    """
+    return "<div style='padding:0.3em 0.8em'>" + "".join(map(_button, texts, texts.values())) + "</div>"
 
 
-def _gait_code(gait: Gait) -> list[str]:
-    """The lines that make it: a line per field that is not as usual."""
-    usual = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0, kind="lateral_undulation")
-    lines = ["gait = Gait("]
-    for field in fields(gait):
-        value = getattr(gait, field.name)
-        if field.init and (value != getattr(usual, field.name) or field.default is MISSING):
-            lines.append(f"    {field.name}={value!r},")
-    return [*lines, ")"]
+def _button(label: str, text: str) -> str:
+    script = escape(SCRIPT.format(text=json.dumps(text)), quote=True)
+    return f'<button type="button" style="{STYLE}" onclick="{script}">{escape(label)}</button>'
 
 
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.10g}"
+def _angles(prefix: str, wave: Any, *names: str) -> list[str]:
+    """Flags of a wave, in degrees and degrees per second."""
+    return [
+        f"--{prefix}{name.replace('_', '-')}-{'deg-s' if name == 'frequency' else 'deg'} "
+        f"{math.degrees(getattr(wave, name)):.10g}"
+        for name in names
+    ]
 
 
-def _two_points(path: StraightLine) -> tuple[tuple[float, float], tuple[float, float]]:
-    x, y = path.point
-    return (x, y), (x + 10.0 * math.cos(path.angle), y + 10.0 * math.sin(path.angle))
+def _given(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass that are not as usual."""
+    return {
+        field.name: getattr(value, field.name)
+        for field in fields(value)
+        if field.init and (field.default is MISSING or getattr(value, field.name) != field.default)
+    }
+
+
+def _parts(value: Any) -> Iterator[Any]:
+    """A dataclass and those within it."""
+    if is_dataclass(value):
+        yield value
+        for part in _given(value).values():
+            yield from _parts(part)
+
+
+def _code(value: Any, indent: str = "") -> str:
+    """An expression that makes a value: a line per field."""
+    if not is_dataclass(value):
+        return repr(value)
+    inner = indent + "    "
+    lines = [f"{inner}{name}={_code(part, inner)},\n" for name, part in _given(value).items()]
+    return f"{type(value).__name__}(\n{''.join(lines)}{indent})"

@@ -4,33 +4,42 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, NamedTuple
 
+from laticauda.actuation.laws import JointLaw
+from laticauda.cockpit.changes import Changes, path_of, with_fin
+from laticauda.cockpit.events import Event, EventQueue, refusing
 from laticauda.cockpit.live import SPEEDS, Live
-from laticauda.cockpit.settings import Setting, with_fin
-from laticauda.cockpit.turns import Asked, Turns
 from laticauda.control import StraightLine
-from laticauda.errors import LaticaudaError, within
+from laticauda.errors import positive, within
+from laticauda.extensions import name_of
 from laticauda.gaits import GAIT_KINDS, Gait
-from laticauda.quantities import texts_of
-from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
+from laticauda.quantities import quantities_of, texts_of
+from laticauda.robot import CaudalFin, Robot, Water, load_robot, robot_names
+from laticauda.scenarios import MODELS, Scenario
 
-# Label, field of `Gait`, limits and step, in degrees and degrees per second: the paper's sweeps and some more.
-ANGLES = (
-    ("amplitude [°]", "amplitude", 0.0, 60.0, 1.0),
-    ("frequency [°/s]", "frequency", 0.0, 220.0, 5.0),
-    ("phase shift [°]", "phase_shift", -90.0, 90.0, 1.0),
-    ("offset [°]", "offset", -20.0, 20.0, 0.5),
-)
+# Of the gait's numbers: limits and step in degrees and degrees per second, the paper's sweeps and some more.
+LIMITS = {
+    "amplitude": (0.0, 60.0, 1.0),
+    "frequency": (0.0, 220.0, 5.0),
+    "phase_shift": (-90.0, 90.0, 1.0),
+    "offset": (-20.0, 20.0, 0.5),
+}
 CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")
-KINDS = tuple(kind for kind in GAIT_KINDS if kind != "custom")
+ASIDE = 0.6  # of the robot, where a path begins [m]
 
 
-def models() -> tuple[str, ...]:
-    """The models that this installation has."""
-    return ("planar", "spatial") if find_spec("mujoco") else ("planar",)
+class Control(NamedTuple):
+    """One thing that can be set."""
+
+    handle: Any
+    """On the page."""
+    shown: Callable[[Scenario], Any]
+    """What it shows of a scenario."""
+    changes: Callable[[Any], Changes]
+    """What becomes otherwise when it is set to a value."""
 
 
 class Controls:
@@ -39,165 +48,153 @@ class Controls:
     Args:
         gui: Of the page's server.
         live: What they set.
-        turns: Where what they ask for is done.
+        events: Where what they ask for is done.
         changed: Called after every change.
     """
 
-    def __init__(self, gui: Any, live: Live, turns: Turns, changed: Callable[[], None]) -> None:
+    def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
         self._live, self._changed = live, changed
-        setting = live.setting
-        self._own, self._envelope = setting.robot, setting.gait.envelope
+        self._own, self._envelope, self._rigidity = live.scenario.robot, live.scenario.gait.envelope, RIGIDITY
+        self.by_name: dict[str, Control] = {}
+        """Every control by what it sets."""
         with gui.add_folder("Gait"):
-            kinds = tuple(dict.fromkeys((*KINDS, setting.gait.kind)))
-            self._kind = gui.add_dropdown("gait", kinds, initial_value=setting.gait.kind, hint=_hint(Gait, "kind"))
-            self._angles = {
-                field: gui.add_slider(label, low, high, step, _shown(setting.gait, field, low, high), hint=hint)
-                for label, field, low, high, step in ANGLES
-                for hint in [_hint(Gait, field, "deg/s" if field == "frequency" else "deg")]
-            }
+            self._add_gait(gui, live.scenario.gait)
         with gui.add_folder("Robot and water"):
-            names = [*robot_names()]
-            names += [] if setting.robot.name in names else [setting.robot.name]
-            self._robot = gui.add_dropdown("robot", names, initial_value=setting.robot.name)
-            self._fin = gui.add_dropdown("fin", FINS, initial_value=_fin_of(setting.robot))
-            hint = _hint(CaudalFin, "flexural_rigidity", "N m^2")
-            self._rigidity = gui.add_number("rigidity [N m²]", RIGIDITY, step=0.01, hint=hint)
-            self._model = gui.add_dropdown("model", models(), initial_value=setting.model)
-            self._joints = gui.add_dropdown("joints", ("prescribed", "pd", "servo"), initial_value=setting.joints)
-            hint = "V, the velocity that the water moves to, along world x and y [m/s]"
-            self._current = [
-                gui.add_number(f"current {axis} [m/s]", value, step=0.01, hint=hint)
-                for axis, value in zip("xy", setting.current, strict=True)
-            ]
+            self._add_body(gui)
         with gui.add_folder("Path"):
             hint = "Follow a straight line by the paper's line of sight; drag its gizmo to move or turn it."
-            self._follow = gui.add_checkbox("follow a path", setting.path is not None, hint=hint)
+            follow = gui.add_checkbox("follow a path", False, hint=hint)
+            self._add("path", follow, lambda now: path_of(now) is not None, lambda on: {"path": self._new_path(on)})
         with gui.add_folder("Time"):
-            self._speed = gui.add_slider("speed of time [-]", SPEEDS[0], SPEEDS[1], 0.1, live.speed)
-            self._pause = gui.add_checkbox("pause", live.paused)
-            self._reset = gui.add_button("reset")
-        inputs = (self._kind, *self._angles.values(), self._robot, self._fin, self._rigidity, self._model)
-        inputs = (*inputs, self._joints, *self._current, self._follow)
-        # What the controls stand for: what is on the page may be further on.
-        self._stands = {id(handle): handle.value for handle in inputs}
-        for handle in inputs:
-            handle.on_update(turns.hear(self._apply, then=self._settle))
-        self._speed.on_update(turns.hear(self._set_speed, then=self._settle))
-        self._pause.on_update(turns.hear(self._set_pause))
+            self.speed = gui.add_slider("speed of time [-]", SPEEDS[0], SPEEDS[1], 0.1, live.speed)
+            pause = gui.add_checkbox("pause", live.paused)
+            self.reset = gui.add_button("reset")
+        for control in self.by_name.values():
+            control.handle.on_update(events.handler(self.apply, then=self.settle))
+        self.speed.on_update(events.handler(self.set_speed, then=self.settle))
+        pause.on_update(events.handler(lambda event: setattr(live, "paused", event.value)))
+        self.show(live.scenario)
 
-    @property
-    def reset(self) -> Any:
-        """The button that begins anew."""
-        return self._reset
+    def show(self, scenario: Scenario) -> None:
+        """Let the controls show a scenario that came from elsewhere."""
+        fin = scenario.robot.caudal_fin
+        self._rigidity = (fin.flexural_rigidity if fin else None) or self._rigidity
+        for control in self.by_name.values():
+            control.handle.value = control.shown(scenario)
 
-    def show(self, setting: Setting) -> None:
-        """Let the controls show a setting that came from elsewhere."""
-        self._put(self._kind, setting.gait.kind)
-        for _, field, low, high, _ in ANGLES:
-            self._put(self._angles[field], _shown(setting.gait, field, low, high))
-        self._put(self._robot, self._own_name(setting.robot))
-        fin = setting.robot.caudal_fin
-        self._put(self._fin, _fin_of(setting.robot))
-        rigidity = None if fin is None else fin.flexural_rigidity
-        self._put(self._rigidity, self._stands[id(self._rigidity)] if rigidity is None else rigidity)
-        self._put(self._model, setting.model)
-        self._put(self._joints, setting.joints)
-        for handle, value in zip(self._current, setting.current, strict=True):
-            self._put(handle, value)
-        self._put(self._follow, setting.path is not None)
+    @refusing
+    def apply(self, event: Event) -> None:
+        """Change what somebody has set: a control that nobody touched may show less than what is so."""
+        control = next(one for one in self.by_name.values() if one.handle is event.target)
+        self._live.alter(**control.changes(event.value))
 
-    def _put(self, handle: Any, value: Any) -> None:
-        handle.value = self._stands[id(handle)] = value
+    def settle(self) -> None:
+        """All pages show what is so."""
+        self.show(self._live.scenario)
+        self.speed.value = self._live.speed
+        self._changed()
 
-    def _read(self, handle: Any, asked: Asked) -> Any:
-        """What a control stands for, if somebody asks for something."""
-        return asked.value if handle is asked.target else self._stands[id(handle)]
+    @refusing
+    def set_speed(self, event: Event) -> None:
+        """Let time go faster or slower."""
+        self._live.speed = event.value
 
-    def asked_for(self, asked: Asked) -> Setting:
-        """The setting that somebody asks for.
+    def _add(self, name: str, handle: Any, shown: Callable[[Scenario], Any], changes: Callable[[Any], Changes]) -> None:
+        self.by_name[name] = Control(handle, shown, changes)
 
-        Args:
-            asked: Which control was used: only what it stands for is read, so that a value between a slider's steps
-                stays what it is.
+    def _add_gait(self, gui: Any, gait: Gait) -> None:
+        kinds = tuple(dict.fromkeys((*(kind for kind in GAIT_KINDS if kind != "custom"), gait.kind)))
+        handle = gui.add_dropdown("gait", kinds, hint=_hint(Gait, "kind"))
+        self._add("kind", handle, lambda now: now.gait.kind, lambda kind: {"gait": self._of_kind(kind)})
+        for field, (low, high, step) in LIMITS.items():
+            unit = quantities_of(Gait)[field].unit
+            label = f"{field.replace('_', ' ')} [{unit.replace('rad', '°')}]"
+            hint = _hint(Gait, field, unit.replace("rad", "deg"))
+            handle = gui.add_slider(label, low, high, step, low, hint=hint)
 
-        Raises:
-            ValueError: If there is no such setting.
-        """
-        setting, touched = self._live.setting, asked.target
-        gait = setting.gait
-        if touched is self._kind:
-            kind = asked.value
-            gait = replace(gait, kind=kind, envelope=self._envelope if kind == "custom" else None)
-        for _, field, low, high, _ in ANGLES:
-            if touched is self._angles[field]:  # what is typed beside a slider may lie beyond its ends
-                value = math.radians(asked.value)
-                gait = replace(gait, **{field: value})  # what no gait can have, it refuses itself
-                within(_flag(field), asked.value, low, high)
-        robot = setting.robot
-        if touched in (self._robot, self._fin, self._rigidity):
-            robot = self._robot_asked_for(asked)
-        path = setting.path
-        if touched is self._follow:
-            path = self._new_path() if asked.value else None
-        current = setting.current
-        if touched in self._current:
-            x, y = (within("current", self._read(handle, asked), -CURRENT, CURRENT, "m/s") for handle in self._current)
-            current = (x, y)
-        return replace(
-            setting,
-            gait=gait,
-            robot=robot,
-            model=asked.value if touched is self._model else setting.model,
-            joints=asked.value if touched is self._joints else setting.joints,
-            current=current,
-            path=path,
-        )
+            def shown(now: Scenario, field: str = field, low: float = low, high: float = high) -> float:
+                """Without the last digits that degrees lose."""
+                return min(max(round(math.degrees(getattr(now.gait, field)), 9), low), high)
 
-    def _robot_asked_for(self, asked: Asked) -> Robot:
-        name, fin, rigidity = (self._read(handle, asked) for handle in (self._robot, self._fin, self._rigidity))
-        own = self._own if name == self._own.name else load_robot(name)
-        if asked.target is self._robot:  # another robot comes with the fin that it has
-            return own
-        elastic = fin == "elastic" or (asked.target is self._rigidity and fin != "none")
-        return with_fin(own, fin != "none", rigidity if elastic else None)
+            def changes(value: float, field: str = field, low: float = low, high: float = high) -> Changes:
+                """What is typed beside a slider may lie beyond its ends; what no gait can have, it refuses itself."""
+                gait = replace(self._live.scenario.gait, **{field: math.radians(value)})
+                within("frequency_deg_s" if field == "frequency" else f"{field}_deg", value, low, high)
+                return {"gait": gait}
 
-    def _new_path(self) -> StraightLine:
+            self._add(field, handle, shown, changes)
+
+    def _add_body(self, gui: Any) -> None:
+        names = tuple(dict.fromkeys((*robot_names(), self._own.name)))
+        handle = gui.add_dropdown("robot", names)
+        self._add("robot", handle, lambda now: self._base(now.robot.name).name, lambda it: {"robot": self._base(it)})
+        handle = gui.add_dropdown("fin", FINS)
+        self._add("fin", handle, lambda now: _fin_of(now.robot), lambda it: {"robot": self._with(it, self._rigidity)})
+        hint = _hint(CaudalFin, "flexural_rigidity", "N m^2")
+        handle = gui.add_number("rigidity [N m²]", RIGIDITY, step=0.01, hint=hint)
+        self._add("rigidity", handle, lambda _: self._rigidity, lambda it: {"robot": self._bent(it)})
+        handle = gui.add_dropdown("model", models())
+        self._add("model", handle, model_name, lambda name: {"model": name})
+        handle = gui.add_dropdown("joints", JointLaw.names())
+        self._add("joints", handle, joints_name, lambda name: {"joints": name})
+        hint = "V, the velocity that the water moves to, along world x and y [m/s]"
+        for axis, name in enumerate(("x", "y")):
+            handle = gui.add_number(f"current {name} [m/s]", 0.0, step=0.01, hint=hint)
+
+            def changes(value: float, axis: int = axis) -> Changes:
+                both = [*_current(self._live.scenario)]
+                both[axis] = within("current", value, -CURRENT, CURRENT, "m/s")
+                return {"current": (both[0], both[1])}
+
+            self._add(f"current_{name}", handle, lambda now, axis=axis: _current(now)[axis], changes)
+
+    def _of_kind(self, kind: str) -> Gait:
+        envelope = self._envelope if kind == "custom" else None
+        return replace(self._live.scenario.gait, kind=kind, envelope=envelope)
+
+    def _base(self, name: str) -> Robot:
+        """A robot with the fin that it comes with; the page's own, if it is no preset."""
+        return load_robot(name) if name != self._own.name and name in robot_names() else self._own
+
+    def _with(self, fin: str, rigidity: float) -> Robot:
+        base = self._base(self._live.scenario.robot.name)
+        return with_fin(base, fin != "none", rigidity if fin == "elastic" else None)
+
+    def _bent(self, rigidity: float) -> Robot:
+        """With a fin that bends so; without a fin, the next one will."""
+        if self._live.scenario.robot.caudal_fin is None:
+            self._rigidity = positive("flexural_rigidity", rigidity, "N m^2")
+            return self._live.scenario.robot
+        return self._with("elastic", rigidity)
+
+    def _new_path(self, is_followed: bool) -> StraightLine | None:
         """Along the heading that the robot has, some way to its right: so that it can be seen to come to it."""
+        if not is_followed:
+            return None
         sample = self._live.latest()
         x, y = (float(value) for value in sample["center_of_mass"][:2])
         angle = float(sample["heading"])
-        return StraightLine(point=(x + 0.6 * math.sin(angle), y - 0.6 * math.cos(angle)), angle=angle)
-
-    def _apply(self, asked: Asked) -> None:
-        try:
-            self._live.change(self.asked_for(asked))
-        except (ValueError, LaticaudaError) as error:
-            refuse(asked.client, error)
-        else:
-            self._stands[id(asked.target)] = asked.value
-
-    def _settle(self) -> None:
-        """All pages show what is so."""
-        self.show(self._live.setting)
-        self._speed.value = self._live.speed
-        self._changed()
-
-    def _set_speed(self, asked: Asked) -> None:
-        try:
-            self._live.speed = asked.value
-        except ValueError as error:
-            refuse(asked.client, error)
-
-    def _set_pause(self, asked: Asked) -> None:
-        self._live.paused = asked.value
-
-    def _own_name(self, robot: Robot) -> str:
-        return robot.name if robot.name in self._robot.options else self._own.name
+        return StraightLine(point=(x + ASIDE * math.sin(angle), y - ASIDE * math.cos(angle)), angle=angle)
 
 
-def refuse(client: Any, error: Exception) -> None:
-    """Say on one page what is wrong."""
-    client.add_notification("Refused", str(error), color="red", auto_close_seconds=12.0)
+def models() -> tuple[str, ...]:
+    """The models that this installation has."""
+    return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
+
+
+def model_name(scenario: Scenario) -> str:
+    """What texts call the scenario's model."""
+    return next(name for name, kind in MODELS.items() if isinstance(scenario.model, kind))
+
+
+def joints_name(scenario: Scenario) -> str:
+    """What texts call the law of the scenario's joints."""
+    return name_of(type(scenario.model.joints))
+
+
+def _current(scenario: Scenario) -> tuple[float, float]:
+    assert isinstance(scenario.environment, Water)
+    return scenario.environment.current
 
 
 def _fin_of(robot: Robot) -> str:
@@ -210,13 +207,3 @@ def _hint(kind: type, field: str, unit: str = "") -> str:
     """What the field's declaration says, in the unit of the page."""
     title = texts_of(kind)[field]
     return f"{title} [{unit}]" if unit else title
-
-
-def _flag(field: str) -> str:
-    """What a field of `Gait` is called in the unit of the page, as on the command line."""
-    return "frequency_deg_s" if field == "frequency" else f"{field}_deg"
-
-
-def _shown(gait: Gait, field: str, low: float, high: float) -> float:
-    """A gait's angle in degrees, without the last digits that degrees lose."""
-    return min(max(round(math.degrees(getattr(gait, field)), 9), low), high)

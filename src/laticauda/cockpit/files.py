@@ -1,21 +1,30 @@
 """Files that are shown: trials in all of their formats, recordings of operations, stored sweeps."""
 
+# xarray's own annotations are partial.
+# pyright: reportUnknownMemberType=false
+
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
+from zipfile import BadZipFile, ZipFile
 
-from laticauda.cockpit.sweeps import NO_SWEEP, StoredSweep, is_sweep, read_sweep, unpacked
+import xarray
+
+from laticauda.cockpit.maps import NO_SWEEP, Map, map_of
 from laticauda.errors import TrialFileError
 from laticauda.logs import load_trial, open_recording
 from laticauda.operate import read_operation, trial_of
 from laticauda.operate.recording.recorder import HEADER
+from laticauda.studies import open_sweep
 from laticauda.trial import Format, Trial
 
+MOST_BYTES = 1 << 30  # of an archive, unpacked
+DEFINITION = "sweep.json"  # in the folder of a sweep
 READ: tuple[str, ...] = tuple(ending for ending in Format.endings() if ending != ".csv")
 
 
-def opened(path: Path) -> Trial | StoredSweep:
+def opened(path: Path) -> Trial | Map:
     """What is in a file or a folder of this computer.
 
     Args:
@@ -49,7 +58,7 @@ def received_trial(name: str, content: bytes) -> Trial:
         return _trial(path, name)
 
 
-def received_sweep(name: str, content: bytes) -> StoredSweep:
+def received_sweep(name: str, content: bytes) -> Map:
     """The sweep in a file that a page sent.
 
     Args:
@@ -67,7 +76,13 @@ def received_sweep(name: str, content: bytes) -> StoredSweep:
 def _has_sweep(path: Path) -> bool:
     """Whether it is meant as a sweep: both are stored as .nc."""
     ending = path.suffix.lower()
-    return path.is_dir() or ending == ".zip" or (ending == ".nc" and is_sweep(path))
+    if path.is_dir() or ending != ".nc":
+        return path.is_dir() or ending == ".zip"
+    try:
+        with xarray.open_dataset(path, engine="netcdf4") as dataset:
+            return "forward_velocity" in dataset and "center_of_mass" not in dataset
+    except (ValueError, OSError):
+        return False
 
 
 def _trial(path: Path, name: str) -> Trial:
@@ -81,14 +96,35 @@ def _trial(path: Path, name: str) -> Trial:
         raise TrialFileError(str(error).replace(str(path), name)) from error
 
 
-def _sweep(path: Path, name: str) -> StoredSweep:
-    ending = path.suffix.lower()
-    if path.is_dir() or ending == ".nc":
-        return read_sweep(path, name)
-    if ending != ".zip":
-        raise TrialFileError(f"Cannot load {name}: {NO_SWEEP}.")
-    with tempfile.TemporaryDirectory() as folder:
-        return read_sweep(unpacked(path, Path(folder), name), name)
+def _sweep(path: Path, name: str) -> Map:
+    try:
+        if path.is_dir():
+            return map_of(open_sweep(path), name)
+        if path.suffix.lower() == ".nc":
+            with xarray.open_dataset(path, engine="netcdf4") as dataset:
+                return map_of(dataset, name)
+        if path.suffix.lower() != ".zip":
+            raise ValueError(f"{NO_SWEEP}.")
+        with tempfile.TemporaryDirectory() as folder:
+            return _sweep(_unpacked(path, Path(folder)), name)
+    except TrialFileError:
+        raise
+    except BadZipFile as error:
+        raise TrialFileError(f"Cannot load {name}: {error}.") from error
+    except (ValueError, KeyError, OSError) as error:
+        raise TrialFileError(f"Cannot load {name}: {error}".replace(str(path), name)) from error
+
+
+def _unpacked(path: Path, folder: Path) -> Path:
+    """The folder of a sweep that was packed as .zip."""
+    with ZipFile(path) as archive:
+        if sum(item.file_size for item in archive.infolist()) > MOST_BYTES:
+            raise ValueError(f"unpacked it is larger than {MOST_BYTES >> 20} MB.")
+        archive.extractall(folder)
+    found = sorted(folder.rglob(DEFINITION))
+    if not found:
+        raise ValueError(f"{NO_SWEEP}.")
+    return found[0].parent
 
 
 @contextmanager

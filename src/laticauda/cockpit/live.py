@@ -1,20 +1,19 @@
-"""A world that lives by the clock on the wall, with what is plotted and saved of it; no page is needed."""
+"""A simulation that lives by the clock on the wall, with what is plotted and saved of it; no page is needed."""
 
 import math
 import threading
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Unpack
 
 import numpy as np
 
-from laticauda.cockpit.ring import Ring
-from laticauda.cockpit.settings import Setting
-from laticauda.cockpit.world import TICK, World, advance, altered, begin, cross_track_error
+from laticauda.cockpit.changes import Changes, changed
+from laticauda.cockpit.simulation import TICK, Simulation, advance, altered, begin, cross_track_error
 from laticauda.errors import within
-from laticauda.interfaces import Log, Start
+from laticauda.interfaces import Log
 from laticauda.packaging import __version__
-from laticauda.robot import has_power_model
-from laticauda.trial import Trial, metrics
+from laticauda.scenarios import Scenario
+from laticauda.trial import Trial
 
 PLOTTED = 60.0  # what the plots show [s]
 RECORDED = 600.0  # how much of the run is kept to be saved [s]
@@ -22,41 +21,61 @@ MOST_TICKS = 200  # in one call: a clock that stood still is not caught up with 
 SPEEDS = (0.1, 8.0)  # of time [-]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Numbers:
-    """Figures of the run since the setting was last changed; nan where there is none yet."""
+class RingBuffer:
+    """Keeps the last rows of named columns, each a number or an array of a fixed shape, and never grows.
 
-    time: float
-    """How long that is [s]."""
-    forward_velocity: float
-    """Equation (5) [m/s]."""
-    cycle_velocity: float
-    """Displacement over the last gait cycle, per second [m/s]."""
-    mean_power: float
-    """Electrical with servos or a power model, else mechanical [W]."""
-    cost_of_transport: float
-    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
-    cross_track_error: float
-    """Distance from the path, positive to its left [m]."""
-    heading: float
-    """Mean link angle (6) [rad]."""
+    Args:
+        capacity: How many rows are kept [-].
+    """
+
+    def __init__(self, capacity: int) -> None:
+        self.capacity = capacity
+        self._columns: dict[str, np.ndarray] = {}
+        self._end = 0
+
+    def clear(self) -> None:
+        """Forget all rows, and their shapes."""
+        self._columns, self._end = {}, 0
+
+    def append(self, row: Mapping[str, float | np.ndarray]) -> None:
+        """Add a row; the oldest one goes if there is no room.
+
+        Args:
+            row: A value for every column; the first row says which there are.
+        """
+        if not self._columns:
+            self._columns = {name: np.empty((2 * self.capacity, *np.shape(value))) for name, value in row.items()}
+        if self._end == 2 * self.capacity:  # the newer half moves to the front: rows stay in one piece
+            for column in self._columns.values():
+                column[: self.capacity] = column[self.capacity :]
+            self._end = self.capacity
+        for name, column in self._columns.items():
+            column[self._end] = row[name]
+        self._end += 1
+
+    def last(self, step: int = 1) -> dict[str, np.ndarray]:
+        """Copies of the rows by column, oldest first.
+
+        Args:
+            step: Every how many-th of them, the newest included.
+        """
+        first = max(self._end - self.capacity, 0)
+        return {name: column[first : self._end][::-step][::-1].copy() for name, column in self._columns.items()}
 
 
 class Live:
-    """One world on a clock; may be used from any thread.
+    """One simulation on a clock; may be used from any thread.
 
     Args:
-        setting: What swims how at first.
-        start: Where; None: at the origin, along x.
+        scenario: What swims how at first, and where it begins; its duration does not count.
 
     Raises:
-        ValueError: If the setting does not go together.
+        ValueError: If the scenario does not go together, or a page cannot show it.
     """
 
-    def __init__(self, setting: Setting, start: Start | None = None) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         self._lock = threading.RLock()
-        self._start = start
-        self._world = begin(setting, start)
+        self._simulation = begin(scenario)
         self._speed = 1.0
         self._debt = 0.0
         self.paused = False
@@ -65,24 +84,24 @@ class Live:
         """Whether the force on every link is computed too."""
         self.lag = 0.0
         """Time that was given up because the computer could not follow, in all [s]."""
-        self._plots = Ring(round(PLOTTED / TICK))
-        self._record = Ring(round(RECORDED / (2.0 * TICK)))
+        self._plots = RingBuffer(round(PLOTTED / TICK))
+        self._record = RingBuffer(round(RECORDED / (2.0 * TICK)))
         self._latest: Log = {}
-        self._look()
+        self._sample()
 
     @property
-    def world(self) -> World:
-        """The world as it is."""
-        return self._world
+    def simulation(self) -> Simulation:
+        """The simulation as it is."""
+        return self._simulation
 
     @property
-    def setting(self) -> Setting:
+    def scenario(self) -> Scenario:
         """What swims how."""
-        return self._world.setting
+        return self._simulation.scenario
 
     @property
     def speed(self) -> float:
-        """Seconds of the world for one second on the wall [-]."""
+        """Simulated seconds for one second on the wall [-]."""
         return self._speed
 
     @speed.setter
@@ -101,7 +120,12 @@ class Live:
             step: Every how many-th sample.
         """
         with self._lock:
-            return self._plots.last(step=step)
+            return self._plots.last(step)
+
+    def record(self) -> tuple[Log, Simulation]:
+        """The samples since the scenario was last changed, at most the last ten minutes, and the simulation now."""
+        with self._lock:
+            return self._record.last(), self._simulation
 
     def advance(self, wall: float) -> int:
         """Let time pass.
@@ -110,10 +134,10 @@ class Live:
             wall: As much as passed on the wall [s].
 
         Returns:
-            How many ticks the world made.
+            How many ticks the simulation made.
         """
         with self._lock:
-            if self.paused or self._world.failure is not None:
+            if self.paused or self._simulation.failure is not None:
                 self._debt = 0.0
                 return 0
             self._debt += wall * self._speed
@@ -124,111 +148,82 @@ class Live:
                 n = MOST_TICKS
             for k in range(n):
                 self._tick(forces=self.link_forces and k == n - 1)
-                if self._world.failure is not None:
+                if self._simulation.failure is not None:
                     break
             return n
 
-    def change(self, setting: Setting) -> None:
-        """Swim otherwise from now on; see `laticauda.cockpit.world.altered`.
+    def change(self, scenario: Scenario) -> None:
+        """Swim otherwise from now on; see `laticauda.cockpit.simulation.altered`.
 
         Args:
-            setting: As it is to be.
+            scenario: As it is to be.
 
         Raises:
             ValueError: If it does not go together; everything goes on as it was then.
         """
         with self._lock:
-            if setting == self.setting:
+            if scenario == self.scenario:
                 return
-            self._world = altered(self._world, setting)
+            self._simulation = altered(self._simulation, scenario)
             self._record.clear()
-            self._look()
+            self._sample()
 
-    def alter(self, **fields: Any) -> None:
-        """`change` to the setting with other values of some fields, given as `fields`."""
+    def alter(self, **changes: Unpack[Changes]) -> None:
+        """`change` to the scenario with what `laticauda.cockpit.changes.changed` takes as `changes`."""
         with self._lock:
-            self.change(replace(self.setting, **fields))
+            self.change(changed(self.scenario, **changes))
 
     def reset(self) -> None:
-        """Begin anew with the present setting, where it first began."""
+        """Begin anew with the present scenario, where it first began."""
         with self._lock:
-            self._world = begin(self.setting, self._start)
+            self._simulation = begin(self.scenario)
             self._plots.clear()
             self._record.clear()
             self._debt = 0.0
-            self._look()
-
-    def numbers(self) -> Numbers:
-        """The figures of the run since the setting was last changed."""
-        with self._lock:
-            record, world = self._record.last(), self._world
-        time, place = record["time"], record["center_of_mass"]
-        elapsed = float(time[-1] - time[0])
-        nothing = math.nan
-        velocity = power = cost = cycle = nothing
-        if elapsed > 0.0:
-            robot, joints = world.plant.robot, world.setting.joints
-            work = record["electrical_work"] if has_power_model(robot, joints) else record["work"][:, 0]
-            velocity = metrics.forward_velocity(time, place)
-            power = metrics.mean_power(time, work)
-            if velocity > 1e-6:
-                weight = metrics.carried_weight(robot, world.setting.environment)
-                cost = metrics.cost_of_transport(power, weight, velocity)
-            cycle = _cycle_velocity(time, place, world.setting.gait.frequency)
-        return Numbers(
-            time=elapsed,
-            forward_velocity=velocity,
-            cycle_velocity=cycle,
-            mean_power=power,
-            cost_of_transport=cost,
-            cross_track_error=cross_track_error(world),
-            heading=float(self._latest["heading"]),
-        )
+            self._sample()
 
     def trial(self) -> Trial:
-        """The run since the setting was last changed, at most the last ten minutes of it.
+        """The run since the scenario was last changed, at most the last ten minutes of it.
 
         Raises:
             ValueError: If nothing has happened since then.
         """
-        with self._lock:
-            log, world = self._record.last(), self._world
+        log, now = self.record()
         if len(log["time"]) < 2:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
         signals = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
-        followed = {} if world.controller is None else dict(world.controller.settings)
+        followed: dict[str, Any] = dict(now.scenario.controller.settings) if now.is_steered else {}
         return Trial(
             **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
-            robot=world.plant.robot,
-            gait=world.setting.gait,
-            environment=world.plant.environment,
-            settings={**followed, **world.plant.settings},
+            robot=now.plant.robot,
+            gait=now.scenario.gait,
+            environment=now.plant.environment,
+            settings={**followed, **now.plant.settings},
             signals=signals,
             version=__version__,
-            status=world.failure or "The run reached its end.",
-            succeeded=world.failure is None,
-            state=world.plant.pack(world.state) if world.failure is None else {},
+            status=now.failure or "The run reached its end.",
+            succeeded=now.failure is None,
+            state=now.plant.pack(now.state) if now.failure is None else {},
         )
 
     def _tick(self, *, forces: bool) -> None:
         before = self._latest
-        self._world, log = advance(self._world, link_forces=forces)
-        if self._world.failure is not None:
+        self._simulation, log = advance(self._simulation, link_forces=forces)
+        if self._simulation.failure is not None:
             return
         self._latest = {name: np.asarray(values[-1]) for name, values in log.items()}
         self._plots.append(self._plotted(before))
-        if self._world.ticks % 2 == 0:
+        if self._simulation.ticks % 2 == 0:
             self._keep()
 
     def _plotted(self, before: Log) -> dict[str, float | np.ndarray]:
         now, n = self._latest, self._latest["joint_angle"].size
         work = "electrical_work" if "electrical_work" in now and "electrical_work" in before else "work"
-        done = np.atleast_1d(now[work] - before[work])[0] / TICK
         row: dict[str, float | np.ndarray] = {
-            "time": self._world.time,
+            "time": self._simulation.time,
             "speed": float(np.linalg.norm(now["center_of_mass_velocity"][:2])),
-            "power": float(done),
-            "cross_track_error": cross_track_error(self._world),
+            "power": float(np.atleast_1d(now[work] - before[work])[0] / TICK),
+            "cross_track_error": cross_track_error(self._simulation),
             "heading": math.degrees(now["heading"]),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
@@ -236,21 +231,10 @@ class Live:
         return row
 
     def _keep(self) -> None:
-        row = {name: value for name, value in self._latest.items() if not name.startswith("force_")}
-        self._record.append(row)
+        self._record.append({name: value for name, value in self._latest.items() if not name.startswith("force_")})
 
-    def _look(self) -> None:
-        """Take a first sample of a world that has just been made or changed, without letting time pass."""
-        _, log = advance(self._world)
+    def _sample(self) -> None:
+        """Take a first sample of a simulation that has just been made or changed, without letting time pass."""
+        _, log = advance(self._simulation)
         self._latest = {name: np.asarray(values[0]) for name, values in log.items()}
         self._keep()
-
-
-def _cycle_velocity(time: np.ndarray, place: np.ndarray, frequency: float) -> float:
-    """Displacement over the last cycle per second; nan before there is a whole one."""
-    if frequency <= 0.0:
-        return math.nan
-    n = round(2.0 * math.pi / frequency / (2.0 * TICK))
-    if n < 1 or n >= len(time):
-        return math.nan
-    return float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))

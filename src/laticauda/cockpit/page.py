@@ -1,4 +1,4 @@
-"""The cockpit: one world on a clock, shown on any number of pages."""
+"""The cockpit: one simulation on a clock, shown on any number of pages."""
 
 import math
 import threading
@@ -6,31 +6,29 @@ import time
 from pathlib import Path
 from typing import Any
 
-from laticauda.cockpit import door
+from laticauda.cockpit import pages
 from laticauda.cockpit.board import Board
-from laticauda.cockpit.controls import Controls, refuse
-from laticauda.cockpit.figures import figures_text
+from laticauda.cockpit.changes import path_of
+from laticauda.cockpit.controls import Controls
+from laticauda.cockpit.events import Event, EventQueue, refusing
 from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
-from laticauda.cockpit.plots import Plots
+from laticauda.cockpit.maps import Map
+from laticauda.cockpit.operated import OperatedRobot
+from laticauda.cockpit.readouts import Plots, numbers_text
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import FIELD_OF_VIEW, Scene, look_down
-from laticauda.cockpit.sweeps import StoredSweep
-from laticauda.cockpit.turns import Asked, Turns
-from laticauda.cockpit.views import Views
-from laticauda.cockpit.watched import Watched
 from laticauda.control import StraightLine
-from laticauda.errors import LaticaudaError
 
 FRAME = 0.05  # time between two pictures [s]
 SLOW = 5  # pictures between two updates of numbers and plots
 
 
 class Cockpit:
-    """A page's server with its world.
+    """A page's server with its simulation.
 
     Args:
-        live: The world.
+        live: The simulation.
         host: Address that it listens on.
         port: Likewise; 0: any that is free.
 
@@ -41,8 +39,8 @@ class Cockpit:
 
     def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         self.live = live
-        self._server = door.server(host, port)
-        self._turns = Turns()
+        self._server = pages.serve(host, port)
+        self._events = EventQueue()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._frames = 0
@@ -57,27 +55,24 @@ class Cockpit:
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
-            self._controls = Controls(gui, live, self._turns, self._changed)
+            self._controls = Controls(gui, live, self._events, self._changed)
             self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
         with tabs.add_tab("Plots"):
             self._plots = Plots(gui)
         with tabs.add_tab("Map"):
-            self._board = Board(gui, self._server.scene, live, self._turns, self._show_setting)
+            self._board = Board(gui, self._server.scene, live, self._events, self._show_scenario)
         with tabs.add_tab("Run"):
             self._runs = Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
-            self._watched = Watched(gui, self._server.scene, self._scene, live.setting.robot)
+            self._operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
         self._gizmo = self._server.scene.add_transform_controls(
             "/handle", scale=0.35, active_axes=(True, True, False), visible=False
         )
-        dragged = self._turns.hear(
-            self._drag, read=lambda event: (event.target.position, event.target.wxyz, event.phase)
-        )
-        self._gizmo.on_update(dragged)
-        self._controls.reset.on_click(self._turns.hear(lambda _: self._reset()))
+        self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
+        self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
         self._forces.on_update(self._show_forces)
         self._changed()
-        self._views = Views(self._server)  # what a page has for itself stands below the rest
+        self._cameras = pages.PageCameras(self._server)  # what a page has for itself stands below the rest
 
     @property
     def address(self) -> str:
@@ -88,12 +83,12 @@ class Cockpit:
     @property
     def pages(self) -> int:
         """How many pages are open."""
-        return len(self._views)
+        return len(self._cameras.all())
 
     @property
-    def watched(self) -> Watched:
+    def operated(self) -> OperatedRobot:
         """The robot that somebody else operates, if it is connected."""
-        return self._watched
+        return self._operated
 
     def load(self, path: Path) -> None:
         """Play back a trial or a recording as a ghost, or show a sweep as the map.
@@ -107,13 +102,13 @@ class Cockpit:
             ValueError: If the trial does not say how the robot was bent.
         """
         found = opened(path)
-        if isinstance(found, StoredSweep):
-            self._board.sweeps.show(found)
+        if isinstance(found, Map):
+            self._board.show_sweep(found)
         else:
             self._runs.play(found)
 
     def open(self) -> None:
-        """Let the world live, in a thread of its own."""
+        """Let time pass, in a thread of its own."""
         self._thread = threading.Thread(target=self._run, name="cockpit", daemon=True)
         self._thread.start()
 
@@ -123,13 +118,13 @@ class Cockpit:
             pass
 
     def close(self) -> None:
-        """Stop the world and its server."""
+        """Stop the simulation and the server."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
-        self._watched.disconnect()
-        door.stop(self._server)
-        self._turns.close()
+        self._operated.disconnect()
+        pages.stop(self._server)
+        self._events.close()
 
     def _run(self) -> None:
         last = time.perf_counter()
@@ -142,25 +137,25 @@ class Cockpit:
     def frame(self) -> None:
         """Bring all pages up to date."""
         live, self._frames = self.live, self._frames + 1
-        sample, robot = live.latest(), live.world.plant.robot
+        sample, robot = live.latest(), live.simulation.plant.robot
         with self._server.atomic():
             if self._new_trail:
-                self._scene.forget_trail()
+                self._scene.trail.forget()
                 self._new_trail = False
             self._scene.show(robot, sample, forces=live.link_forces)
             self._board.show(sample["center_of_mass"])
             self._runs.show()
-            watched = self._watched.show(with_text=self._frames % SLOW == 0)
+            operated = self._operated.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
-                self._scene.trail()
-                self._figures.content = figures_text(live)
+                self._scene.trail.draw()
+                self._figures.content = numbers_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._views.show((sample["center_of_mass"] if watched is None else watched)[:2])
+        self._cameras.show((sample["center_of_mass"] if operated is None else operated)[:2])
 
     def _changed(self) -> None:
-        """After every change of the setting."""
-        path = self.live.setting.path
+        """After every change of the scenario."""
+        path = path_of(self.live.scenario)
         self._scene.path(path)
         self._gizmo.visible = path is not None
         if path is not None:
@@ -169,24 +164,23 @@ class Cockpit:
             self._gizmo.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._runs.changed()
 
-    def _show_setting(self) -> None:
+    def _show_scenario(self) -> None:
         """After a change that did not come from the controls."""
-        self._controls.show(self.live.setting)
+        self._controls.show(self.live.scenario)
         self._changed()
 
-    def _drag(self, asked: Asked) -> None:
+    @refusing
+    def _drag(self, event: Event) -> None:
         """The path goes where its gizmo is dragged to."""
-        if self.live.setting.path is None:
+        if path_of(self.live.scenario) is None:
             return
-        (x, y, _), (w, _, _, z), phase = asked.value
-        moved = StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w)))
+        (x, y, _), (w, _, _, z), phase = event.value
         try:
-            self.live.alter(path=moved)
-        except (ValueError, LaticaudaError) as error:
-            refuse(asked.client, error)
-        self._scene.path(self.live.setting.path)
-        if phase == "end":
-            self._runs.changed()
+            self.live.alter(path=StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))))
+        finally:
+            self._scene.path(path_of(self.live.scenario))
+            if phase == "end":
+                self._runs.changed()
 
     def _reset(self) -> None:
         self.live.reset()
@@ -195,3 +189,7 @@ class Cockpit:
 
     def _show_forces(self, event: Any) -> None:
         self.live.link_forces = event.target.value
+
+
+def _pose(event: Any) -> tuple[Any, ...]:
+    return event.target.position, event.target.wxyz, event.phase

@@ -6,13 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.commands import FILE, WATER_FILE, command_line, commands_text, folded, python_code, water_source
-from laticauda.cockpit.controls import refuse
-from laticauda.cockpit.copying import copy_buttons
+from laticauda.cockpit.commands import (
+    FILE,
+    WATER_FILE,
+    command_line,
+    commands_text,
+    copy_buttons,
+    folded,
+    python_code,
+    water_source,
+)
+from laticauda.cockpit.events import refusing
 from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
-from laticauda.errors import LaticaudaError
 from laticauda.interfaces import Log
 from laticauda.robot import Robot, to_toml
 from laticauda.trial import Trial
@@ -87,17 +94,16 @@ class Runs:
         self._text = gui.add_markdown("")
 
     def changed(self) -> None:
-        """After every change of the setting."""
-        setting = self._live.setting
-        self._text.content = commands_text(setting)
-        texts = {"copy the command": folded(command_line(setting)), "copy the Python": python_code(setting)}
+        """After every change of the scenario."""
+        scenario = self._live.scenario
+        self._text.content = commands_text(scenario)
+        texts = {"copy the command": folded(command_line(scenario)), "copy the Python": python_code(scenario)}
         self._copy.content = copy_buttons(texts)
-        water = setting.water
-        self._water.visible = water is not None and water_source(water) == WATER_FILE
+        self._water.visible = water_source(scenario) == WATER_FILE
 
     def begin(self) -> None:
-        """Let the ghost begin anew, with the world."""
-        self._since = self._live.world.time
+        """Let the ghost begin anew, with the simulation."""
+        self._since = self._live.simulation.time
         self._place()
 
     def play(self, trial: Trial) -> None:
@@ -111,37 +117,29 @@ class Runs:
         self.begin()
 
     def show(self) -> None:
-        """Bring the ghost up to date, by the clock of the world."""
+        """Bring the ghost up to date, by the simulation's clock."""
         ghost = self._ghost
         if ghost is not None:
-            self._scene.ghost(ghost.robot, ghost.sample(max(self._live.world.time - self._since, 0.0)))
+            self._scene.ghost(ghost.robot, ghost.sample(max(self._live.simulation.time - self._since, 0.0)))
 
+    @refusing
     def _save(self, event: Any) -> None:
-        try:
-            trial = self._live.trial()
-            with tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / SAVED
-                trial.save(path)
-                content = path.read_bytes()
-        except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
-            return
-        event.client.send_file_download(SAVED, content, save_immediately=True)
+        trial = self._live.trial()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / SAVED
+            trial.save(path)
+            _send(event, SAVED, path.read_bytes())
 
     def _send_robot(self, event: Any) -> None:
-        content = to_toml(self._live.setting.robot).encode()
-        event.client.send_file_download(FILE, content, save_immediately=True)
+        _send(event, FILE, to_toml(self._live.scenario.robot).encode())
 
     def _send_water(self, event: Any) -> None:
-        content = to_toml(self._live.setting.environment).encode()
-        event.client.send_file_download(WATER_FILE, content, save_immediately=True)
+        _send(event, WATER_FILE, to_toml(self._live.scenario.environment).encode())
 
+    @refusing
     def _load(self, event: Any) -> None:
         file = event.target.value
-        try:
-            self.play(received_trial(file.name, file.content))
-        except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
+        self.play(received_trial(file.name, file.content))
 
     def _place(self, event: Any = None) -> None:
         """Beside the robot, or where it was."""
@@ -159,3 +157,7 @@ class Runs:
         self._ghost = None
         self._scene.ghost(None)
         self._beside.visible = self._away.visible = False
+
+
+def _send(event: Any, name: str, content: bytes) -> None:
+    event.client.send_file_download(name, content, save_immediately=True)

@@ -40,7 +40,7 @@ class Body:
         self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
         self._robot: Robot | None = None
         self._frames: list[Any] = []
-        self._is_seen = True
+        self._is_visible = True
 
     def show(self, robot: Robot, sample: Log) -> Poses:
         """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
@@ -51,12 +51,12 @@ class Body:
             frame.position, frame.wxyz = position, orientation
         return now
 
-    def let_see(self, is_seen: bool) -> None:
+    def set_visible(self, is_visible: bool) -> None:
         """Show it, or hide it where it is."""
-        if is_seen != self._is_seen:
-            self._is_seen = is_seen
+        if is_visible != self._is_visible:
+            self._is_visible = is_visible
             for frame in self._frames:
-                frame.visible = is_seen
+                frame.visible = is_visible
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -69,7 +69,7 @@ class Body:
         seen = shapes(robot)
         for part in range(1 + max(shape.part for shape in seen)):
             self._frames.append(
-                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_seen)
+                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_visible)
             )
         for i, shape in enumerate(seen):
             self._scene.add_mesh_simple(
@@ -83,8 +83,69 @@ class Body:
         self._robot = robot
 
 
+class Line:
+    """A line through points, or none.
+
+    Args:
+        scene: Of the page's server.
+        name: Of the line in the scene's tree.
+        color: Of the line.
+        thickness: Likewise [m].
+    """
+
+    def __init__(self, scene: Any, name: str, color: Color, thickness: float) -> None:
+        self._scene, self._name, self._color, self._thickness = scene, name, color, thickness
+        self._line: Any = None
+
+    def draw(self, points: np.ndarray) -> None:
+        """Draw it through these points, or none through less than two [m]."""
+        pieces = np.stack((points[:-1], points[1:]), axis=1).astype(np.float32) if len(points) > 1 else None
+        if pieces is None:
+            if self._line is not None:
+                self._line.remove()
+                self._line = None
+        elif self._line is None:
+            self._line = self._scene.add_line_segments(
+                self._name, points=pieces, colors=self._color, thickness=self._thickness
+            )
+        else:
+            self._line.points = pieces
+
+
+class Trail:
+    """Where a robot has been: a line that grows, and never gets longer than `N_TRAIL` points.
+
+    Args:
+        scene: Of the page's server.
+        name: Of the line in the scene's tree.
+        color: Of the line.
+    """
+
+    def __init__(self, scene: Any, name: str, color: Color) -> None:
+        self._line = Line(scene, name, color, 0.012)
+        self._points: deque[np.ndarray] = deque(maxlen=N_TRAIL)
+        self._end: np.ndarray | None = None
+
+    def grow(self, place: np.ndarray) -> None:
+        """Let it grow to a place, in the plane or in space [m]."""
+        place = in_space(place)
+        if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
+            self._points.append(place)
+
+    def draw(self) -> None:
+        """Draw it as far as it has grown."""
+        if self._points and self._points[-1] is not self._end:
+            self._end = self._points[-1]
+            self._line.draw(np.array(self._points))
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._points.clear()
+        self._line.draw(np.empty((0, 3)))
+
+
 class Scene:
-    """All that is seen of a world.
+    """All that is seen of a simulation.
 
     Args:
         scene: Of the page's server.
@@ -94,12 +155,11 @@ class Scene:
         self._scene = scene
         self._body = Body(scene, "robot")
         self._ghost = Body(scene, "ghost", color=GHOST, opacity=0.35)
-        self._points: deque[np.ndarray] = deque(maxlen=N_TRAIL)
-        self._end: np.ndarray | None = None
-        self._trail: Any = None
+        self.trail = Trail(scene, "/trail", TRAIL)
+        """That of the center of mass, as far as it was shown."""
+        self._path = Line(scene, "/path", PATH, 0.016)
         self._forces: Any = None
         self._forces_at: Any = None
-        self._path: Any = None
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
@@ -126,9 +186,8 @@ class Scene:
     def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
         """Draw the robot, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
-        place = _in_space(sample["center_of_mass"])
-        if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
-            self._points.append(place)
+        place = in_space(sample["center_of_mass"])
+        self.trail.grow(place)
         self._show_forces(_arrows(now, sample, place) if forces else None, place)
         # Floor and surface have no end: they go along in steps of a section of the grid.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample["center_of_mass"][:2])
@@ -151,44 +210,15 @@ class Scene:
         self._forces.points = arrows
         self._forces_at.position = place
 
-    def trail(self) -> None:
-        """Draw the trail of the center of mass as far as it was shown."""
-        if len(self._points) < 2 or self._points[-1] is self._end:
-            return
-        self._end = self._points[-1]
-        points = np.array(self._points, dtype=np.float32)
-        line = np.stack((points[:-1], points[1:]), axis=1)
-        if self._trail is None:
-            self._trail = self._scene.add_line_segments("/trail", points=line, colors=TRAIL, thickness=0.012)
-        else:
-            self._trail.points = line
-
-    def forget_trail(self) -> None:
-        """Begin a new trail."""
-        self._points.clear()
-        if self._trail is not None:
-            self._trail.remove()
-            self._trail = None
-
     def path(self, path: StraightLine | None) -> None:
         """Draw the path, or none."""
-        if path is None:
-            if self._path is not None:
-                self._path.remove()
-                self._path = None
-            return
         # In pieces: of one that begins behind the camera, the page shows too little.
-        flat = path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
-        points = np.column_stack((flat, np.zeros(len(flat)))).astype(np.float32)
-        line = np.stack((points[:-1], points[1:]), axis=1)
-        if self._path is None:
-            self._path = self._scene.add_line_segments("/path", points=line, colors=PATH, thickness=0.016)
-        else:
-            self._path.points = line
+        flat = np.empty((0, 2)) if path is None else path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
+        self._path.draw(np.column_stack((flat, np.zeros(len(flat)))))
 
-    def let_see(self, is_seen: bool) -> None:
+    def set_visible(self, is_visible: bool) -> None:
         """Show the robot, or hide it: its trail and its path stay."""
-        self._body.let_see(is_seen)
+        self._body.set_visible(is_visible)
 
     def ghost(self, robot: Robot | None, sample: Log | None = None) -> None:
         """Draw a ghost as it is in a sample, or none."""
@@ -222,7 +252,8 @@ def _linear(color: Color) -> tuple[float, float, float]:
     return r, g, b
 
 
-def _in_space(place: np.ndarray) -> np.ndarray:
+def in_space(place: np.ndarray) -> np.ndarray:
+    """A place in the plane as one in space [m]."""
     return np.array([*place, 0.0]) if place.size == 2 else np.asarray(place)
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from laticauda.cockpit.pages import PageCamera, PageCameras
 from laticauda.cockpit.scene import AHEAD, look_down
-from laticauda.cockpit.views import View, Views
 
 
 class Camera:
@@ -72,21 +72,21 @@ def loop():
 
 def test_cameras_are_moved_where_reports_of_the_pages_arrive_so_none_can_come_in_between(loop):
     server, client = Server(), Client()
-    views = Views(server)
-    views.show(np.zeros(2))  # nobody is there
+    cameras = PageCameras(server)
+    cameras.show(np.zeros(2))  # nobody is there
     loop.wait(server.welcome(client))
-    views.show(np.array([2.0, 1.0]))
+    cameras.show(np.array([2.0, 1.0]))
     loop.wait(asyncio.sleep(0))  # what was called before is done
     assert client.camera.threads == {loop.thread.ident}
     np.testing.assert_allclose(client.camera.look_at, (2.0 + AHEAD, 1.0, 0.0))
-    assert len(views) == 1
+    assert len(cameras.all()) == 1
     loop.wait(server.forget(client))
-    assert len(views) == 0
+    assert len(cameras.all()) == 0
 
 
 def test_a_camera_is_brought_home_until_its_page_says_so_and_then_keeps_the_direction_that_somebody_gives_it():
     client = Client()
-    view, camera = View(client), client.camera
+    view, camera = PageCamera(client), client.camera
     position, look_at = (np.array(value) for value in look_down())
     at = np.array([3.0, -1.0, 0.0])
     camera.report((9.0, 9.0, 9.0), (0.0, 0.0, 0.0))  # from before it was brought here

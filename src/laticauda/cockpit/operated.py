@@ -6,11 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.cockpit.controls import refuse
-from laticauda.cockpit.scene import Body, Scene
+from laticauda.cockpit.events import refusing
+from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.cockpit.shapes import Color
-from laticauda.cockpit.trail import Trail
-from laticauda.errors import LaticaudaError
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
@@ -27,7 +25,7 @@ HINT_BUS = (
 HINT_MOCAP = "HOST:PORT of the motion capture's real-time server"
 
 
-class Watched:
+class OperatedRobot:
     """Its picture, and the controls that belong to it.
 
     Args:
@@ -91,7 +89,7 @@ class Watched:
         self._body.remove()
         self._trail.forget()
         self._places.clear()
-        self._scene.let_see(True)
+        self._scene.set_visible(True)
         self._text.content = ""
         self._on.visible, self._off.visible = True, False
 
@@ -115,9 +113,10 @@ class Watched:
             for name in ("center_of_mass", "heading", "link_angle", "joint_angle")
         }
         self._body.show(robot, sample)
-        self._scene.let_see(not self._alone.value)
+        self._scene.set_visible(not self._alone.value)
         if with_text:
             self._trail.grow(estimate.center_of_mass)
+            self._trail.draw()
             self._text.content = self._numbers(estimate, trouble)
         return estimate.center_of_mass
 
@@ -139,18 +138,16 @@ class Watched:
         lines = [f"| {estimate.status} | |", "|:--|--:|", *(f"| {name} | **{value}** |" for name, value in rows)]
         return "\n".join(lines) + (f"\n\n**{trouble}**" if trouble else "")
 
-    def _left(self, event: Any) -> None:
-        self.disconnect()
-
     def _offer(self, connection: Connection) -> None:
         """Let the fields show where bus and cameras are."""
         bus = BusAddress(interface=connection.can_interface, channel=connection.can_channel, port=connection.can_port)
         self._can.value, self._mocap.value = str(bus), f"{connection.mocap_host}:{connection.mocap_port}"
 
+    def _left(self, event: Any) -> None:
+        self.disconnect()
+
+    @refusing
     def _clicked(self, event: Any) -> None:
         name = self._robot.value
-        try:
-            connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
-            self.connect(connection, self._own if name == self._own.name else load_robot(name))
-        except (ValueError, LaticaudaError) as error:
-            refuse(event.client, error)
+        connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
+        self.connect(connection, self._own if name == self._own.name else load_robot(name))

@@ -1,4 +1,4 @@
-"""Turns: what pages ask for is done in the order in which it came, and with the value that it had then."""
+"""Events of pages are answered in the order in which they came, and with the value that they had then."""
 
 import asyncio
 import threading
@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from laticauda.cockpit.turns import Turns
+from laticauda.cockpit.events import EventQueue
 
 
 @pytest.fixture
-def turns():
-    made = Turns()
+def events():
+    made = EventQueue()
     yield made
     made.close()
 
@@ -28,36 +28,36 @@ def come(heard, *values, client="a page"):
     asyncio.run(all_of_them())
 
 
-def test_every_value_is_done_in_its_order_and_the_pages_are_brought_up_to_date_once(turns):
+def test_every_value_is_done_in_its_order_and_the_pages_are_brought_up_to_date_once(events):
     done, after, all_there = [], [], threading.Event()
 
-    def act(asked):
+    def act(event):
         all_there.wait(10.0)
-        done.append(asked.value)
+        done.append(event.value)
 
-    come(turns.hear(act, then=lambda: after.append(len(done))), *range(10))
+    come(events.handler(act, then=lambda: after.append(len(done))), *range(10))
     all_there.set()
-    turns.close()
+    events.close()
     assert done == list(range(10))
     assert after == [10]
 
 
-def test_what_the_program_sets_itself_is_no_turn(turns):
+def test_what_the_program_sets_itself_is_no_event(events):
     done = []
-    come(turns.hear(done.append), 1, 2, client=None)
-    turns.close()
+    come(events.handler(done.append), 1, 2, client=None)
+    events.close()
     assert done == []
 
 
-def test_a_fault_is_logged_and_the_next_turn_is_taken(turns, caplog):
+def test_a_fault_is_logged_and_the_next_event_is_answered(events, caplog):
     done = []
 
-    def act(asked):
-        if asked.value == 1:
+    def act(event):
+        if event.value == 1:
             raise RuntimeError("one")
-        done.append(asked.value)
+        done.append(event.value)
 
-    come(turns.hear(act), 1, 2)
-    turns.close()
+    come(events.handler(act), 1, 2)
+    events.close()
     assert done == [2]
     assert "A control of the cockpit failed." in caplog.text

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live, Setting
+from laticauda.cockpit import Cockpit, Live
 from laticauda.estimation import Estimate
 from laticauda.operate.listening import Sight
 from laticauda.operate.settings import Connection
@@ -41,7 +41,7 @@ class Told:
 @pytest.fixture
 def cockpit(monkeypatch):
     monkeypatch.setattr("laticauda.operate.listening.Listener", Told)
-    served = Cockpit(Live(Setting(robot=ROBOT, gait=GAIT)), port=0)
+    served = Cockpit(Live(lc.scenario(ROBOT, GAIT)), port=0)
     yield served
     served.close()
 
@@ -70,44 +70,44 @@ def estimate(x, time):
 
 
 def clicked(cockpit, **fields):
-    page, watched = Page(), cockpit.watched
+    page, operated = Page(), cockpit.operated
     for name, value in fields.items():
-        getattr(watched, f"_{name}").value = value
-    watched._clicked(SimpleNamespace(client=page))
+        getattr(operated, f"_{name}").value = value
+    operated._clicked(SimpleNamespace(client=page))
     return page.told
 
 
 def test_the_operated_robot_is_drawn_where_it_is_and_the_simulated_one_makes_room(cockpit):
-    watched = cockpit.watched
+    operated = cockpit.operated
     assert clicked(cockpit, can="virtual:pool", mocap="10.0.0.2:22223", robot="mamba-modules") == []
-    listener = watched._listener
+    listener = operated._listener
     assert (listener.connection.can_channel, listener.connection.mocap_host) == ("pool", "10.0.0.2")
     shown(cockpit)
-    assert watched._text.content == "**No lab there.**"
+    assert operated._text.content == "**No lab there.**"
     for k in range(5):
         listener.sight = Sight(estimate(2.0 + 0.2 * k, float(k)), "")
         shown(cockpit)
-    assert "speed over 5 s | **0.200 m/s**" in watched._text.content
-    tail = watched._body._frames[0].position
-    assert tail[0] < 2.8 < watched._body._frames[-1].position[0] + 0.2
+    assert "speed over 5 s | **0.200 m/s**" in operated._text.content
+    tail = operated._body._frames[0].position
+    assert tail[0] < 2.8 < operated._body._frames[-1].position[0] + 0.2
     assert not cockpit._scene._body._frames[0].visible
-    watched._alone.value = False
+    operated._alone.value = False
     shown(cockpit)
     assert cockpit._scene._body._frames[0].visible
 
 
 def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconnects(cockpit):
-    watched = cockpit.watched
-    watched.connect(Connection(), ROBOT)
-    listener = watched._listener
+    operated = cockpit.operated
+    operated.connect(Connection(), ROBOT)
+    listener = operated._listener
     listener.sight = Sight(estimate(2.0, 0.0), "The motion capture closed the connection.")
     shown(cockpit)
-    assert watched._text.content.endswith("**The motion capture closed the connection.**")
-    assert watched.is_on
-    watched._left(None)
+    assert operated._text.content.endswith("**The motion capture closed the connection.**")
+    assert operated.is_on
+    operated._left(None)
     shown(cockpit)
     assert listener.is_closed
-    assert (watched._text.content, watched._body._frames) == ("", [])
+    assert (operated._text.content, operated._body._frames) == ("", [])
     assert cockpit._scene._body._frames[0].visible
 
 
@@ -122,4 +122,4 @@ def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconn
 def test_an_address_that_is_none_is_refused_in_the_words_of_the_api(cockpit, fields, message):
     (told,) = clicked(cockpit, **fields)
     assert told.startswith(message)
-    assert not cockpit.watched.is_on
+    assert not cockpit.operated.is_on

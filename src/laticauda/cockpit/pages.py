@@ -1,0 +1,160 @@
+"""The pages: their server, which is viser's, and what every page has for itself, its camera.
+
+What cameras do happens in the server's own loop, where the pages' reports arrive. In another thread, a report that
+comes in between two lines would mix where the camera was with where it is, and one that follows would keep that error.
+"""
+
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+import asyncio
+import contextlib
+import io
+import socket
+import time
+import warnings
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit.scene import look_down
+from laticauda.errors import LaticaudaError
+from laticauda.extras import optional_import
+
+LOCAL = ("127.0.0.1", "localhost", "::1")
+PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
+
+
+class PortTaken(LaticaudaError, OSError):
+    """The page cannot be served where it was asked for."""
+
+
+def load_viser() -> Any:
+    """The module `viser`. Handles of its pages are `Any` here: their types change with the control.
+
+    Raises:
+        MissingExtra: If it is not installed.
+    """
+    return optional_import("The cockpit", "viser", "cockpit")
+
+
+def serve(host: str, port: int) -> Any:
+    """A page's server, on this host and port alone: viser by itself would take the next free port, on all networks.
+
+    Raises:
+        MissingExtra: If viser is not installed.
+        PortTaken: If something else listens there, or this computer has no such address.
+    """
+    viser = load_viser()
+    try:
+        with socket.create_server((host, port)) as probe:
+            port = int(probe.getsockname()[1])
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise PortTaken(
+            f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes any that is free."
+        ) from error
+    with contextlib.redirect_stdout(io.StringIO()):
+        return viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
+
+
+def stop(server: Any) -> None:
+    """Stop a server; it would say so on the standard output."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
+
+
+def time_scale() -> dict[str, Any]:
+    """Of a plot whose x axis is seconds: uPlot would take it for dates."""
+    return {"x": import_module("viser.uplot").Scale(time=False)}
+
+
+class PageCamera:
+    """The camera of one page, with the page's controls of it.
+
+    Args:
+        client: The page.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._until = time.monotonic() + PATIENCE
+        with client.gui.add_folder("This page"):
+            self.follows = client.gui.add_checkbox("camera follows", True)
+            client.gui.add_button("camera to the robot").on_click(self._go_home)
+        client.camera.on_update(self._reported)
+
+    @property
+    def camera(self) -> Any:
+        """As the page has reported it last, or as it has been moved since."""
+        return self._client.camera
+
+    @property
+    def is_home(self) -> bool:
+        """Whether the page has said that its camera is where it was brought to, or has had the time to."""
+        return time.monotonic() >= self._until
+
+    def show(self, at: np.ndarray) -> None:
+        """Go along with a robot.
+
+        Args:
+            at: Where the robot is [m].
+        """
+        if self.is_home and not self.follows.value:
+            return
+        position, look_at = (np.array(part) for part in look_down())
+        # What a slow page reports is old, but its direction and distance are right.
+        offset = self.camera.position - self.camera.look_at if self.is_home else position - look_at
+        target = look_at + np.array([float(at[0]), float(at[1]), 0.0])
+        with warnings.catch_warnings(), self._client.atomic():
+            warnings.simplefilter("ignore", UserWarning)  # that a page has just vanished
+            self.camera.position, self.camera.look_at = target + offset, target
+
+    async def _go_home(self, event: Any) -> None:
+        self._until = time.monotonic() + PATIENCE
+
+    async def _reported(self, camera: Any) -> None:
+        # A page that has just been opened reports where its camera was before it was brought here.
+        position, look_at = look_down()
+        if np.allclose(camera.position - camera.look_at, np.subtract(position, look_at), atol=0.02):
+            self._until = 0.0
+
+
+class PageCameras:
+    """The cameras of all pages that are open.
+
+    Args:
+        server: Of the pages.
+    """
+
+    def __init__(self, server: Any) -> None:
+        self._cameras: dict[int, PageCamera] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
+        server.on_client_connect(self._welcome)
+        server.on_client_disconnect(self._forget)
+
+    def all(self) -> list[PageCamera]:
+        """Of the pages, in the order in which they were opened."""
+        return list(self._cameras.values())
+
+    def show(self, at: np.ndarray) -> None:
+        """Let the cameras that follow look at the robot, from where their page has put them around it; returns at once.
+
+        Args:
+            at: Where the robot is [m].
+        """
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._show, at)
+
+    def _show(self, at: np.ndarray) -> None:
+        for camera in self._cameras.values():
+            camera.show(at)
+
+    # The loop waits for these two, so no page can be forgotten before it was welcomed.
+
+    async def _welcome(self, client: Any) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._cameras[client.client_id] = PageCamera(client)
+
+    async def _forget(self, client: Any) -> None:
+        self._cameras.pop(client.client_id, None)

@@ -1,0 +1,128 @@
+"""The numbers and the plots of a run."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from laticauda.cockpit.changes import measured
+from laticauda.cockpit.live import Live
+from laticauda.cockpit.pages import time_scale
+from laticauda.cockpit.simulation import TICK, cross_track_error
+from laticauda.extensions import name_of
+from laticauda.robot import has_power_model
+from laticauda.trial import metrics
+
+STEP = 4  # every how many-th sample is drawn
+COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
+# Title with its unit, and the lines: column of `Live.plots` and name.
+PLOTS = (
+    ("Speed [m/s]", (("speed", "speed"),)),
+    ("Power [W]", (("power", "power"),)),
+    ("Cross-track error [m]", (("cross_track_error", "error"),)),
+    ("Heading [deg]", (("heading", "heading"),)),
+    ("Joint angles [deg]", (("joint_tail", "tail"), ("joint_middle", "middle"), ("joint_head", "head"))),
+)
+HEIGHT = 165  # [px]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Numbers:
+    """Figures of the run since the scenario was last changed; nan where there is none yet."""
+
+    time: float
+    """How long that is [s]."""
+    forward_velocity: float = math.nan
+    """Equation (5) [m/s]."""
+    cycle_velocity: float = math.nan
+    """Displacement over the last gait cycle, per second [m/s]."""
+    mean_power: float = math.nan
+    """Electrical with servos or a power model, else mechanical [W]."""
+    cost_of_transport: float = math.nan
+    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
+    cross_track_error: float
+    """Distance from the path, positive to its left [m]."""
+    heading: float
+    """Mean link angle (6) [rad]."""
+
+
+def numbers(live: Live) -> Numbers:
+    """The figures of the run since the scenario was last changed."""
+    record, now = live.record()
+    time, place, scenario, robot = record["time"], record["center_of_mass"], now.scenario, now.plant.robot
+    elapsed, found = float(time[-1] - time[0]), dict[str, float]()
+    if elapsed > 0.0:
+        is_electrical = has_power_model(robot, name_of(type(scenario.model.joints)))
+        velocity = metrics.forward_velocity(time, place)
+        power = metrics.mean_power(time, record["electrical_work"] if is_electrical else record["work"][:, 0])
+        found = {"forward_velocity": velocity, "mean_power": power}
+        if velocity > 1e-6:
+            weight = metrics.carried_weight(robot, scenario.environment)
+            found["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
+        cycle = 2.0 * math.pi / scenario.gait.frequency if scenario.gait.frequency > 0.0 else math.inf
+        if 2.0 * TICK <= cycle < elapsed:
+            n = round(cycle / (2.0 * TICK))
+            found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
+    heading = float(live.latest()["heading"])
+    return Numbers(time=elapsed, cross_track_error=cross_track_error(now), heading=heading, **found)
+
+
+def numbers_text(live: Live) -> str:
+    """The figures beside the paper's, as Markdown."""
+    failure = live.simulation.failure
+    if failure is not None:
+        return f"**{failure}** Change something, or reset."
+    now, tank = numbers(live), measured(live.scenario)
+    kind = "electrical" if "electrical_work" in live.latest() else "mechanical"
+    rows = [
+        ("forward velocity (5)", _number(now.forward_velocity, "m/s", 3)),
+        ("over the last gait cycle", _number(now.cycle_velocity, "m/s", 3)),
+        (f"mean power, {kind}", _number(now.mean_power, "W", 1)),
+        ("cost of transport", _number(now.cost_of_transport, "", 2)),
+        ("cross-track error", _number(now.cross_track_error, "m", 3)),
+        ("heading", _number(math.degrees(now.heading), "deg", 1)),
+    ]
+    lines = [f"| since the last change | {now.time:.1f} s |", "|:--|--:|"]
+    lines += [f"| {name} | **{value}** |" for name, value in rows]
+    if tank is not None:
+        speed = "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
+        power = "not available" if tank.mean_power is None else f"{tank.mean_power:.1f} W"
+        lines += [f"| measured in the paper | {speed} |", f"| in 30 s from rest, electrical | {power} |"]
+    return "\n".join(lines)
+
+
+def _number(value: float, unit: str, digits: int) -> str:
+    return "–" if not math.isfinite(value) else f"{round(value, digits) + 0.0:.{digits}f} {unit}".strip()  # noqa: RUF001
+
+
+class Plots:
+    """All plots, over the simulated time in seconds.
+
+    Args:
+        gui: Of the page's server.
+    """
+
+    def __init__(self, gui: Any) -> None:
+        axis = {"stroke": "#c8d2d8", "grid": {"stroke": "#3a4750", "width": 1}}
+        self._handles: list[Any] = []
+        for title, lines in PLOTS:
+            series = [{"label": name, "stroke": color, "width": 1.5} for (_, name), color in zip(lines, COLORS)]  # noqa: B905
+            self._handles.append(
+                gui.add_uplot(
+                    (np.zeros(1),) * (1 + len(lines)),
+                    ({"label": "time [s]"}, *series),
+                    title=title,
+                    scales=time_scale(),
+                    axes=(axis, axis),
+                    height=HEIGHT,
+                )
+            )
+
+    def show(self, live: Live) -> None:
+        """Draw what there is."""
+        columns = live.plots(step=STEP)
+        if not columns:
+            return
+        for handle, (_, lines) in zip(self._handles, PLOTS, strict=True):
+            handle.data = (columns["time"], *(columns[name] for name, _ in lines))
