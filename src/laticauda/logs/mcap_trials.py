@@ -78,14 +78,14 @@ def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
     series = {str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)}
     others = {PREFIX + name: one for name, one in series.items() if name not in OF_JOINTS}
     later = max(-float(trial.time[0]), 0.0)
-    poses = _Poses(trial)
+    names, places, turns = _frames(trial)
     recorder.metadata(METADATA, {"trial": json.dumps(dataset.attrs)})
     for k, moment in enumerate(trial.time + later):
         time = float(moment)
         recorder.joint_state(JOINTS, time, joints, trial.joint_angle[k], trial.joint_rate[k], trial.joint_torque[k])
         recorder.joint_state(REFERENCE, time, joints, trial.joint_angle_ref[k])
-        recorder.pose(CENTER, time, *poses.center(k))
-        recorder.transforms(time, poses.links(k))
+        recorder.pose(CENTER, time, places[k, 0], turns[k, 0])
+        recorder.transforms(time, dict(zip(names, zip(places[k], turns[k], strict=True), strict=True)))
         for topic, one in others.items():
             if one.ndim == 1:
                 recorder.scalar(topic, time, float(one.values[k]), one.attrs["units"])
@@ -103,32 +103,14 @@ def _series(message: Logged) -> list[tuple[str, Any]]:
     return [(name, message.content[field]) for name, (topic, field) in OF_JOINTS.items() if topic == message.topic]
 
 
-class _Poses:
-    """Where a viewer is to draw the robot."""
-
-    def __init__(self, trial: Trial) -> None:
-        self._trial = trial
-        self._is_planar = trial.center_of_mass.shape[1] == 2
-        height = np.zeros((trial.time.size, 1))
-        self._center = np.hstack((trial.center_of_mass, height))[:, :3]
-        self._links = None
-        if self._is_planar and "link_angle" not in trial.not_measured:
-            middle = link_centers(trial.robot.planar(), trial.center_of_mass, trial.link_angle)
-            self._links = np.concatenate((middle, np.zeros((*middle.shape[:2], 1))), axis=2)
-
-    def center(self, k: int) -> tuple[Any, tuple[float, ...]]:
-        """Place and orientation of the whole robot: its center of mass and heading."""
-        return self._center[k], _turned(float(self._trial.heading[k]))
-
-    def links(self, k: int) -> dict[str, tuple[Any, tuple[float, ...]]]:
-        """Middle and direction of every link; of a trial in space, or without links, the whole robot's only."""
-        frames = {"robot": self.center(k)}
-        if self._links is not None:
-            angles = self._trial.link_angle[k]
-            frames |= {f"link_{i}": (self._links[k, i], _turned(float(a))) for i, a in enumerate(angles)}
-        return frames
-
-
-def _turned(angle: float) -> tuple[float, float, float, float]:
-    """A turn about the vertical axis as w, x, y, z."""
-    return float(np.cos(0.5 * angle)), 0.0, 0.0, float(np.sin(0.5 * angle))
+def _frames(trial: Trial) -> tuple[list[str], Any, Any]:
+    """Where a viewer is to draw the robot, and the links of a planar one: names, places, turns (w, x, y, z)."""
+    places, angles = trial.center_of_mass[:, np.newaxis], trial.heading[:, np.newaxis]
+    if places.shape[2] == 2:
+        if "link_angle" not in trial.not_measured:
+            links = link_centers(trial.robot.planar(), trial.center_of_mass, trial.link_angle)
+            places, angles = np.concatenate((places, links), axis=1), np.hstack((angles, trial.link_angle))
+        places = np.concatenate((places, np.zeros((*places.shape[:2], 1))), axis=2)
+    level = np.zeros_like(angles)
+    turns = np.stack((np.cos(0.5 * angles), level, level, np.sin(0.5 * angles)), axis=2)
+    return ["robot", *(f"link_{i}" for i in range(angles.shape[1] - 1))], places, turns
