@@ -2,22 +2,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import laticauda as lc
 from laticauda.cockpit import Live
 from laticauda.cockpit.changes import with_fin
-from laticauda.cockpit.shapes import poses, quaternion, shapes
-from laticauda.kinematics import fin_line, from_quaternion, link_ends
+from laticauda.cockpit.shapes import poses, shapes
+from laticauda.kinematics import fin_line, link_ends
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-
-
-@given(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1))
-def test_a_quaternion_gives_its_rotation_back(numbers):
-    rotation = from_quaternion(*(np.array(numbers) / np.linalg.norm(numbers)).tolist())
-    np.testing.assert_allclose(from_quaternion(*quaternion(rotation).tolist()), rotation, atol=1e-12)
 
 
 @pytest.mark.parametrize("rigidity", [None, 0.2])

@@ -10,6 +10,7 @@ from laticauda.kinematics import (
     link_angles,
     link_centers,
     module_poses,
+    to_quaternion,
     turned_about_vertical,
 )
 from laticauda.robot import load_robot
@@ -81,3 +82,9 @@ def test_a_spatial_body_is_where_its_model_has_it():
     half = 0.045 * expected[:, :, 0]
     np.testing.assert_allclose(steps, half[:-1] + half[1:], atol=1e-9)
     np.testing.assert_allclose(data.subtree_com[modules[0]], world.truth.center_of_mass, atol=1e-9)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1))
+def test_a_quaternion_gives_its_rotation_back(numbers):
+    rotation = from_quaternion(*(np.array(numbers) / np.linalg.norm(numbers)).tolist())
+    np.testing.assert_allclose(from_quaternion(*to_quaternion(rotation)), rotation, atol=1e-12)

@@ -15,6 +15,7 @@ from laticauda.actuation import servo
 from laticauda.errors import MissingExtra
 from laticauda.robot import Joint, Module, PectoralFin, Section, Thruster
 from laticauda.spatial import mjcf
+from laticauda.spatial.bodies import moments
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -107,7 +108,7 @@ def test_kinetic_energy_is_that_of_the_planar_chain(robot, draw):
 
 @given(st.floats(1e-9, 10.0), st.floats(0.0, 10.0), st.floats(0.0, 10.0))
 def test_moments_of_inertia_are_those_of_a_possible_body(vertical, across, above):
-    about_x, about_y, about_z = mjcf.moments(vertical, across, above)
+    about_x, about_y, about_z = moments(vertical, across, above)
     assert about_z == vertical
     assert min(about_x + about_y - about_z, about_y + about_z - about_x, about_z + about_x - about_y) >= -1e-12
 
@@ -115,7 +116,7 @@ def test_moments_of_inertia_are_those_of_a_possible_body(vertical, across, above
 def test_a_long_cylinder_has_the_moments_of_a_cylinder():
     mass, length, a, b = 0.77, 0.9, 0.055, 0.05
     solid = mass * (length**2 / 12.0 + b**2 / 4.0)
-    found = mjcf.moments(solid, mass * b**2 / 4.0, mass * a**2 / 4.0)
+    found = moments(solid, mass * b**2 / 4.0, mass * a**2 / 4.0)
     assert found == pytest.approx((mass * (a**2 + b**2) / 4.0, mass * (length**2 / 12.0 + a**2 / 4.0), solid))
 
 

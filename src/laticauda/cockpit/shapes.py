@@ -1,6 +1,5 @@
 """Where every part of the robot is, and what it looks like: meshes in frames, without any engine."""
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.interfaces import Log
-from laticauda.kinematics import from_quaternion, link_centers, module_poses, turned_about_vertical
+from laticauda.kinematics import from_quaternion, link_centers, module_poses, to_quaternion, turned_about_vertical
 from laticauda.robot import CaudalFin, Robot
-from laticauda.spatial.appearance import MATERIALS, bands, collar, head, housing, seen_opening
+from laticauda.spatial.appearance import MATERIALS, Box, parts, plate, rods
 from laticauda.spatial.meshes import Mesh, joined
 
 Color = tuple[int, int, int]
@@ -42,15 +41,16 @@ def shapes(robot: Robot) -> list[Shape]:
     Args:
         robot: As its plant has it.
     """
-    found: list[Shape] = []
-    last = robot.n_links - 1
-    for i, module in enumerate(robot.modules):
-        if i == last:
-            found += [Shape(i, head(module), _color("head")), Shape(i, collar(module), _color("collar"))]
-        else:
-            found += [Shape(i, housing(module), _color("housing")), Shape(i, bands(module), _color("band"))]
-    if robot.caudal_fin is not None:
-        found += _fin_shapes(robot.caudal_fin, robot.n_links)
+    found = [
+        Shape(i, build(module), _color(material))
+        for i, module in enumerate(robot.modules)
+        for material, build in parts(is_head=i == robot.n_links - 1).items()
+    ]
+    fin = robot.caudal_fin
+    for k, piece in enumerate(fin.pieces if fin is not None else ()):
+        assert fin is not None
+        boxes = [*filter(None, [plate(fin, piece)]), *rods(fin, piece)]
+        found.append(Shape(robot.n_links + k, joined(*(_mesh(box) for box in boxes)), _color("fin")))
     return found
 
 
@@ -82,26 +82,7 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
             parts.append(at)
             turns.append(turned)
             at = at - (piece.end - piece.begin) * turned[:, 0]
-    return Poses(position=np.array(parts), orientation=np.array([quaternion(turn) for turn in turns]), middle=middle)
-
-
-def quaternion(rotation: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "4"]:
-    """A rotation matrix as (w, x, y, z), by the largest of the four so that no digits are lost."""
-    m = rotation
-    trace = (m[0, 0], m[1, 1], m[2, 2])
-    squares = np.array(
-        [
-            1.0 + trace[0] + trace[1] + trace[2],
-            1.0 + trace[0] - trace[1] - trace[2],
-            1.0 - trace[0] + trace[1] - trace[2],
-            1.0 - trace[0] - trace[1] + trace[2],
-        ]
-    )
-    a, b, c = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
-    d, e, f = m[0, 1] + m[1, 0], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1]
-    k = int(np.argmax(squares))
-    rows = ((squares[0], a, b, c), (a, squares[1], d, e), (b, d, squares[2], f), (c, e, f, squares[3]))
-    return np.array(rows[k]) / (2.0 * math.sqrt(squares[k]))
+    return Poses(position=np.array(parts), orientation=np.array([to_quaternion(turn) for turn in turns]), middle=middle)
 
 
 def _color(material: str) -> Color:
@@ -109,27 +90,12 @@ def _color(material: str) -> Color:
     return round(255 * r), round(255 * g), round(255 * b)
 
 
-def _fin_shapes(fin: CaudalFin, first: int) -> list[Shape]:
-    """The plate piece by piece, and two rods where it is open."""
-    inner, found = seen_opening(fin), list[Shape]()
-    for k, piece in enumerate(fin.pieces):
-        boxes: list[Mesh] = []
-        if piece.end > inner:
-            boxes.append(_box(fin, max(inner, piece.begin) - piece.begin, piece.end - piece.begin, 0.0, 0.5))
-        if piece.begin < inner:
-            end = min(inner, piece.end) - piece.begin
-            boxes += [_box(fin, 0.0, end, 0.4 * sign, 0.06) for sign in (-1.0, 1.0)]
-        found.append(Shape(first + k, joined(*boxes), _color("fin")))
-    return found
-
-
-def _box(fin: CaudalFin, begin: float, end: float, up: float, half: float) -> Mesh:
-    """From `begin` to `end` behind the frame; `up` and `half` as shares of the fin's height."""
-    corner = np.array([[x, y, z] for x in (-end, -begin) for y in (-0.5, 0.5) for z in (-1.0, 1.0)])
-    vertices = corner * (1.0, fin.thickness, half * fin.height) + (0.0, 0.0, up * fin.height)
+def _mesh(box: Box) -> Mesh:
+    """Every face has corners of its own, so that edges stay sharp."""
+    corner = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    vertices = corner * box.half_size + box.position
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
-    # Every face has corners of its own, so that edges stay sharp.
     return Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))
 
 

@@ -14,7 +14,13 @@ from laticauda.kinematics.poses import (
     trailing_edge,
     trailing_edge_velocity,
 )
-from laticauda.kinematics.space import ModulePoses, from_quaternion, module_poses, turned_about_vertical
+from laticauda.kinematics.space import (
+    ModulePoses,
+    from_quaternion,
+    module_poses,
+    to_quaternion,
+    turned_about_vertical,
+)
 
 __all__ = [
     "ModulePoses",
@@ -30,6 +36,7 @@ __all__ = [
     "link_ends",
     "link_velocities",
     "module_poses",
+    "to_quaternion",
     "trailing_edge",
     "trailing_edge_velocity",
     "turned_about_vertical",

@@ -78,6 +78,29 @@ def from_quaternion(w: float, x: float, y: float, z: float) -> Float[np.ndarray,
     )
 
 
+def to_quaternion(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float, float]:
+    """The unit quaternion (w, x, y, z) of a rotation; no rotation for numbers that are not finite.
+
+    Args:
+        rotation: A rotation matrix [-].
+    """
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    outer = np.array(  # q q', of which the column with the largest diagonal loses no digits
+        [
+            [1.0 + a + e + i, h - f, c - g, d - b],
+            [h - f, 1.0 + a - e - i, b + d, c + g],
+            [c - g, b + d, 1.0 - a + e - i, f + h],
+            [d - b, c + g, f + h, 1.0 - a - e + i],
+        ]
+    )
+    column = outer[int(np.argmax(outer.diagonal()))]
+    size = float(np.linalg.norm(column))
+    if not np.isfinite(size) or size == 0.0:
+        return 1.0, 0.0, 0.0, 0.0
+    w, x, y, z = (column / size).tolist()
+    return w, x, y, z
+
+
 def _turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
     c, s = np.cos(angle), np.sin(angle)
     if axis == "yaw":

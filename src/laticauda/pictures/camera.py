@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import Robot
-from laticauda.spatial.mjcf import center_of_mass
+from laticauda.spatial.bodies import center_of_mass
 from laticauda.trial import Trial
 
 VIEW_DEG = 36.0  # vertical angle of view

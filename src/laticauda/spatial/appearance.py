@@ -5,13 +5,13 @@ Shapes have no mass; the bodies have their own. Collision shapes are in group 3,
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.extras import load_mujoco
-from laticauda.robot import CaudalFin, Module, Robot
-from laticauda.spatial.fin import fin_bodies
+from laticauda.robot import CaudalFin, Module, Piece, Robot
+from laticauda.spatial.bodies import fin_bodies
 from laticauda.spatial.meshes import Mesh, joined, loft
 
 SEEN, HULL = 1, 3  # groups
@@ -65,15 +65,21 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
         files: A mesh file per module, or none for the shapes made here.
         visuals: Whether there are shapes to see, besides those to collide with.
     """
-    library = _Library(model)
+    library, kind = _Library(model), load_mujoco().mjtGeom
     for i, module in enumerate(robot.modules):
-        body = model.body(f"module_{i}")
-        is_head = i == robot.n_links - 1
-        _hull(body, f"module_{i}_hull", library.file(files[i]) if files else library.made("hull", module, hull))
-        if visuals and files:
-            _seen(body, library.file(files[i]), "head" if is_head else "housing")
-        elif visuals:
-            _add_module(library, body, module, is_head=is_head, is_tail=i == 0)
+        body, is_head = model.body(f"module_{i}"), i == robot.n_links - 1
+        mesh = library.file(files[i]) if files else library.made("hull", module, hull)
+        body.add_geom(name=f"module_{i}_hull", type=kind.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
+        if not visuals:
+            continue
+        looks = {"head" if is_head else "housing": mesh}
+        if not files:
+            looks = {what: library.made(what, module, build) for what, build in parts(is_head=is_head).items()}
+        for material, mesh in looks.items():
+            body.add_geom(type=kind.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
+        if i and not files:  # the bellows in front of the joint on the tail side
+            high, wide = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
+            body.add_geom(type=kind.mjGEOM_ELLIPSOID, size=(wide, wide, high), material="bellows", **UNTOUCHED)
     if robot.caudal_fin is not None:
         _add_fin(model, robot.caudal_fin, visuals=visuals)
 
@@ -104,17 +110,9 @@ class _Library:
         return self._names[key]
 
 
-def _add_module(library: _Library, body: Any, module: Module, *, is_head: bool, is_tail: bool) -> None:
-    """Housings with their bands, and the bellows in front of the joint on the tail side."""
-    if is_head:
-        _seen(body, library.made("head", module, head), "head")
-        _seen(body, library.made("collar", module, collar), "collar")
-    else:
-        _seen(body, library.made("housing", module, housing), "housing")
-        _seen(body, library.made("band", module, bands), "band")
-    if not is_tail:
-        a, b = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
-        body.add_geom(type=load_mujoco().mjtGeom.mjGEOM_ELLIPSOID, size=(b, b, a), material="bellows", **UNTOUCHED)
+def parts(*, is_head: bool) -> dict[str, Callable[[Module], Mesh]]:
+    """What a module is made of, by material."""
+    return {"head": head, "collar": collar} if is_head else {"housing": housing, "band": bands}
 
 
 def hull(module: Module) -> Mesh:
@@ -172,41 +170,47 @@ def _housings(module: Module) -> list[tuple[float, float]]:
     return [(k * pitch + 0.5 * gap, (k + 1) * pitch - 0.5 * gap) for k in range(n)]
 
 
-def seen_opening(fin: CaudalFin) -> float:
+class Box(NamedTuple):
+    """A part of the fin, in the frame of its piece."""
+
+    half_size: tuple[float, float, float]
+    """[m]."""
+    position: tuple[float, float, float]
+    """Of its middle [m]."""
+
+
+def plate(fin: CaudalFin, piece: Piece) -> Box | None:
+    """What is there of a piece of the fin behind the opening; None if nothing is."""
+    begin = max(_opening(fin), piece.begin)
+    return _box(fin, piece, begin, piece.end, 0.0, 0.5) if begin < piece.end else None
+
+
+def rods(fin: CaudalFin, piece: Piece) -> list[Box]:
+    """The two that hold the plate, beside the opening."""
+    end = min(_opening(fin), piece.end)
+    return [_box(fin, piece, piece.begin, end, 0.4 * sign, 0.06) for sign in (-1.0, 1.0) if piece.begin < end]
+
+
+def _opening(fin: CaudalFin) -> float:
     """Length of the opening that is seen [m]: none if it is closed, or too short for a shape."""
     return 0.0 if fin.opening == "closed" or fin.opening_length < SHORTEST else fin.opening_length
 
 
+def _box(fin: CaudalFin, piece: Piece, begin: float, end: float, up: float, half: float) -> Box:
+    """From `begin` to `end` behind the root; `up` and `half` as shares of the fin's height."""
+    half_size = (0.5 * (end - begin), 0.5 * fin.thickness, half * fin.height)
+    return Box(half_size, (piece.begin - 0.5 * (begin + end), 0.0, up * fin.height))
+
+
 def _add_fin(model: Any, fin: CaudalFin, *, visuals: bool) -> None:
-    """A plate, in pieces if it bends, open near its root: there two rods hold it."""
-    inner = seen_opening(fin)
-    for name, piece in fin_bodies(fin):
-        body = model.body(name)
-        if piece.end > inner:
-            plate = _box(fin, piece.begin, max(inner, piece.begin), piece.end, 0.0, 0.5 * fin.height)
-            body.add_geom(name=f"{name}_hull", group=HULL, **TOUCHES_WORLD, **plate)
+    box = load_mujoco().mjtGeom.mjGEOM_BOX
+    for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True):
+        there, behind = model.body(body.name), plate(fin, piece)
+        if behind is not None:
+            size, pos = behind
+            there.add_geom(name=f"{body.name}_hull", group=HULL, type=box, size=size, pos=pos, **TOUCHES_WORLD)
             if visuals:
-                body.add_geom(name=f"{name}_shape", material="fin", **UNTOUCHED, **plate)
-        if visuals and piece.begin < inner:
-            for sign in (-1.0, 1.0):
-                rod = _box(
-                    fin, piece.begin, piece.begin, min(inner, piece.end), 0.4 * sign * fin.height, 0.06 * fin.height
-                )
-                body.add_geom(material="fin", **UNTOUCHED, **rod)
-
-
-def _box(fin: CaudalFin, origin: float, begin: float, end: float, up: float, half_height: float) -> dict[str, Any]:
-    """A part of the plate, from `begin` to `end` behind the root, in a frame that is `origin` behind it."""
-    return {
-        "type": load_mujoco().mjtGeom.mjGEOM_BOX,
-        "size": (0.5 * (end - begin), 0.5 * fin.thickness, half_height),
-        "pos": (origin - 0.5 * (begin + end), 0.0, up),
-    }
-
-
-def _hull(body: Any, name: str, mesh: str) -> None:
-    body.add_geom(name=name, type=load_mujoco().mjtGeom.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
-
-
-def _seen(body: Any, mesh: str, material: str) -> None:
-    body.add_geom(type=load_mujoco().mjtGeom.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
+                name = f"{body.name}_shape"
+                there.add_geom(name=name, material="fin", type=box, size=size, pos=pos, **UNTOUCHED)
+        for size, pos in rods(fin, piece) if visuals else ():
+            there.add_geom(material="fin", type=box, size=size, pos=pos, **UNTOUCHED)

@@ -1,11 +1,6 @@
 """A Robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the place that it is in.
 
-Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at its tail end, x toward the
-head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
-(pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
-positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is
-driven. If it bends, piece k of it is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
-The fin's angles count as those of the body do: positive ones turn what is behind the hinge to the right.
+Bodies and joints are those of `spatial.bodies`; the robot's masses and numbers are exactly there.
 
 World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In both the robot begins straight along x with
 its tail end at x = y = 0.
@@ -18,17 +13,15 @@ from typing import Any, Literal
 
 from laticauda.errors import instance, one_of
 from laticauda.extras import load_mujoco
-from laticauda.robot import CaudalFin, Environment, Ground, Joint, Module, Piece, Robot, Water, check_fits
+from laticauda.robot import Environment, Ground, Joint, Module, Robot, Water, check_fits
 from laticauda.spatial import appearance, scene
-from laticauda.spatial.fin import fin_bodies
+from laticauda.spatial.bodies import bodies, mounts
 
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")
 TIMESTEP = 2e-3  # [s]
 # Where a robot starts whose water gives no depth: far from surface and floor, as seen by the planar model [m].
 DEPTH = 0.5
-AXES = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}
-FIN_AXIS = (0.0, 0.0, -1.0)  # its bodies hang behind their hinges, those of the body ahead
 
 
 def spec(
@@ -82,7 +75,7 @@ def spec(
     if visuals:
         appearance.add_materials(model)
     scene.add(model, environment, tank=tank, ground=ground, visuals=visuals)
-    _add_chain(model, robot, start_height(robot, environment, ground), root)
+    _add_bodies(model, robot, start_height(robot, environment, ground), root)
     appearance.add_shapes(model, robot, files, visuals=visuals)
     if sensors:
         _add_sensors(model, robot)
@@ -110,46 +103,6 @@ def start_height(robot: Robot, environment: Environment, ground: str | None = No
     return highest + (scene.SHORE_HEIGHT if ground == "ramp" else 0.0)
 
 
-def center_of_mass(robot: Robot) -> float:
-    """Center of mass of the straight robot from its tail end, on its axis [m]."""
-    moment, behind = 0.0, 0.0
-    for module in robot.modules:
-        moment += module.mass * (behind + module.half_length + module.center)
-        behind += module.length
-    if robot.caudal_fin is not None:
-        moment -= robot.caudal_fin.mass * 0.5 * robot.caudal_fin.length
-    return moment / robot.mass
-
-
-def inertia_of(module: Module) -> tuple[float, tuple[float, float, float]]:
-    """Where a module has its center of mass on its x axis [m], and its moments of inertia there [kg m^2]."""
-    m, a, b = module.mass, module.section.half_height, module.section.half_width
-    return module.half_length + module.center, moments(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
-
-
-def fin_inertia(fin: CaudalFin, piece: Piece) -> tuple[float, tuple[float, float, float]]:
-    """The same for a piece of the fin."""
-    m = piece.mass
-    rod = m * piece.length**2 / 12.0  # as the planar model has it
-    return -0.5 * piece.length, moments(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)
-
-
-def moments(vertical: float, across: float, above: float) -> tuple[float, float, float]:
-    """Moments of inertia of a body about its x, y and z axis, of which z has to be exact [kg m^2].
-
-    With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the robot's own, s_y and
-    s_z are those of the body's section, and s_x is what is left for it. So a robot that is planar in its numbers (thin
-    rods) still has the roll and the pitch of its section, and no combination of numbers is an impossible body.
-
-    Args:
-        vertical: I_z [kg m^2].
-        across: s_y of the section; at most half of I_z counts [kg m^2].
-        above: s_z of the section [kg m^2].
-    """
-    across = min(across, 0.5 * vertical)
-    return across + above, vertical - across + above, vertical
-
-
 def _empty(robot: Robot) -> Any:
     """A model with nothing in it, in SI units and radians, without MuJoCo's own water."""
     model = load_mujoco().MjSpec()
@@ -160,28 +113,32 @@ def _empty(robot: Robot) -> Any:
     return model
 
 
-def _add_chain(model: Any, robot: Robot, height: float, root: str) -> None:
+def _add_bodies(model: Any, robot: Robot, height: float, root: str) -> None:
     """All bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
-    body = model.worldbody
-    for i, module in enumerate(robot.modules):
-        ahead = robot.modules[i - 1].length if i else 0.0
-        body = body.add_body(name=f"module_{i}", pos=(ahead, 0.0, 0.0) if i else (0.0, 0.0, height))
-        if i == 0:
+    kind = load_mujoco().mjtJoint
+    for one in bodies(robot):
+        parent = model.body(one.parent) if one.parent else model.worldbody
+        body = parent.add_body(name=one.name, pos=one.position if one.parent else (0.0, 0.0, height))
+        body.mass, body.inertia, body.ipos, body.explicitinertial = one.mass, one.inertia, (one.center, 0.0, 0.0), True
+        if not one.parent:
             _add_root(body, root)
-        else:
-            _add_joint(body, i - 1, robot.joints[i - 1])
-        _set_module(body, i, module)
-    if robot.caudal_fin is not None:  # after the modules, so that their joints come first
-        _add_fin(model.body("module_0"), robot.caudal_fin)
-    for kind, effectors in (("thruster", robot.thrusters), ("pectoral_fin", robot.pectoral_fins)):
-        for k, effector in enumerate(effectors):
-            half_length = robot.modules[effector.link].half_length
-            half = 0.5 * effector.angle
-            model.body(f"module_{effector.link}").add_site(
-                name=f"{kind}_{k}",
-                pos=(half_length + effector.x, effector.y, 0.0),
-                quat=(math.cos(half), 0.0, 0.0, math.sin(half)),
+        if one.joint is not None:
+            limit = one.joint.limit if isinstance(one.joint, Joint) else None
+            body.add_joint(
+                name=one.joint_name,
+                type=kind.mjJNT_HINGE,
+                axis=one.axis,
+                stiffness=_linear(one.joint.stiffness),
+                damping=_linear(one.joint.damping),
+                **({} if limit is None else {"range": (-limit, limit), "limited": True}),
             )
+        if isinstance(one.part, Module):
+            body.add_site(name=f"{one.name}_center", pos=(one.part.half_length, 0.0, 0.0))
+            body.add_site(name=f"{one.name}_tail")
+    for mount in mounts(robot):
+        half = 0.5 * mount.angle
+        turned = (math.cos(half), 0.0, 0.0, math.sin(half))
+        model.body(mount.body).add_site(name=mount.name, pos=mount.position, quat=turned)
 
 
 def _add_root(body: Any, root: str) -> None:
@@ -192,52 +149,6 @@ def _add_root(body: Any, root: str) -> None:
     body.add_joint(name="root_x", type=kind.mjJNT_SLIDE, axis=(1.0, 0.0, 0.0))
     body.add_joint(name="root_y", type=kind.mjJNT_SLIDE, axis=(0.0, 1.0, 0.0))
     body.add_joint(name="root_yaw", type=kind.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
-
-
-def _add_joint(body: Any, index: int, joint: Joint) -> None:
-    _add_driven(body, f"joint_{index}", joint, AXES[joint.axis])
-
-
-def _add_driven(body: Any, name: str, joint: Joint, axis: tuple[float, float, float]) -> None:
-    body.add_joint(
-        name=name,
-        type=load_mujoco().mjtJoint.mjJNT_HINGE,
-        axis=axis,
-        range=(-joint.limit, joint.limit),
-        limited=True,
-        stiffness=_linear(joint.stiffness),
-        damping=_linear(joint.damping),
-    )
-
-
-def _set_module(body: Any, index: int, module: Module) -> None:
-    _set_inertia(body, module.mass, *inertia_of(module))
-    body.add_site(name=f"module_{index}_center", pos=(module.half_length, 0.0, 0.0))
-    body.add_site(name=f"module_{index}_tail")
-
-
-def _add_fin(tail: Any, fin: CaudalFin) -> None:
-    """The first piece has the frame of module 0; all extend to -x."""
-    body, ahead = tail, 0.0
-    for k, (name, piece) in enumerate(fin_bodies(fin)):
-        body = body.add_body(name=name, pos=(-ahead, 0.0, 0.0))
-        _set_inertia(body, piece.mass, *fin_inertia(fin, piece))
-        ahead = piece.length
-        if piece.hinge is not None:
-            body.add_joint(
-                name=f"fin_hinge_{k}",
-                type=load_mujoco().mjtJoint.mjJNT_HINGE,
-                axis=FIN_AXIS,
-                stiffness=_linear(piece.hinge.stiffness),
-                damping=_linear(piece.hinge.damping),
-            )
-        elif fin.joint is not None:
-            _add_driven(body, "fin_joint", fin.joint, FIN_AXIS)
-
-
-def _set_inertia(body: Any, mass: float, center: float, inertia: tuple[float, float, float]) -> None:
-    body.mass, body.inertia, body.ipos = mass, inertia, (center, 0.0, 0.0)
-    body.explicitinertial = True
 
 
 def _add_sensors(model: Any, robot: Robot) -> None:

@@ -11,6 +11,7 @@ from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Ground, Joint, Robot, has_power_model
 from laticauda.spatial import mjcf, rows, scene, stepping
+from laticauda.spatial.bodies import center_of_mass
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class Twin:
         self._data = mujoco.MjData(self.model)
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
-        self.center = mjcf.center_of_mass(robot)
+        self.center = center_of_mass(robot)
         self.joints = np.array(_joint_rows(robot, plant.joints)).reshape(-1, rows.JOINT_SIZE)
         self.water = self._attach(plant)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.

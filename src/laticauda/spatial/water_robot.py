@@ -23,11 +23,11 @@ from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.ground import SINK, Contact
 from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water, law_of
-from laticauda.spatial.fin import fin_bodies
+from laticauda.spatial.bodies import fin_bodies
 
 
 def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
-    """The elements of a robot, on the bodies that `spatial.mjcf.spec` makes.
+    """The elements of a robot, on the bodies that `spatial.bodies` names.
 
     Args:
         robot: What swims.
@@ -118,7 +118,7 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
 def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Element]:
     h = 0.5 * fin.height
     found: list[Element] = []
-    bodies = fin_bodies(fin)
+    bodies = [(body.name, piece) for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True)]
     for k in range(c.mass.size):
         body, piece = next((body, piece) for body, piece in bodies if -float(c.position[k]) < piece.end)
         c_t, c_n, mu_n, d = float(c.c_t[k]), float(c.c_n[k]), float(c.mu_n[k]), 2.0 * float(c.half_length[k])
@@ -165,8 +165,7 @@ def _effectors(robot: Robot, environment: Environment) -> list[Element]:
         mass = environment.density * float(np.pi) * half_height**2
         body, behind = "module_0", 0.0
         if fin:
-            body, piece = fin_bodies(fin)[-1]
-            behind = piece.length
+            body, behind = fin_bodies(fin)[-1].name, fin.pieces[-1].length
         found.append(Element(body=body, position=(-behind, 0.0, 0.0), wake_mass=mass))
     return found
 

@@ -18,6 +18,7 @@ from laticauda.errors import instance, not_negative, positive
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, StateEstimator
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
+from laticauda.kinematics import to_quaternion
 from laticauda.logs import Recorder
 from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
 from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS, pack, topic_of
@@ -122,7 +123,7 @@ class OperationRecorder:
             rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
             self._recorder.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
         elif isinstance(sample, PoseSample) and not sample.is_lost:
-            turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else _quaternion(sample.rotation)
+            turned = (1.0, 0.0, 0.0, 0.0) if sample.rotation is None else to_quaternion(sample.rotation)
             self._recorder.pose("/mocap/body", time, sample.position.tolist(), turned)
         elif isinstance(sample, PowerReading):
             self._recorder.scalar("/power/current", time, sample.current, unit="A")
@@ -195,22 +196,3 @@ class OperationRecorder:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
-
-
-def _quaternion(rotation: np.ndarray) -> tuple[float, float, float, float]:
-    """w, x, y, z of a rotation matrix, by the column of q q' whose diagonal is the largest; for pictures."""
-    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
-    outer = np.array(
-        [
-            [1.0 + a + e + i, h - f, c - g, d - b],
-            [h - f, 1.0 + a - e - i, b + d, c + g],
-            [c - g, b + d, 1.0 - a + e - i, f + h],
-            [d - b, c + g, f + h, 1.0 - a - e + i],
-        ]
-    )
-    column = outer[int(np.argmax(outer.diagonal()))]
-    size = float(np.linalg.norm(column))
-    if not math.isfinite(size) or size == 0.0:
-        return 1.0, 0.0, 0.0, 0.0
-    w, x, y, z = (column / size).tolist()
-    return w, x, y, z
