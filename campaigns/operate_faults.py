@@ -40,7 +40,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.lab import Fault, LabSettings, Tank, World
+from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
@@ -164,7 +164,7 @@ def run_one(seed: int, folder: Path, *, rate: float = 50.0, duration: float = 30
     outcome = Outcome(seed=seed, tried=sorted({*(fault.kind for fault in faults), *ours}))
     robot = what.body()
     start = lc.Start(center_of_mass=(0.0, chance.uniform(-1.5, 1.5)), heading=chance.uniform(-0.5, 0.5))
-    world = World(robot, lc.plant(robot, what.pool(), joints="servo"), start)
+    world = VirtualRobot(robot, lc.plant(robot, what.pool(), joints="servo"), start)
     tank = Computer(world, LabSettings(seed=seed), faults)
     operator = Operator(operation=what)
     path = folder / f"{seed}.mcap"

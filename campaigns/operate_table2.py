@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.lab import LabSettings, Tank, World
+from laticauda.lab import LabSettings, Tank, VirtualRobot
 from laticauda.operate.series import Series, run_series, table2
 from laticauda.operate.session import Result, operate_stepped
 from laticauda.operate.settings import Operation
@@ -43,7 +43,7 @@ def operated(operation: Operation, folder: Path) -> Result:
     heading = operation.start.heading + TURNED * float(chance.standard_normal())
     robot = operation.body()
     servos = lc.plant(robot, operation.pool(), joints="servo")
-    world = World(robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading))
+    world = VirtualRobot(robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading))
     twin = lc.plant(robot, operation.pool(), joints="servo")
     return operate_stepped(operation, folder, Tank(world, LabSettings(seed=seed)), twin=twin, frames=False)
 

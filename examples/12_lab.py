@@ -9,7 +9,7 @@ network port and a serial line between them; on the robot, `laticauda operate` i
 from math import degrees, radians
 
 import laticauda as lc
-from laticauda.lab import Fault, LabSettings, Tank, World
+from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Following, Operation
@@ -33,7 +33,7 @@ def operated(*faults: Fault) -> None:
     """Run it in a tank with these faults, and say what happened."""
     robot = operation.body()
     plant = lc.plant(robot, operation.pool(), joints="servo")
-    tank = Tank(World(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))), LabSettings(seed=1), faults)
+    tank = Tank(VirtualRobot(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))), LabSettings(seed=1), faults)
 
     def show(state, outputs) -> None:
         for event in outputs.events:

@@ -1,6 +1,6 @@
 """A tank without wires and without chance, for tests."""
 
-from laticauda.lab import LabSettings, MocapSettings, NodeSettings, Tank, World
+from laticauda.lab import LabSettings, MocapSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.protocol import NodeCommand, Order, Sync, decode, encode, references
 from laticauda.robot import load_robot, load_water
 from laticauda.simulate import plant
@@ -63,4 +63,6 @@ class Operator:
 
 def make_tank(settings=EXACT, model="planar", faults=()):
     robot = load_robot("mamba-modules")
-    return Tank(World(robot, plant(robot, load_water("paper-lateral"), model=model, joints="servo")), settings, faults)
+    return Tank(
+        VirtualRobot(robot, plant(robot, load_water("paper-lateral"), model=model, joints="servo")), settings, faults
+    )

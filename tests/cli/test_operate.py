@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli import main
-from laticauda.lab import Lab, LabSettings, NodeSettings, Tank, World
+from laticauda.lab import Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.protocol import bus_address
 
 TRIAL = """
@@ -38,7 +38,7 @@ straighten_time = 1
 @pytest.fixture
 def lab():
     robot = lc.load_robot("mamba")
-    world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"), lc.Start(heading=0.1))
+    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"), lc.Start(heading=0.1))
     settings = LabSettings(seed=2, nodes=NodeSettings(startup_time=0.1, calibration_time=0.1))
     return Lab(Tank(world, settings), bus=bus_address("virtual:cli-operate"), port=0)
 

@@ -64,13 +64,13 @@ def test_a_quaternion_about_the_vertical_is_that_turn(angle):
 
 def test_a_spatial_body_is_where_its_model_has_it():
     from laticauda.interfaces import Start
-    from laticauda.lab.world import World
+    from laticauda.lab.virtual_robot import VirtualRobot
     from laticauda.robot import load_water
     from laticauda.simulate import plant
 
     robot = load_robot("mamba-modules")
     body = plant(robot, load_water("paper-lateral"), model="spatial", joints="servo")
-    world = World(robot, body, Start(center_of_mass=(0.5, 0.2), heading=0.7))
+    world = VirtualRobot(robot, body, Start(center_of_mass=(0.5, 0.2), heading=0.7))
     references = 0.3 * np.sin(np.arange(18.0))
     for _ in range(50):
         world.advance(references, np.ones(18, dtype=bool), 0.01)

@@ -19,7 +19,7 @@ def tank():
 
 
 def electronics(tank, settings: LabSettings = EXACT) -> Electronics:
-    return Electronics(tank.world.robot, settings, np.random.default_rng(0))
+    return Electronics(tank.body.robot, settings, np.random.default_rng(0))
 
 
 def test_the_constants_are_those_that_were_chosen():
@@ -49,7 +49,7 @@ def test_a_hot_motor_cools_by_its_time_constant_to_the_water(tank):
 
 def test_a_stalled_motor_heats_until_the_water_takes_what_its_winding_gives(tank):
     found = electronics(tank)
-    actuator = tank.world.robot.joints[0].actuator
+    actuator = tank.body.robot.joints[0].actuator
     stalled = tank.truth.joint_angle + 10.0  # the reference is far away, and the joint stands
     for _ in range(4000):
         found.advance(tank.truth, stalled, ON, OFF, 0.5)

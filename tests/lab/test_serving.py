@@ -57,7 +57,7 @@ def test_a_lab_answers_on_all_of_its_wires(lab):
             assert line.read_until(b"\r").startswith(b"FLUKE 289,")
             line.write(b"\xff\x00garbage\r")
             assert line.read_until(b"\r") == b"1\r"
-        assert lab.ask(lambda tank: tank.time) > 0.3
+        assert lab.call(lambda tank: tank.time) > 0.3
 
 
 def test_time_goes_on_at_the_speed_that_was_asked_for_or_the_lag_is_told(lab):

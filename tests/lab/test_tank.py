@@ -37,7 +37,7 @@ def test_the_robot_swims_over_the_bus_as_it_swims_in_simulation(operator):
     begin = operator.tank.truth.center_of_mass
     swum(operator, 3.0)
     gone = np.linalg.norm(operator.tank.truth.center_of_mass - begin) / 3.0
-    trial = swim(operator.tank.world.robot, GAIT, environment=load_water("paper-lateral"), joints="servo", duration=3.0)
+    trial = swim(operator.tank.body.robot, GAIT, environment=load_water("paper-lateral"), joints="servo", duration=3.0)
     assert gone == pytest.approx(trial.forward_velocity, rel=0.01)
     # Above idle: what the meter's supply gives, against what the servos take.
     taken = operator.tank.truth.electrical_work / 3.0
@@ -53,14 +53,14 @@ def test_the_same_calls_and_seed_give_the_same_frames():
 
 def test_the_tail_and_the_joints_give_back_the_center_of_mass(operator):
     operator.ready()
-    operator.tank.seen()
+    operator.tank.captured()
     swum(operator, 1.0)
     truth, tank = operator.tank.truth, operator.tank
-    frame = tank.seen()[-1]
+    frame = tank.captured()[-1]
     assert frame.timestamp == pytest.approx(tank.time)
     (body,) = frame.bodies
     angle = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
-    robot = tank.world.plant.robot
+    robot = tank.body.plant.robot
     links = link_angles(truth.joint_angle[::2], angle=angle, link=0)
     found = center_from_marker(robot, body.position[:2], links, link=0)
     np.testing.assert_allclose(found, truth.center_of_mass[:2], atol=1e-9)
@@ -71,16 +71,16 @@ def test_outside_the_cameras_volume_the_body_is_lost(operator):
     tank = operator.tank
     tank.carry(Start(center_of_mass=(0.0, 0.0)))
     tank.advance(0.1)
-    assert all(body is not None for frame in tank.seen() for body in frame.bodies)
+    assert all(body is not None for frame in tank.captured() for body in frame.bodies)
     tank.carry(Start(center_of_mass=(0.0, 2.8)))  # half of 5.45 m is 2.725 m
     tank.advance(0.1)
-    assert all(body is None for frame in tank.seen() for body in frame.bodies)
+    assert all(body is None for frame in tank.captured() for body in frame.bodies)
 
 
 def test_noise_is_what_the_settings_say():
     tank = make_tank(LabSettings(mocap=replace(LabSettings().mocap, reflection_share=0.0, lost_share=0.0)))
     tank.advance(4.0)
-    frames = tank.seen()
+    frames = tank.captured()
     assert len(frames) == pytest.approx(396, abs=12)  # 1 % never come
     positions = np.array([frame.bodies[0].position for frame in frames])
     np.testing.assert_allclose(positions.std(axis=0), 0.001, rtol=0.15)
@@ -92,10 +92,10 @@ def test_reflections_are_rare_at_the_papers_depth_and_common_near_the_surface():
     def share(depth):
         exact = EXACT.mocap
         tank = make_tank(replace(EXACT, mocap=replace(exact, reflection_share=0.5)))
-        tank.world.depth = depth
+        tank.body.depth = depth
         tank.carry(Start())
         tank.advance(2.0)
-        bodies = [frame.bodies[0] for frame in tank.seen()]
+        bodies = [frame.bodies[0] for frame in tank.captured()]
         return np.mean([body.residual > 1e-6 for body in bodies])
 
     assert share(0.15) < 0.02
@@ -175,17 +175,17 @@ def test_a_late_computer_is_heard_late(operator, straight):
 def test_cameras_and_meter_can_fail(operator):
     tank = operator.tank
     tank.advance(0.5)
-    tank.seen()
+    tank.captured()
     tank.inject(Fault(kind="mocap_silent", duration=1.0))
     tank.inject(Fault(kind="meter_silent", duration=1.0))
     tank.advance(0.2)
-    tank.seen()
+    tank.captured()
     tank.advance(0.1)
-    assert (tank.seen(), tank.answer("QM")) == ([], b"")
+    assert (tank.captured(), tank.answer("QM")) == ([], b"")
     tank.faults.clear()
     tank.inject(Fault(kind="body_lost"))
     tank.advance(0.1)
-    frames = tank.seen()
+    frames = tank.captured()
     assert len(frames) > 5
     assert all(frame.bodies == (None,) for frame in frames[2:])
     assert tank.answer("QM").startswith(b"0\r")
@@ -208,7 +208,7 @@ def test_a_spatial_world_does_the_same():
     heard = swum(operator, 1.0)
     truth = operator.tank.truth
     assert np.linalg.norm(truth.center_of_mass - begin) > 0.01
-    frame = operator.tank.seen()[-1]
+    frame = operator.tank.captured()[-1]
     np.testing.assert_allclose(frame.bodies[0].position, truth.modules.position[0])
     answers = [m for m in heard if isinstance(m, JointState)][-18:]
     np.testing.assert_allclose([m.angle for m in answers], truth.joint_angle, atol=0.05)
@@ -218,23 +218,23 @@ def test_a_spatial_world_does_the_same():
 def test_the_truth_is_a_trial(operator):
     operator.ready()
     swum(operator, 1.0)
-    trial = operator.tank.world.trial("0")
+    trial = operator.tank.body.trial("0")
     assert trial.time[-1] == pytest.approx(operator.tank.time, abs=0.06)
     np.testing.assert_allclose(trial.center_of_mass[-1], operator.tank.truth.center_of_mass[:2], atol=0.02)
 
 
 def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
-    from laticauda.lab import World
+    from laticauda.lab import VirtualRobot
     from laticauda.robot import load_robot
     from laticauda.simulate import plant
 
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     with pytest.raises(ValueError, match=r"`plant` must have `servo` joints, got 'prescribed'\."):
-        World(robot, plant(robot, water))
+        VirtualRobot(robot, plant(robot, water))
     from laticauda.lab import Tank
 
     many = load_robot("mamba", 20)
     with pytest.raises(ValueError, match=r"`robot` must have 1 to 18 joints, got 19\."):
-        Tank(World(many, plant(many, water, joints="servo")))
+        Tank(VirtualRobot(many, plant(many, water, joints="servo")))
     with pytest.raises(ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"):
-        World(load_robot("mamba-modules"), plant(robot, water, joints="servo"))
+        VirtualRobot(load_robot("mamba-modules"), plant(robot, water, joints="servo"))

@@ -21,7 +21,7 @@ def looked(observer, view, operator, angles, n):
     for _ in range(n):
         messages = operator.cycle(angles) if angles is not None else idle(operator)
         now = operator.tank.time
-        frames = [(now, _sample(frame)) for frame in operator.tank.seen()]
+        frames = [(now, _sample(frame)) for frame in operator.tank.captured()]
         view = observer.step(view, now, [(now, message) for message in messages if message is not None], frames)
     return view
 
@@ -33,7 +33,7 @@ def idle(operator):
 
 def test_an_observer_knows_where_the_robot_is_and_how_it_is_bent():
     operator, observer = Operator(make_tank()).ready(), PassiveObserver(robot=ROBOT)
-    operator.tank.seen()
+    operator.tank.captured()
     angles = [0.2 * math.sin(0.8 * k) for k in range(ROBOT.n_joints)]
     view = looked(observer, observer.init(operator.tank.time), operator, angles, 150)
     truth, found = operator.tank.truth, observer.estimate(view, operator.tank.time)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, World
+from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
@@ -55,7 +55,7 @@ def operation(**changes) -> Operation:
 
 def tank(*faults: Fault) -> Tank:
     robot = lc.load_robot("mamba")
-    world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
     nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
     return Tank(world, LabSettings(seed=1, nodes=nodes), faults)
 
@@ -83,7 +83,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     with lab as addresses:
         what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW)
         result = operate(what, tmp_path, clock=Clock())
-        assert lab.ask(is_limp)
+        assert lab.call(is_limp)
     assert result.accepted, result.reason
     assert result.trial is not None
     assert lc.load_trial(tmp_path / "session.nc").equals(result.trial)
@@ -109,8 +109,8 @@ def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
     with lab as addresses, keys:
         what = operation(connection=at(addresses, "session-b"), rate=20.0, calibration=SLOW, duration=30.0)
         result = operate(what, tmp_path, clock=Clock(), keys=keys, show=show)
-        assert lab.ask(is_limp)
-        assert lab.ask(lambda tank: abs(tank.truth.joint_angle).max()) < math.radians(6)
+        assert lab.call(is_limp)
+        assert lab.call(lambda tank: abs(tank.truth.joint_angle).max()) < math.radians(6)
     assert not result.accepted
     assert result.reason == "The run was ended: the operator stopped the run."
 
@@ -248,7 +248,7 @@ def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_n
     )
     turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
     robot = turning.body()
-    swum = Tank(World(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1))
+    swum = Tank(VirtualRobot(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1))
     stalled, longest = np.zeros(8), 0.0
 
     def show(state, outputs):
@@ -285,15 +285,15 @@ class Jumping(Tank):
     dark = 0.0
     """How long before the jump nothing is sent [s]."""
 
-    def seen(self):
-        found = [frame for frame in super().seen() if not self.at - self.dark < frame.timestamp < self.at]
+    def captured(self):
+        found = [frame for frame in super().captured() if not self.at - self.dark < frame.timestamp < self.at]
         late = [replace(frame, timestamp=frame.timestamp - self.by) for frame in found if frame.timestamp >= self.at]
         return [frame for frame in found if frame.timestamp < self.at] + late
 
 
 def jumping(at: float, by: float, dark: float) -> Jumping:
     robot = lc.load_robot("mamba")
-    world = World(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
     swum = Jumping(world, LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)))
     swum.at, swum.by, swum.dark = at, by, dark
     return swum

@@ -114,13 +114,13 @@ class LabCommand:
         if self.save is not None:
             from laticauda.packaging import __version__
 
-            tank.world.trial(__version__).save(self.save)
+            tank.body.trial(__version__).save(self.save)
         return 0
 
     def _tank(self) -> "Tank":
         """The tank that is asked for, its kernels compiled."""
         from laticauda.interfaces import Start
-        from laticauda.lab import LabSettings, Tank, World, load_faults
+        from laticauda.lab import LabSettings, Tank, VirtualRobot, load_faults
         from laticauda.simulate import needs_compiling, plant
 
         robot = load_robot(ROBOT if self.body.robot is None else self.body.robot)
@@ -136,7 +136,7 @@ class LabCommand:
             print(COMPILING, file=sys.stderr, flush=True)
         chosen = {name: value for name, value in given(self.body).items() if name == "model"}
         body = plant(robot, water, joints="servo", **chosen)
-        return Tank(World(robot, body, start, depth=settings.mocap.depth), settings, faults)
+        return Tank(VirtualRobot(robot, body, start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: "LabAddresses", tank: "Tank") -> None:
         if addresses.mocap_host not in ("127.0.0.1", "localhost", "::1"):
@@ -166,7 +166,7 @@ def _listen(lab: "Lab") -> None:
     for line in _lines():
         if line.strip():
             try:
-                print(lab.ask(lambda tank, line=line: assist(tank, line)), file=sys.stderr, flush=True)
+                print(lab.call(lambda tank, line=line: assist(tank, line)), file=sys.stderr, flush=True)
             except ValueError as error:
                 print(error, file=sys.stderr, flush=True)
 

@@ -7,7 +7,7 @@ from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.lab.serving import Lab, LabAddresses
 from laticauda.lab.settings import LabSettings, MocapSettings, NodeSettings, SupplySettings
 from laticauda.lab.tank import Tank
-from laticauda.lab.world import Truth, World
+from laticauda.lab.virtual_robot import Truth, VirtualRobot
 
 __all__ = [
     "BODY",
@@ -26,7 +26,7 @@ __all__ = [
     "SupplySettings",
     "Tank",
     "Truth",
-    "World",
+    "VirtualRobot",
     "assist",
     "fault_from_words",
     "load_faults",

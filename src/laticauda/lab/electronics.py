@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.lab.nodes import Senses
 from laticauda.lab.settings import LabSettings
-from laticauda.lab.world import Truth
+from laticauda.lab.virtual_robot import Truth
 from laticauda.robot import Robot
 
 GRAVITY = 9.81  # m/s^2

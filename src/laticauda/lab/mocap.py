@@ -79,8 +79,8 @@ class Cameras:
             shift = shift + s.reflection_jump * noise[3]
             turn = turn + ROTATION_JUMP * noise[2]
             residual += 0.5 * float(np.linalg.norm(s.reflection_jump * noise[3]))
-        seen = self._frame.T @ (position + shift - np.array(s.frame))
-        return BodyPose(position=seen, rotation=self._frame.T @ _rotation(turn) @ rotation, residual=residual)
+        measured = self._frame.T @ (position + shift - np.array(s.frame))
+        return BodyPose(position=measured, rotation=self._frame.T @ _rotation(turn) @ rotation, residual=residual)
 
 
 def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:

@@ -128,14 +128,14 @@ class QtmServer:
         try:
             while data := await reader.read(65536):
                 for kind, payload in client.reader.feed(data):
-                    self._hear(client, kind, decode_text(payload))
+                    self._answer(client, kind, decode_text(payload))
         except (ProtocolError, OSError):
             pass  # whoever speaks something else is hung up on
         finally:
             self._clients.discard(client)
             writer.close()
 
-    def _hear(self, client: _Client, kind: int, text: str) -> None:
+    def _answer(self, client: _Client, kind: int, text: str) -> None:
         if kind != PacketType.COMMAND:
             client.send(encode_text("Parse error", PacketType.ERROR))
             return
@@ -174,11 +174,11 @@ class QtmServer:
         return encode_text("Version NOT supported", PacketType.ERROR)
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
-        asked = {word.lower() for word in words}
+        parts = {word.lower() for word in words}
         parts: list[str] = []
-        if asked & {"general", "all"}:
+        if parts & {"general", "all"}:
             parts.append(parameters_general(self.rate))
-        if asked & {"6d", "all"}:
+        if parts & {"6d", "all"}:
             parts.append(parameters_6d([BODY], [MARKERS]))
         return encode_text(parameters(*parts), PacketType.XML)
 

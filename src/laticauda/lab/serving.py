@@ -11,7 +11,7 @@ from laticauda.lab.qtm_server import LOOPBACK, QtmServer
 from laticauda.lab.serial_line import SerialLine
 from laticauda.lab.tank import Tank
 from laticauda.protocol import BusAddress, open_bus
-from laticauda.protocol.can import library
+from laticauda.protocol.can import python_can
 from laticauda.protocol.qtm import PORT
 
 WORST_LAG = 0.5  # s; a lab that is further behind its clock lets the clock wait
@@ -110,14 +110,14 @@ class Lab:
         if self._broken is not None:
             raise self._broken
 
-    def ask(self, question: Callable[[Tank], Any]) -> Any:
+    def call(self, function: Callable[[Tank], Any]) -> Any:
         """Let a function look at the tank, or change it, while time stands still; from any thread.
 
         Args:
-            question: Takes the tank.
+            function: Takes the tank.
         """
         with self._lock:
-            return question(self.tank)
+            return function(self.tank)
 
     def run(self, duration: float | None = None) -> None:
         """Let time go on.
@@ -143,7 +143,7 @@ class Lab:
                     self._send()
             wait = (self.tank.next_tick - now) / self.speed
             # With wait <= 0 there is a step to make; what has come meanwhile is heard all the same.
-            frame = self._heard(min(max(wait, 0.0), LONGEST_WAIT))
+            frame = self._received(min(max(wait, 0.0), LONGEST_WAIT))
             if frame is not None:
                 self._take(frame, first + (time.monotonic() - began) * self.speed - self.lag)
 
@@ -154,22 +154,22 @@ class Lab:
             self.tank.receive(frame.arbitration_id, bytes(frame.data), min(now, self.tank.next_tick))
             self._send()
 
-    def _heard(self, timeout: float) -> Any:
+    def _received(self, timeout: float) -> Any:
         """The next frame on the bus, or None; what a bus cannot make sense of is as good as lost."""
         try:
             return self._bus.recv(timeout)
-        except library("can", "python-can").CanError:
+        except python_can().CanError:
             return None
 
     def _send(self) -> None:
         """What the nodes and the cameras have to say goes out."""
-        can = library("can", "python-can")
+        can = python_can()
         for identifier, data in self.tank.sent():
             try:
                 self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
             except can.CanError:  # a full buffer loses frames, as a busy bus does
                 break
-        for frame in self.tank.seen():
+        for frame in self.tank.captured():
             self._server.publish(frame)
 
     def _answer(self, line: str) -> bytes:

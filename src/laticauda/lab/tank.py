@@ -1,4 +1,4 @@
-"""The virtual tank without any wires: modules, cameras and meter around one world, in steps, all from one seed.
+"""The virtual tank without any wires: modules, cameras and meter around one body, in steps, all from one seed.
 
 Nothing here waits and nothing runs by itself: who holds a `Tank` says how far time goes on, hands in frames that came,
 and takes away what there is to send. So a campaign runs as fast as it can, and the same calls give the same answers.
@@ -16,7 +16,7 @@ from laticauda.lab.mocap import Cameras
 from laticauda.lab.multimeter import Multimeter
 from laticauda.lab.nodes import Node, Senses
 from laticauda.lab.settings import LabSettings
-from laticauda.lab.world import Truth, World
+from laticauda.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
 
 LEAST_STEP = 1e-4  # s; not worth a step of the plant
@@ -28,7 +28,7 @@ class Tank:
     """The tank with its robot.
 
     Args:
-        world: The robot in the water.
+        body: The robot in the water.
         settings: The devices' numbers.
         faults: What is to go wrong, and when.
 
@@ -36,17 +36,17 @@ class Tank:
         ValueError: If the robot has more joints than the bus has nodes.
     """
 
-    def __init__(self, world: World, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
-        if not 1 <= world.robot.n_joints <= N_NODES:
-            raise ValueError(f"`robot` must have 1 to {N_NODES} joints, got {world.robot.n_joints}.")
+    def __init__(self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
+        if not 1 <= body.robot.n_joints <= N_NODES:
+            raise ValueError(f"`robot` must have 1 to {N_NODES} joints, got {body.robot.n_joints}.")
         self.settings = settings or LabSettings()
-        self.world, self.faults = world, Faults(faults)
+        self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
-        body, eyes, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
-        self.electronics = Electronics(world.robot, self.settings, body)
-        self.cameras = Cameras(self.settings.mocap, eyes)
+        motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
+        self.electronics = Electronics(body.robot, self.settings, motors)
+        self.cameras = Cameras(self.settings.mocap, cameras)
         self.meter = Multimeter(self.settings.supply, supply)
-        joints = world.robot.joints
+        joints = body.robot.joints
         self.nodes = [Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
         self.time = 0.0
         self._ticks = self._frames = 0
@@ -56,13 +56,13 @@ class Tank:
         self._dead = [False] * len(joints)
         self._senses = self._read()
         self._outbox: list[Wire] = []
-        self._seen: list[MocapFrame] = []
+        self._captured: list[MocapFrame] = []
         self._late: list[tuple[float, Wire]] = []
 
     @property
     def truth(self) -> Truth:
         """What is so, now."""
-        return self.world.truth
+        return self.body.truth
 
     def inject(self, fault: Fault) -> None:
         """Let a `fault` happen; one of the past never was."""
@@ -70,7 +70,7 @@ class Tank:
 
     def carry(self, start: Start) -> None:
         """Take the robot out, straighten it, and put it back at rest at `start`."""
-        self.world.carry(start)
+        self.body.carry(start)
         self.electronics.forget(self.truth)
         self._senses = self._read()
 
@@ -79,10 +79,10 @@ class Tank:
         sent, self._outbox = self._outbox, []
         return sent
 
-    def seen(self) -> list[MocapFrame]:
-        """Take away what the cameras saw since the last time."""
-        seen, self._seen = self._seen, []
-        return seen
+    def captured(self) -> list[MocapFrame]:
+        """Take away the frames that the cameras captured since the last time."""
+        captured, self._captured = self._captured, []
+        return captured
 
     def answer(self, line: str) -> bytes:
         """What the meter says to `line`; nothing while it is silent."""
@@ -107,7 +107,7 @@ class Tank:
             SimulationFailed: If the body's motion diverges.
         """
         while self.next_tick <= time + 1e-9:
-            self._hear_late(self.next_tick)
+            self._deliver_late(self.next_tick)
             self._march(self.next_tick)
             self._ticks += 1
             self._tick()
@@ -128,9 +128,9 @@ class Tank:
         if late is not None:
             self._late.append((max(self.time, time or 0.0) + late.delay, (identifier, bytes(data))))
             return
-        self._hear(identifier, bytes(data), time)
+        self._deliver(identifier, bytes(data), time)
 
-    def _hear(self, identifier: int, data: bytes, time: float | None) -> None:
+    def _deliver(self, identifier: int, data: bytes, time: float | None) -> None:
         message = decode(identifier, data)
         if isinstance(message, Sync):  # all others can wait for their moment
             if time is not None:
@@ -139,22 +139,22 @@ class Tank:
         for i, node in enumerate(self.nodes):
             if self._silent[i]:
                 continue
-            heard = message
+            received = message
             if self.faults.any:
                 if self._is_lost(node.number):
                     continue
-                heard = self._corrupted(node.number, identifier, data, message)
-            if heard is not None:
-                self._say(node, node.receive(heard, self.time, self._senses[i]))
+                received = self._corrupted(node.number, identifier, data, message)
+            if received is not None:
+                self._transmit(node, node.receive(received, self.time, self._senses[i]))
 
-    def _hear_late(self, time: float) -> None:
+    def _deliver_late(self, time: float) -> None:
         """Frames of a late computer whose time has come."""
         due = [wire for when, wire in self._late if when <= time]
         self._late = [(when, wire) for when, wire in self._late if when > time]
         for identifier, data in due:
-            self._hear(identifier, data, None)
+            self._deliver(identifier, data, None)
 
-    def _say(self, node: Node, messages: Iterable[CanMessage]) -> None:
+    def _transmit(self, node: Node, messages: Iterable[CanMessage]) -> None:
         for message in messages:
             wire = encode(message)
             if self.faults.any:
@@ -168,34 +168,34 @@ class Tank:
         """The body, to `time`."""
         dt = time - self.time
         n = len(self.nodes)
-        wanted = np.fromiter((node.reference for node in self.nodes), float, n)
+        reference = np.fromiter((node.reference for node in self.nodes), float, n)
         zero = np.fromiter((node.zero for node in self.nodes), float, n)
         on = np.fromiter((node.is_on and not dead for node, dead in zip(self.nodes, self._dead, strict=True)), bool, n)
-        reference = wanted - self.electronics.offset(zero)
+        reference = reference - self.electronics.offset(zero)
         held, moves = reference.copy(), on.copy()
         jammed = np.zeros(n, dtype=bool)
         for i, angle in self._jammed.items():
             held[i], moves[i], jammed[i] = angle, True, True
-        self.world.advance(held, moves, dt)
+        self.body.advance(held, moves, dt)
         self.time = time
         self.electronics.advance(self.truth, reference, on, jammed, dt)
         self.meter.advance(self.electronics.supply_current, dt)
 
     def _tick(self) -> None:
-        """All devices look at the world."""
+        """All devices read the body."""
         self.faults.look(self.time)
         self._apply_faults()
         self.electronics.accelerate(self.truth, self.settings.step)
         self._senses = self._read()
         for i, node in enumerate(self.nodes):
             if not self._dead[i]:
-                self._say(node, node.tick(self.time, self._senses[i]))
+                self._transmit(node, node.tick(self.time, self._senses[i]))
         if self.time * self.settings.mocap.rate >= self._frames + 1 - 1e-6:
             self._frames = math.floor(self.time * self.settings.mocap.rate + 1e-6)
             hidden = self.faults.on("body_lost") is not None
             frame = self.cameras.look(self.truth.modules, self.time, hidden=hidden)
             if frame is not None and not self.faults.on("mocap_silent"):
-                self._seen.append(frame)
+                self._captured.append(frame)
 
     def _apply_faults(self) -> None:
         """What the faults of this moment do to the modules."""

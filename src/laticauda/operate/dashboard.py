@@ -7,7 +7,7 @@ import threading
 from types import TracebackType
 from typing import Any, Self, TextIO
 
-from laticauda.errors import MissingExtra
+from laticauda.extras import optional_import
 from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.modules import Modules
@@ -182,14 +182,5 @@ def _number(value: float, digits: int, unit: str) -> str:
 
 
 def _rich(name: str) -> Any:
-    """A module of rich.
-
-    Raises:
-        MissingExtra: If it is not installed.
-    """
-    from importlib import import_module
-
-    try:
-        return import_module(f"rich.{name}")
-    except ImportError as error:
-        raise MissingExtra("The dashboard", "rich", "hardware") from error
+    """A module of rich."""
+    return optional_import("The dashboard", "rich", "hardware", f"rich.{name}")

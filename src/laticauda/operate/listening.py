@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 from laticauda.estimation import Estimate, Mount
 from laticauda.operate.drivers import Clock
-from laticauda.operate.drivers.worker import library
+from laticauda.operate.drivers.worker import hardware
 from laticauda.operate.loop import Devices, connected
 from laticauda.operate.observer import PassiveObserver
 from laticauda.operate.settings import Connection
+from laticauda.protocol.can import python_can
 from laticauda.robot import Robot
 
 LOOK = 0.04  # between two looks at what came in [s]
@@ -37,8 +38,8 @@ class Listener:
     """
 
     def __init__(self, connection: Connection, robot: Robot, mount: Mount | None = None) -> None:
-        library("can", "python-can")
-        library("qtm_rt", "qtm-rt")
+        python_can()
+        hardware("qtm-rt", "qtm_rt")
         self.robot = robot
         self._connection = connection
         self._observer = PassiveObserver(robot=robot, mount=mount or Mount())

@@ -33,7 +33,7 @@ class SteppedTank(Protocol):
         """Take away the frames of the modules."""
         ...
 
-    def seen(self) -> Iterable[MocapFrame]:
+    def captured(self) -> Iterable[MocapFrame]:
         """Take away what the cameras saw."""
         ...
 
@@ -88,7 +88,7 @@ def run_stepped(
             events["recorder_failed"] = sink.trouble
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in received if frame.message is not None),
-            frames=tuple((now, _sample(frame)) for frame in tank.seen()),
+            frames=tuple((now, _sample(frame)) for frame in tank.captured()),
             readings=readings,
             events=events,
         )

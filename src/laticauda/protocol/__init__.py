@@ -27,7 +27,7 @@ from laticauda.protocol.messages import (
 )
 from laticauda.protocol.meter import MeterIdentity, MeterReading
 from laticauda.protocol.qtm import BodyPose, MocapFrame
-from laticauda.protocol.wrong import ProtocolError
+from laticauda.protocol.messages import ProtocolError
 
 __all__ = [
     "EVERY_NODE",

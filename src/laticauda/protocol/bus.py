@@ -2,15 +2,17 @@
 
 import ipaddress
 import socket
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, cast
 
-from laticauda.errors import LaticaudaError, one_of
-from laticauda.protocol.can import library
+from laticauda.errors import BadArgument, LaticaudaError
+from laticauda.extras import optional_import
+from laticauda.protocol.can import python_can
+from laticauda.quantities import option, quantity, value
 
-INTERFACES = ("virtual", "udp_multicast", "socketcan")
 BITRATE = 1_000_000  # bit/s
 GROUP, PORT = "239.74.163.2", 43113
+CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
+"""The usual ones."""
 
 
 class BusFailed(LaticaudaError, OSError):
@@ -19,7 +21,7 @@ class BusFailed(LaticaudaError, OSError):
     __str__ = Exception.__str__
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class BusAddress:
     """Which CAN bus.
 
@@ -30,32 +32,23 @@ class BusAddress:
       to 1 Mbit/s.
     """
 
-    interface: str = "udp_multicast"
-    """virtual, udp_multicast or socketcan [-]."""
-    channel: str = ""
-    """See above; empty: a group of our own, or `mamba`, or `can0` [-]."""
-    port: int = PORT
-    """Of udp_multicast [-]."""
-    hops: int = 0
-    """Routers that frames of udp_multicast may pass; 0: they stay on this computer, 1: on this network [-]."""
+    interface: Literal["virtual", "udp_multicast", "socketcan"] = option("see above", default="udp_multicast")
+    channel: str = option("see above; empty: a group of our own, or `mamba`, or `can0`", default="")
+    port: int = quantity("", "of udp_multicast", ge=1, le=65535, default=PORT)
+    hops: int = quantity("", "routers that frames of udp_multicast may pass", ge=0, le=255, default=0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        one_of("interface", self.interface, INTERFACES)
+        """Fill in the channel, and refuse what is no multicast group."""
         if not self.channel:
-            usual = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}[self.interface]
-            object.__setattr__(self, "channel", usual)
+            object.__setattr__(self, "channel", CHANNELS[self.interface])
         if self.interface == "udp_multicast":
             try:
                 group = ipaddress.ip_address(self.channel)
             except ValueError:
                 group = None
             if not isinstance(group, ipaddress.IPv4Address) or not group.is_multicast:
-                raise ValueError(f"`channel` must be an IPv4 multicast group such as {GROUP}, got {self.channel!r}.")
-        if not 1 <= self.port <= 65535:
-            raise ValueError(f"`port` must be between 1 and 65535, got {self.port}.")
-        if not 0 <= self.hops <= 255:
-            raise ValueError(f"`hops` must be between 0 and 255, got {self.hops}.")
+                rule = f"must be an IPv4 multicast group such as {GROUP}, got {self.channel!r}"
+                raise BadArgument("channel", rule)
 
     def __str__(self) -> str:
         """As the user reads and writes it: interface:channel, with the port of udp_multicast."""
@@ -75,11 +68,11 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
     """
     interface, _, rest = text.partition(":")
     if interface != "udp_multicast":
-        return BusAddress(interface=interface, channel=rest)
+        return BusAddress(interface=cast("Any", interface), channel=rest)
     channel, _, port = rest.partition(":")
     if port and not (port.isascii() and port.isdigit()):
-        raise ValueError(f"`port` must be a whole number, got {port!r}.")
-    return BusAddress(interface=interface, channel=channel, port=int(port) if port else PORT, hops=hops)
+        raise BadArgument("port", f"must be a whole number, got {port!r}")
+    return BusAddress(interface="udp_multicast", channel=channel, port=int(port) if port else PORT, hops=hops)
 
 
 def open_bus(address: BusAddress) -> Any:
@@ -89,10 +82,10 @@ def open_bus(address: BusAddress) -> Any:
         BusFailed: If it cannot be opened.
         MissingExtra: If python-can (or msgpack, for udp_multicast) is not installed.
     """
-    can = library("can", "python-can")
+    can = python_can()
     settings: dict[str, Any] = {"interface": address.interface, "channel": address.channel}
     if address.interface == "udp_multicast":
-        library("msgpack", "msgpack")
+        optional_import("The CAN bus", "msgpack", "hardware")
         settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
     try:
         bus = can.Bus(**settings)
@@ -114,7 +107,7 @@ def _deafen(bus: Any, address: BusAddress) -> None:
     listen = bus._multicast.recv
 
     def recv(timeout: float | None = None) -> Any:
-        heard = listen(timeout)
-        return heard if heard is None or heard[1][0] == ours or heard[1][0].startswith("127.") else None
+        packet = listen(timeout)
+        return packet if packet is None or packet[1][0] == ours or packet[1][0].startswith("127.") else None
 
     bus._multicast.recv = recv

@@ -11,11 +11,10 @@ What a bus delivers is not to be trusted: `decode` gives None for whatever is no
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from importlib import import_module
 from operator import attrgetter
 from typing import Any
 
-from laticauda.errors import MissingExtra
+from laticauda.extras import optional_import
 from laticauda.protocol.dbc import FILE, LAYOUTS
 from laticauda.protocol.layout import Packer
 from laticauda.protocol.messages import (
@@ -52,17 +51,13 @@ class _Kind:
     number: Callable[[Any], int]
 
 
-@cache
-def library(name: str, package: str) -> Any:
-    """The library `name`; it has no types that are complete, so what comes from it is `Any` here.
+def python_can() -> Any:
+    """The module of python-can.
 
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingExtra("The CAN bus", package, "hardware") from error
+    return optional_import("The CAN bus", "python-can", "hardware", "can")
 
 
 @cache
@@ -72,7 +67,7 @@ def database() -> Any:
     Raises:
         MissingExtra: If cantools is not installed.
     """
-    return library("cantools", "cantools").database.load_file(str(FILE))
+    return optional_import("The CAN bus", "cantools", "hardware").database.load_file(str(FILE))
 
 
 def encode(message: CanMessage) -> tuple[int, bytes]:
@@ -124,7 +119,7 @@ def to_frame(message: CanMessage, timestamp: float = 0.0) -> Any:
         timestamp: Of the frame [s].
     """
     identifier, data = encode(message)
-    can = library("can", "python-can")
+    can = python_can()
     return can.Message(timestamp=timestamp, arbitration_id=identifier, data=data, is_extended_id=False)
 
 

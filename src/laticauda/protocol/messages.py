@@ -8,10 +8,16 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TypeAlias
 
+from laticauda.errors import LaticaudaError
+
 N_NODES = 18
 PER_FRAME = 4  # references in one frame
 N_GROUPS = -(-N_NODES // PER_FRAME)
 EVERY_NODE = 0
+
+
+class ProtocolError(LaticaudaError, ValueError):
+    """What came over a connection breaks its protocol: it says how."""
 
 
 class NodeState(IntEnum):

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from laticauda.protocol.wrong import ProtocolError
+from laticauda.protocol.messages import ProtocolError
 
 BAUD_RATE = 115200
 END = b"\r"

@@ -18,7 +18,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.protocol.wrong import ProtocolError
+from laticauda.protocol.messages import ProtocolError
 
 PORT = 22223  # for those who take the least significant byte first
 VERSION = "1.25"

@@ -9,7 +9,7 @@ import time
 from typing import Any
 
 from laticauda.operate.drivers.clock import Clock
-from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
+from laticauda.operate.drivers.worker import DeviceFailed, Worker, hardware
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import ProtocolError
 from laticauda.protocol.meter import (
@@ -42,7 +42,7 @@ class MeterDriver(Worker[PowerReading]):
     def __init__(self, port: str, clock: Clock) -> None:
         super().__init__("meter")
         self._port, self._clock = port, clock
-        self._serial = library("serial", "pyserial")
+        self._serial = hardware("pyserial", "serial")
         self._line: Any = None
         self._restart = threading.Event()
         self._since: float | None = None

@@ -13,7 +13,7 @@ import numpy as np
 
 from laticauda.estimation import PoseSample
 from laticauda.operate.drivers.clock import Clock
-from laticauda.operate.drivers.worker import DeviceFailed, Worker, library
+from laticauda.operate.drivers.worker import DeviceFailed, Worker, hardware
 from laticauda.protocol.qtm import body_pose
 
 CONNECT_TIME = 5.0  # [s, wall clock]
@@ -39,7 +39,7 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
     def __init__(self, host: str, port: int, body: str, clock: Clock) -> None:
         super().__init__("mocap")
         self._address, self._body, self._clock = (host, port), body, clock
-        self._qtm = library("qtm_rt", "qtm-rt")
+        self._qtm = hardware("qtm-rt", "qtm_rt")
         logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # ours say its errors
         self._index = 0  # place of the body in the server's list
         self._first: DeviceFailed | None = None

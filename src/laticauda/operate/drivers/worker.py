@@ -3,11 +3,11 @@
 import threading
 from abc import ABC, abstractmethod
 from collections import deque
-from importlib import import_module
 from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
-from laticauda.errors import LaticaudaError, MissingExtra
+from laticauda.errors import LaticaudaError
+from laticauda.extras import optional_import
 
 T = TypeVar("T")
 MOST_WAITING = 100_000  # items that nobody asks for; then the oldest are dropped
@@ -21,20 +21,17 @@ class DeviceFailed(LaticaudaError, OSError):
     __str__ = Exception.__str__
 
 
-def library(name: str, package: str) -> Any:
+def hardware(package: str, module: str) -> Any:
     """A device's library, which comes with the extra `hardware`.
 
     Args:
-        name: As it is imported.
         package: As it is installed.
+        module: As it is imported.
 
     Raises:
         MissingExtra: If it is not installed.
     """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingExtra("Operating a robot", package, "hardware") from error
+    return optional_import("Operating a robot", package, "hardware", module)
 
 
 class Worker(ABC, Generic[T]):

@@ -1,4 +1,4 @@
-"""The water and the robot's body in it: one `Plant`, whose joints are told from outside where to go."""
+"""The robot in the water: one `Plant`, whose joints get their references from outside."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Truth:
     """Where the modules are."""
 
 
-class World:
+class VirtualRobot:
     """One robot in one water, with its state.
 
     Args:
