@@ -7,10 +7,10 @@ from lab_parts import Operator, make_tank
 
 import laticauda as lc
 from laticauda.lab import Lab
+from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.listening import Listener
 from laticauda.operate.observer import PassiveObserver
 from laticauda.operate.settings import Connection
-from laticauda.operate.stepped import _sample
 from laticauda.protocol import Heartbeat, NodeCommand, Order, Sync, bus_address, open_bus, references, to_frame
 
 ROBOT = lc.load_robot("mamba-modules")
@@ -21,7 +21,7 @@ def looked(observer, view, operator, angles, n):
     for _ in range(n):
         messages = operator.cycle(angles) if angles is not None else idle(operator)
         now = operator.tank.time
-        frames = [(now, _sample(frame)) for frame in operator.tank.captured()]
+        frames = [(now, pose_sample(frame.timestamp, frame.bodies[0])) for frame in operator.tank.captured()]
         view = observer.step(view, now, [(now, message) for message in messages if message is not None], frames)
     return view
 

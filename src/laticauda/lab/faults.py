@@ -121,18 +121,6 @@ def load_faults(path: str | Path) -> tuple[Fault, ...]:
         return decode(tuple[Fault, ...], table.get("faults", []), "faults")
 
 
-def fault_of(entry: object) -> Fault:
-    """The fault that a table says.
-
-    Raises:
-        ValueError: If it says none.
-    """
-    try:
-        return decode(Fault, entry)
-    except BadKey as error:
-        raise BadArgument(error.key, error.rule) from None
-
-
 def fault_from_words(text: str, now: float) -> Fault:
     """The fault that a line such as `leak node=5 duration=2` says; it begins now, unless it says a `time`.
 
@@ -155,4 +143,7 @@ def fault_from_words(text: str, now: float) -> Fault:
             entry[key] = int(value) if key == "node" else float(value)
         except ValueError:
             raise BadArgument(key, f"must be a number, got {value!r}") from None
-    return fault_of({**entry, "kind": words[0]})
+    try:
+        return decode(Fault, {**entry, "kind": words[0]})
+    except BadKey as error:
+        raise BadArgument(error.key, error.rule) from None

@@ -174,11 +174,11 @@ class QtmServer:
         return encode_text("Version NOT supported", PacketType.ERROR)
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
-        parts = {word.lower() for word in words}
+        names = {word.lower() for word in words}
         parts: list[str] = []
-        if parts & {"general", "all"}:
+        if names & {"general", "all"}:
             parts.append(parameters_general(self.rate))
-        if parts & {"6d", "all"}:
+        if names & {"6d", "all"}:
             parts.append(parameters_6d([BODY], [MARKERS]))
         return encode_text(parameters(*parts), PacketType.XML)
 

@@ -4,7 +4,7 @@ The same operator, the same protocol; only the drivers are left out. The same ca
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from laticauda.estimation import PoseSample
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.loop import NoSink, Sink
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import MocapFrame, ProtocolError, decode, encode
@@ -88,7 +89,7 @@ def run_stepped(
             events["recorder_failed"] = sink.trouble
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in received if frame.message is not None),
-            frames=tuple((now, _sample(frame)) for frame in tank.captured()),
+            frames=tuple((now, _first_body(frame)) for frame in tank.captured()),
             readings=readings,
             events=events,
         )
@@ -105,13 +106,8 @@ def run_stepped(
     return state
 
 
-def _sample(frame: MocapFrame) -> PoseSample:
-    """The first body of a frame, as the driver hands it on."""
-    pose: Any = frame.bodies[0] if frame.bodies else None
-    if pose is None:
-        return PoseSample(time=frame.timestamp, position=np.full(3, np.nan))
-    residual = 0.0 if np.isnan(pose.residual) else pose.residual
-    return PoseSample(time=frame.timestamp, position=pose.position, rotation=pose.rotation, residual=residual)
+def _first_body(frame: MocapFrame) -> PoseSample:
+    return pose_sample(frame.timestamp, frame.bodies[0] if frame.bodies else None)
 
 
 def _reading(tank: SteppedTank, now: float) -> tuple[PowerReading, ...]:

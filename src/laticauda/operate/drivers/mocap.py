@@ -14,10 +14,23 @@ import numpy as np
 from laticauda.estimation import PoseSample
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.worker import DeviceFailed, Worker, hardware
-from laticauda.protocol.qtm import body_pose
+from laticauda.protocol.qtm import BodyPose, body_pose
 
 CONNECT_TIME = 5.0  # [s, wall clock]
 LOST = np.full(3, np.nan)
+
+
+def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
+    """What the cameras say of a body.
+
+    Args:
+        time: When they took the frame [s].
+        pose: None: they did not see it.
+    """
+    if pose is None:
+        return PoseSample(time=time, position=LOST)
+    residual = 0.0 if np.isnan(pose.residual) else pose.residual
+    return PoseSample(time=time, position=pose.position, rotation=pose.rotation, residual=residual)
 
 
 class MocapDriver(Worker[tuple[float, PoseSample]]):
@@ -126,12 +139,7 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         except Exception as error:  # a packet that makes no sense is a frame that is lost
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
-        if pose is None:
-            frame = PoseSample(time=stamp, position=LOST)
-        else:
-            residual = 0.0 if np.isnan(pose.residual) else pose.residual
-            frame = PoseSample(time=stamp, position=pose.position, rotation=pose.rotation, residual=residual)
-        self._found.append((arrival, frame))
+        self._found.append((arrival, pose_sample(stamp, pose)))
 
     def release(self) -> None:
         """Nothing is held: the connection ends with the thread."""

@@ -11,9 +11,10 @@ from functools import cache
 from typing import Any, cast
 
 from laticauda import control, estimation, gaits, interfaces
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
+from laticauda.fluid.laws import FunctionDrag
 from laticauda.interfaces import Plant
-from laticauda.robot import Environment, Robot
+from laticauda.robot import Environment, Robot, law_of
 from laticauda.robot.files import from_toml, to_toml
 
 KIND = "class"
@@ -49,11 +50,10 @@ def record_of(plant: Plant[Any]) -> PlantRecord:
         plant: Made by `laticauda.simulate.plant`.
 
     Raises:
-        ValueError: If it has a fluid law or a shore of one's own, which a recording does not hold.
+        ValueError: If it has a function as its law, or a shore, neither of which a recording can hold.
     """
-    law = plant.settings.get("fluid_law", "built-in")
-    if law != "built-in" or "shore" in plant.settings:
-        raise ValueError("`plant` must have a built-in fluid law and no shore to be recorded.")
+    if isinstance(law_of(plant.environment), FunctionDrag) or "shore" in plant.settings:
+        raise BadArgument("plant", "must have a law that is a class, and no shore, to be recorded")
     chosen = {name: plant.settings[name] for name in SETTINGS if name in plant.settings}
     return PlantRecord(robot=plant.robot, environment=plant.environment, settings=chosen)
 

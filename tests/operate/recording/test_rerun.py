@@ -9,6 +9,7 @@ from operate.tank import DRAWN, IDLE, ROOT, follower, record
 import laticauda as lc
 from laticauda.errors import TrialFileError
 from laticauda.estimation import Estimate, Estimator, KinematicEstimator
+from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import load_trial
 from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
 from laticauda.operate.recording.schema import pack
@@ -182,3 +183,10 @@ def test_an_estimator_of_a_recording_is_written_again_as_it_was():
     text = header.texts()["estimator"]
     again = from_json(text, robot=TWIN.robot)
     assert to_json(again, twin=twin_from_json(text)) == text
+
+
+def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
+    water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
+    twin = lc.plant(TWIN.robot, water, joints="servo")
+    with pytest.raises(ValueError, match="`plant` must have a law that is a class, and no shore, to be recorded"):
+        Header(robot=TWIN.robot, environment=water, estimator=Estimator(robot=TWIN.robot, plant=twin))

@@ -171,7 +171,7 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
 
 
 def test_the_table_of_the_docs_is_that_of_the_code():
-    page = (Path(__file__).parents[2] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
     for event, says, action, within, then in safety_table():
         assert f"| `{event}` | {says} | {action} | {within or '-'} | {then or '-'} |" in page
 

@@ -34,5 +34,5 @@ def test_a_stop_of_the_supervisor_stops_the_operation_in_every_phase():
 
 
 def test_the_diagram_of_the_docs_is_that_of_the_table():
-    page = (Path(__file__).parents[2] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "operate.md").read_text(encoding="utf-8")
     assert f"```mermaid\n{state_diagram()}```" in page
