@@ -5,10 +5,10 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from laticauda.paper import Claim, fin_gains, path_following_settings, run_links, run_side_trials
-from laticauda.paper.claims import Verdict, claims, misprints
-from laticauda.paper.claims.claim import percent, spread, verdict
-from laticauda.paper.claims.fin import table2_changes
+from laticauda.paper import Claim, fin_gains, path_following_settings, path_following_trials, run_links, run_side_trials
+from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
+from laticauda.paper.claims.judge import percent, spread, verdict
+from laticauda.paper.table2 import table2_changes
 
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 
@@ -226,3 +226,38 @@ def test_misprints_are_listed_with_what_is_right():
     ]
     assert "3.6 m" in listed["2", "20 links of 0.18 m."]
     assert all(text.endswith(".") for pair in listed for text in (pair[1], listed[pair]))
+
+
+@pytest.mark.parametrize(
+    ("rule", "met", "not_met"),
+    [
+        ({"at_most": 2.0}, [1.0, 2.0], [1.0, 2.1]),
+        ({"at_least": 2.0}, [2.0, 3.0], [1.9, 3.0]),
+        ({"below": 2.0}, [1.0, 1.9], [1.0, 2.0]),
+        ({"above": 2.0}, [2.1, 3.0], [2.0, 3.0]),
+        ({"within": [1.0, 2.0]}, [1.0, 2.0], [1.0, 2.1]),
+        ({"any_above": 2.0}, [1.0, 2.1], [1.0, 2.0]),
+        ({"most_below": 2.0}, [1.0, 1.0, 3.0], [1.0, 3.0]),
+        ({"median_at_least": 2.0}, [1.0, 2.0, 3.0], [1.0, 1.9, 3.0]),
+        ({"spans": [1.0, 2.0]}, [1.01, 1.5, 2.01], [1.03, 1.5, 2.0]),
+    ],
+)
+def test_a_part_of_a_rule_is_met_by_the_numbers_that_it_names(rule, met, not_met):
+    known = {"study": {"met": met, "not met": not_met}}
+    assert judge._met({"of": "study.met", **rule}, known) == [True]
+    assert judge._met({"of": "study.not met", **rule}, known) == [False]
+
+
+def test_each_of_several_numbers_can_be_a_part_of_its_own():
+    assert judge._met({"each": "study.values", "below": 2.0}, {"study": {"values": [1.0, 3.0]}}) == [True, False]
+
+
+def test_energy_per_meter_is_power_over_speed(study):
+    assert quantities._per(10.0, 100.0) == pytest.approx(-45.0)  # 1.1 of the power at twice the speed
+    found = quantities.efficiency(study)
+    gain = fin_gains(study)[0]
+    per_meter = [case.mechanical_power[0] / case.forward_velocity[0] for case in (gain.without, gain.with_fin)]
+    assert found["simulated_energy"][0] == pytest.approx(100.0 * (per_meter[1] / per_meter[0] - 1.0))
+    bare, fin = (next(t for t in path_following_trials() if t.has_fin == has_fin) for has_fin in (False, True))
+    change = (fin.mean_power / fin.forward_velocity) / (bare.mean_power / bare.forward_velocity) - 1.0
+    assert quantities.tables()["energy"][0] == pytest.approx(100.0 * change)

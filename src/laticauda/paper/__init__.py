@@ -13,7 +13,7 @@ if TYPE_CHECKING:
         beyond_dataset as beyond_dataset,
         write_beyond_netcdf as write_beyond_netcdf,
     )
-    from laticauda.paper.claims.claim import Claim as Claim
+    from laticauda.paper.claims.judge import Claim as Claim
     from laticauda.paper.curved import CurvedSettings as CurvedSettings
     from laticauda.paper.dataset import to_dataset as to_dataset, write_netcdf as write_netcdf
     from laticauda.paper.drift import DriftSettings as DriftSettings

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.paper.following_run import FollowingRun
-from laticauda.paper.measured import MeasuredTrial, efficiency_trials
+from laticauda.paper.measured import MeasuredTrial, efficiency_trials, path_following_trials
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.table1 import is_misprint, percent_change
 from laticauda.trial.null_models import PREDICTORS, Row, mape, predict
@@ -163,6 +163,20 @@ def meter_costs(study: PathFollowingStudy) -> tuple[MeterCost, ...]:
         for group in study.settings.groups
         for cases in [[case for case in study.cases if case.group == group]]
     )
+
+
+def table2_changes() -> list[tuple[float, float]]:
+    """Changes of velocity and power by the fin, case by case, recomputed from Table 2 [%]."""
+    trials = path_following_trials()
+    bare = {(trial.gait.kind, trial.case): trial for trial in trials if not trial.has_fin}
+    pairs = [(bare[trial.gait.kind, trial.case], trial) for trial in trials if trial.has_fin]
+    return [
+        (
+            percent_change(before.forward_velocity, after.forward_velocity),
+            percent_change(before.mean_power, after.mean_power),
+        )
+        for before, after in pairs
+    ]
 
 
 def _prediction(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> Prediction:

@@ -1,7 +1,6 @@
 """The paper's claims, judged by what the studies found, and what the paper prints that cannot be."""
 
-from laticauda.paper.claims.claim import Claim, Verdict
-from laticauda.paper.claims.judge import claims
+from laticauda.paper.claims.judge import Claim, Verdict, claims
 from laticauda.paper.claims.misprints import Misprint, misprints
 
 __all__ = ["Claim", "Misprint", "Verdict", "claims", "misprints"]

@@ -1,22 +1,25 @@
-"""All claims of the paper, judged by the studies that there are."""
+"""All claims of the paper, judged by the studies that there are: one rule for all, over the table `claims.toml`."""
 
-from collections.abc import Mapping
+import math
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, reduce
+from importlib.resources import files
+from typing import Any, Literal
 
-from laticauda.paper.claims import agreement, fin, following, links, trends
-from laticauda.paper.claims.claim import Claim, Statement
+import numpy as np
+
+from laticauda.paper.claims import quantities
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.links import LinksStudy
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import PathFollowingStudy
+from laticauda.paper.report.chapter import environment, in_digits
 from laticauda.paper.side_trials import SideTrials
+from laticauda.paper.table1 import PRINTED_TO
 
-THEMES = {
-    "The fin": fin.STATEMENTS,
-    "More links": links.STATEMENTS,
-    "Agreement of simulation and robot": agreement.STATEMENTS,
-    "Trends, and what the models leave out": trends.STATEMENTS,
-    "Path following": following.STATEMENTS,
-}
+Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
 STUDIES = {
     "efficiency": "the efficiency study",
     "following": "the path-following study",
@@ -24,6 +27,39 @@ STUDIES = {
     "side": "the side trials",
     "parity": "the comparison with the 3D model (reproduce with the model spatial)",
 }
+
+RULES: Mapping[str, Callable[[Any, Any], Any]] = {
+    "at_most": lambda values, limit: np.all(values <= limit),
+    "at_least": lambda values, limit: np.all(values >= limit),
+    "below": lambda values, limit: np.all(values < limit),
+    "above": lambda values, limit: np.all(values > limit),
+    "within": lambda values, ends: np.all((values >= ends[0]) & (values <= ends[1])),
+    "any_above": lambda values, limit: np.any(values > limit),
+    "most_below": lambda values, limit: 2 * np.sum(values < limit) > values.size,
+    "median_at_least": lambda values, limit: np.median(values) >= limit,
+    "spans": lambda values, ends: np.allclose([values.min(), values.max()], ends, rtol=0.0, atol=PRINTED_TO),
+}
+"""How numbers meet a part of a rule; all of them must, unless the name says otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """One statement of the paper, and what became of it."""
+
+    key: str
+    """Short and unique, for references."""
+    theme: str
+    """What it is about, in a word or two."""
+    where: str
+    """The section of the paper, and its table or figure."""
+    paper: str
+    """What the paper says, in our words with its numbers."""
+    found: str
+    """The numbers that bear on it, from the paper's tables and from the simulation, with the joint law."""
+    rule: str
+    """When it counts as holding; of several parts all must be met, and in part means that some are."""
+    verdict: Verdict
+    """What follows from the rule and the numbers."""
 
 
 def claims(
@@ -45,21 +81,97 @@ def claims(
         parity: What `run_parity` returned.
     """
     studies = {"efficiency": efficiency, "following": following, "links": links, "side": side, "parity": parity}
-    return tuple(_judged(theme, statement, studies) for theme, statements in THEMES.items() for statement in statements)
+    known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
+    known |= {name: getattr(quantities, name)(study) for name, study in studies.items() if study is not None}
+    if side is not None and efficiency is not None:
+        known["side"]["optima"] = [known["efficiency"]["optimum"], math.degrees(side.pd_optimum)]
+    return tuple(_judged(entry, known) for entry in table()["claims"])
 
 
-def _judged(theme: str, statement: Statement, studies: Mapping[str, object]) -> Claim:
-    missing = [STUDIES[name] for name in statement.needs if studies[name] is None]
+def verdict(*parts: bool) -> Verdict:
+    """The verdict on a claim of these parts: all must be met; one without parts is not tested.
+
+    Args:
+        parts: Whether each is met.
+    """
+    if not parts:
+        return "not tested here"
+    return "holds" if all(parts) else "holds in part" if any(parts) else "does not hold"
+
+
+@cache
+def table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
+    """The content of `claims.toml`; texts have single spaces."""
+
+    def flat(value: Any) -> Any:
+        return " ".join(value.split()) if isinstance(value, str) else value
+
+    text = files("laticauda.paper.claims").joinpath("claims.toml").read_text(encoding="utf-8")
+    return {
+        kind: [{name: flat(value) for name, value in entry.items()} for entry in entries]
+        for kind, entries in tomllib.loads(text).items()
+    }
+
+
+def _judged(entry: Mapping[str, Any], known: Mapping[str, Any]) -> Claim:
+    missing = [STUDIES[name] for name in entry["needs"] if name not in known]
     if missing:
-        found, verdict = f"Not run: {', '.join(missing)}.", "not tested here"
+        found, parts = f"Not run: {', '.join(missing)}.", []
     else:
-        found, verdict = statement.judge(*(studies[name] for name in statement.needs))
-    return Claim(
-        key=statement.key,
-        theme=theme,
-        where=statement.where,
-        paper=statement.paper,
-        found=found,
-        rule=statement.rule,
-        verdict=verdict,
-    )
+        found = " ".join(_template(entry["found"]).render(known).split())
+        parts = [met for part in entry.get("parts", ()) for met in _met(part, known)]
+    texts = {name: entry[name] for name in ("key", "theme", "where", "paper", "rule")}
+    return Claim(**texts, found=found, verdict=verdict(*parts))
+
+
+def _met(part: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:
+    """Whether the numbers of a part meet it: all together, or each of them."""
+    ((rule, limit),) = ((name, value) for name, value in part.items() if name in RULES)
+    path: str = part.get("each") or part["of"]
+    values = np.atleast_1d(np.array(reduce(lambda inside, name: inside[name], path.split("."), known), dtype=float))
+    rows = values[:, np.newaxis] if "each" in part else [values]
+    return [bool(RULES[rule](row, limit)) for row in rows]
+
+
+# ---- words ---------------------------------------------------------------------------------------------------------
+
+
+_OF_LIMITS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "exceeding": lambda values, limit: [value > limit for value in values],
+    "reached": lambda value, unit: f"{value:.2f} {unit}" if math.isfinite(value) else "(not reached in all cases)",
+    "reaching": lambda values, limit: [value >= limit for value in values],
+    "reaching_at_most": lambda values, limit: [value <= limit for value in values],
+}
+_OF_VALUES: Mapping[str, Callable[[Any], Any]] = {
+    "falling": lambda values: [value < 0.0 for value in values],
+    "median": np.median,
+    "shares": lambda values: f"{sum(values)} of {len(values)}",
+}
+
+
+@cache
+def _template(text: str) -> Any:
+    plain = environment().overlay(autoescape=False)
+    plain.filters = {**plain.filters, **_OF_LIMITS, **_OF_VALUES, "percent": percent, "spread": spread}
+    return plain.from_string(text)
+
+
+def percent(value: float, form: str = "+.0f") -> str:
+    """A change as text.
+
+    Args:
+        value: [%].
+        form: As in `format`.
+    """
+    return f"{in_digits(value, form)} %"
+
+
+def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
+    """From the smallest to the largest of several values, as text.
+
+    Args:
+        values: At least one.
+        form: As in `format`.
+        unit: What they are in.
+    """
+    return f"{in_digits(min(values), form)} to {in_digits(max(values), form)} {unit}"

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.claims.claim import percent
-from laticauda.paper.claims.fin import table2_changes
+from laticauda.paper.claims.judge import percent, table
 from laticauda.paper.following_settings import path_following_settings
 from laticauda.paper.measured import efficiency_trials, measured_trial
 from laticauda.paper.settings import Group, efficiency_settings
 from laticauda.paper.table1 import is_misprint, percent_change
+from laticauda.paper.table2 import table2_changes
 from laticauda.robot import load_robot
 
 
@@ -26,45 +26,10 @@ class Misprint:
     """What it should be, or what it contradicts, and how that is known."""
 
 
-TEXTS = (
-    Misprint(
-        where="4.2",
-        printed="Earlier studies allowed only quantitative comparisons, for want of fluid parameters.",
-        instead="Qualitative ones: section 1 says so of the same studies.",
-    ),
-    Misprint(
-        where="4.5",
-        printed="The sweep of the phase shift is said to hold amplitude and phase shift.",
-        instead="It holds amplitude and frequency: so say the rows of Table 1.",
-    ),
-    Misprint(
-        where="4.5",
-        printed="The best phase shift is said to be in the magnitude of 10 deg.",
-        instead="The difference of the two best phase shifts is, 25 deg in simulation and 35 deg on the robot.",
-    ),
-    Misprint(
-        where="4.5",
-        printed="Fig. 4 is said to show the agreement for the robot with the fin.",
-        instead="That is Fig. 5; Fig. 4 is the robot without, as its caption and the paragraph before say.",
-    ),
-    Misprint(
-        where="4.6",
-        printed="Figs. 12 to 14 and 15 to 17 are said to be with and without the fin, in this order.",
-        instead="Without and with: so say the captions and the rest of the section.",
-    ),
-    Misprint(
-        where="4.6",
-        printed="The path-following trials start with all joint angles at zero.",
-        instead="The gait (3) does not: at t = 0 its phases differ from joint to joint. Here the amplitude rises in "
-        "the first second (prescribed joints), or the joints catch up.",
-    ),
-)
-"""What no number tells."""
-
-
 def misprints() -> tuple[Misprint, ...]:
     """Misprints and contradictions of the paper; what numbers tell is recomputed from its tables."""
-    return (*_table1(), *_table2(), *_same_speed(), *_links(), *_power(), *TEXTS)
+    in_words = (Misprint(**entry) for entry in table()["misprints"])
+    return (*_table1(), *_table2(), *_same_speed(), *_links(), *_power(), *in_words)
 
 
 def _table1() -> Iterator[Misprint]:

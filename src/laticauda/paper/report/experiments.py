@@ -6,8 +6,7 @@ from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.beyond import BeyondSettings, BeyondStudy, run_beyond
-from laticauda.paper.claims.claim import Claim
-from laticauda.paper.claims.judge import claims
+from laticauda.paper.claims.judge import Claim, claims
 from laticauda.paper.curved import CurvedSettings
 from laticauda.paper.drift import DriftSettings
 from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
