@@ -73,7 +73,7 @@ class Board:
                 self._frame = self._drawn = self._picture = self._chart = None
                 self._text.content = ""
             return
-        found = self._wanted()
+        found = self._current_chart()
         if found is not None:
             self._draw(found)
         if self._frame is not None and self._chart is not None:
@@ -109,27 +109,27 @@ class Board:
                 )
         self._on.value = True
 
-    def _wanted(self) -> Chart | None:
-        """The map that is to be seen; None as long as there is none."""
+    def _current_chart(self) -> Chart | None:
+        """What is to be drawn; None as long as there is none."""
         quantity = self._quantity.value
         if self._sweep is not None:
             self._about.content = _differences(self._sweep, self._live.scenario)
             at = {name: handle.options.index(handle.value) for name, handle in self._others.items()}
             return self._sweep.chart(quantity, self._across, self._up, at)
-        wanted = base_of(self._live.scenario)
+        base = base_of(self._live.scenario)
         is_busy = self._worker is not None and self._worker.is_alive()
-        if not is_busy and (self._computed is None or self._computed[0] != wanted):
+        if not is_busy and (self._computed is None or self._computed[0] != base):
             self._text.content = WAITING
-            self._worker = threading.Thread(target=self._compute, args=(wanted,), name="map", daemon=True)
+            self._worker = threading.Thread(target=self._compute, args=(base,), name="map", daemon=True)
             self._worker.start()
         found = None if self._computed is None else self._computed[1]
         return None if found is None else found.chart(quantity, found.names[0], found.names[1])
 
-    def _compute(self, wanted: Scenario) -> None:
+    def _compute(self, base: Scenario) -> None:
         try:
-            self._computed, self._text.content = (wanted, map_of_gaits(wanted)), OF_THE_GAITS
+            self._computed, self._text.content = (base, map_of_gaits(base)), OF_THE_GAITS
         except (ValueError, LaticaudaError) as error:
-            self._computed, self._text.content = (wanted, None), str(error)
+            self._computed, self._text.content = (base, None), str(error)
 
     def _draw(self, chart: Chart) -> None:
         key = chart.quantity, chart.x, chart.y, id(chart.map), tuple(h.value for h in self._others.values())
@@ -148,12 +148,9 @@ class Board:
         """Where two numbers are on the picture, in its frame: x to the right, y down [m]."""
         assert self._picture is not None
         (left, bottom, wide, high), limits = self._picture.box, self._picture.limits
-        shares = [
-            (min(max(value, low), top) - low) / (top - low)
-            for value, (low, top) in zip((across, up), limits, strict=True)
-        ]
-        right, above = left + wide * shares[0] - 0.5, bottom + high * shares[1] - 0.5
-        return right * WIDTH, -above * HEIGHT, 0.0
+        right = np.interp(across, limits[0], (left, left + wide)) - 0.5
+        above = np.interp(up, limits[1], (bottom, bottom + high)) - 0.5
+        return float(right) * WIDTH, float(-above) * HEIGHT, 0.0
 
     def place_of(self, across: float, up: float) -> tuple[float, float, float]:
         """Where a point of the map is in the world [m].
@@ -177,14 +174,12 @@ class Board:
             return None
         middle = np.asarray(self._frame.position, dtype=float)
         hit = origin + direction * (middle[1] - origin[1]) / direction[1]
-        shares = (hit[0] - middle[0]) / WIDTH + 0.5, (hit[2] - middle[2]) / HEIGHT + 0.5
+        right, above = float((hit[0] - middle[0]) / WIDTH + 0.5), float((hit[2] - middle[2]) / HEIGHT + 0.5)
         (left, bottom, wide, high), limits = self._picture.box, self._picture.limits
-        inside = (shares[0] - left) / wide, (shares[1] - bottom) / high
-        if not all(0.0 <= share <= 1.0 for share in inside):
+        if not (left <= right <= left + wide and bottom <= above <= bottom + high):
             return None
-        return self._chart.nearest(
-            *(low + share * (top - low) for share, (low, top) in zip(inside, limits, strict=True))
-        )
+        across = np.interp(right, (left, left + wide), limits[0])
+        return self._chart.nearest(float(across), float(np.interp(above, (bottom, bottom + high), limits[1])))
 
     @refusing
     def _click(self, event: Event) -> None:

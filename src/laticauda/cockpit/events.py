@@ -67,11 +67,11 @@ class EventQueue:
             read: The value of the event.
         """
 
-        async def put(event: Any) -> None:  # the server waits for it, so events come in their order
+        async def enqueue(event: Any) -> None:  # the server waits for it, so events come in their order
             if event.client is not None:  # else the program itself has set the control
                 self._waiting.put((action, then, Event(event.client, event.target, read(event))))
 
-        return put
+        return enqueue
 
     def close(self) -> None:
         """Answer what waits, and end."""

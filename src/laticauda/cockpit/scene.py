@@ -66,12 +66,12 @@ class Body:
 
     def _build(self, robot: Robot) -> None:
         self.remove()
-        seen = shapes(robot)
-        for part in range(1 + max(shape.part for shape in seen)):
+        found = shapes(robot)
+        for part in range(1 + max(shape.part for shape in found)):
             self._frames.append(
                 self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_visible)
             )
-        for i, shape in enumerate(seen):
+        for i, shape in enumerate(found):
             self._scene.add_mesh_simple(
                 f"/{self._name}/part_{shape.part}/shape_{i}",
                 vertices=shape.mesh.vertices.astype(np.float32),

@@ -10,13 +10,12 @@ are its parameters.
 
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.control.averaged import AveragedModel
-from laticauda.errors import MissingExtra
+from laticauda.extras import optional_import
 
 Array = np.ndarray
 _N_STATES, _N_COMMANDS = 6, 2
@@ -108,10 +107,7 @@ def plan(problem: Problem, given: Given, begin: Array | None) -> Plan:
 @cache
 def _solver(problem: Problem) -> tuple[Any, Array, Array, Array, Array]:
     """IPOPT for the problem, with the limits of the unknowns and of the rules."""
-    try:
-        casadi: Any = import_module("casadi")
-    except ImportError as error:
-        raise MissingExtra("Model-predictive control", "CasADi", "mpc") from error
+    casadi = optional_import("Model-predictive control", "CasADi", "mpc", "casadi")
     n, model = len(problem.stages), problem.model
     states, commands = casadi.SX.sym("x", _N_STATES, n), casadi.SX.sym("u", _N_COMMANDS, n)
     start, drift = casadi.SX.sym("x0", _N_STATES), casadi.SX.sym("v", 2)

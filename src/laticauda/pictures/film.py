@@ -60,8 +60,8 @@ def write_video(
                 process.stdin.close()
             if process.wait() != 0:
                 complaints.seek(0)
-                said = complaints.read().decode(errors="replace").strip().splitlines()
-                raise VideoFailed(f"ffmpeg could not write {path}: {said[-1] if said else 'it did not say why'}.")
+                lines = complaints.read().decode(errors="replace").strip().splitlines()
+                raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
             unfinished.replace(path)
         finally:
             if process.poll() is None:
