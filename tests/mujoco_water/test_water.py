@@ -488,7 +488,7 @@ def test_a_model_that_is_compiled_for_water_is_the_same_model():
 def test_bad_elements_and_geoms_are_refused_by_name():
     with pytest.raises(ValueError, match=r"`drag\[1\]` must be >= 0 N s\^2/m\^2, got -1"):
         Element(body="b", drag=(1, -1, 1))
-    with pytest.raises(ValueError, match="`added_mass` must hold 3 numbers"):
+    with pytest.raises(ValueError, match="`added_mass` must be three numbers in kg"):
         Element(body="b", added_mass=(1, 1))
     model = mujoco.MjModel.from_xml_string(body("sphere", ".1", extra='<geom name="floor" type="plane" size="1 1 1"/>'))
     with pytest.raises(ValueError, match="got `floor`, a plane"):

@@ -1,17 +1,15 @@
 """A piece of a body as the water sees it: drag, added mass and displaced volume, in axes of its own."""
 
 import math
-from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import finite, instance, not_negative, one_of, positive
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground import Contact
+from laticauda.quantities import option, quantity, value
 
-SHAPES = ("ellipsoid", "cylinder", "box")
 Three: TypeAlias = tuple[float, float, float]
 Shape: TypeAlias = Literal["ellipsoid", "cylinder", "box"]
 _NONE: Three = (0.0, 0.0, 0.0)
@@ -22,7 +20,7 @@ _NAMES_OF_SHAPES = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Element:
     """Loads on one piece of a body. A body may have several; drags that differ in kind are elements on one place.
 
@@ -35,79 +33,53 @@ class Element:
         ValueError: If a field is out of its range.
     """
 
-    body: str
-    """Name of the MuJoCo body that it is rigid on."""
-    position: Three = _NONE
-    """Its middle in the body's frame [m]."""
-    orientation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
-    """Its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
-    drag: Three = _NONE
-    """c along x, y and z, not negative [N s^2/m^2]."""
-    torque_linear: Three = _NONE
-    """lambda_2 about x, y and z, not negative [N s^2]."""
-    torque_quadratic: Three = _NONE
-    """lambda_3 about x, y and z, not negative [N m s^2]."""
-    added_mass: Three = _NONE
-    """Along x, y and z, not negative [kg]."""
-    added_inertia: Three = _NONE
-    """About x, y and z through the middle, not negative [kg m^2]."""
-    thrust: Three = _NONE
-    """A constant force along x, y and z, of a thruster say [N]."""
-    pull: Three = _NONE
-    """A constant force in world axes, of a tether say [N]."""
-    tether_drag: float = 0.0
-    """k of a force -k |u| u, not negative [kg/m]."""
-    wake_mass: float = 0.0
-    """m' of Lighthill's force at a trailing edge, while u_x > 0: m'/2 u_y^2 along x, -m' u_x u_y along y [kg/m]."""
-    plate: tuple[float, float, float, float, float] | None = None
-    """An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`."""
-    contact: Contact | None = None
-    """How it touches the ground that `water.attach` is given; None: not at all."""
-    volume: float = 0.0
-    """Of the water that it displaces when covered [m^3]."""
-    shape: Shape = "ellipsoid"
-    """What the surface cuts; a cylinder is elliptic, with its axis along x."""
-    half_size: Three = (0.1, 0.1, 0.1)
-    """Half the length, width and height of the shape; without a surface it plays no part [m]."""
-    law: DragLaw = PolynomialDrag(reference_speed=0.0)
-    """How drag depends on speed; by default it is quadratic."""
+    body: str = option("Name of the MuJoCo body that it is rigid on")
+    position: Three = quantity("m", "Its middle in the body's frame", default=_NONE)
+    orientation: tuple[float, float, float, float] = quantity(
+        "", "Its axes in the body's frame, as a quaternion (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0)
+    )
+    drag: Three = quantity("N s^2/m^2", "c along x, y and z", default=_NONE, ge=0.0)
+    torque_linear: Three = quantity("N s^2", "lambda_2 about x, y and z", default=_NONE, ge=0.0)
+    torque_quadratic: Three = quantity("N m s^2", "lambda_3 about x, y and z", default=_NONE, ge=0.0)
+    added_mass: Three = quantity("kg", "Along x, y and z", default=_NONE, ge=0.0)
+    added_inertia: Three = quantity("kg m^2", "About x, y and z through the middle", default=_NONE, ge=0.0)
+    thrust: Three = quantity("N", "A constant force along x, y and z, of a thruster say", default=_NONE)
+    pull: Three = quantity("N", "A constant force in world axes, of a tether say", default=_NONE)
+    tether_drag: float = quantity("kg/m", "k of a force -k |u| u", default=0.0, ge=0.0)
+    wake_mass: float = quantity(
+        "kg/m",
+        "m' of Lighthill's force at a trailing edge, while u_x > 0: m'/2 u_y^2 along x, -m' u_x u_y along y",
+        default=0.0,
+        ge=0.0,
+    )
+    plate: tuple[float, float, float, float, float] | None = quantity(
+        "",
+        "An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`",
+        default=None,
+        ge=0.0,
+    )
+    contact: Contact | None = option(
+        "How it touches the ground that `water.attach` is given; None: not at all", default=None
+    )
+    volume: float = quantity("m^3", "Of the water that it displaces when covered", default=0.0, ge=0.0)
+    shape: Shape = option("What the surface cuts; a cylinder is elliptic, with its axis along x", default="ellipsoid")
+    half_size: Three = quantity(
+        "m",
+        "Half the length, width and height of the shape; without a surface it plays no part",
+        default=(0.1, 0.1, 0.1),
+        gt=0.0,
+    )
+    law: DragLaw = option(
+        "How drag depends on speed; by default it is quadratic", default=PolynomialDrag(reference_speed=0.0)
+    )
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        if not isinstance(self.body, str):  # pyright: ignore[reportUnnecessaryIsInstance]  # users need not use pyright
-            raise ValueError(f"`body` must be the name of a body, got {self.body!r}.")
-        self._settle("position", finite, "m")
-        self._settle("thrust", finite, "N")
-        self._settle("pull", finite, "N")
-        object.__setattr__(self, "tether_drag", not_negative("tether_drag", self.tether_drag, "kg/m"))
-        object.__setattr__(self, "wake_mass", not_negative("wake_mass", self.wake_mass, "kg/m"))
-        if self.plate is not None:
-            self._settle("plate", not_negative, "", 5)
-        for name, unit in (
-            ("drag", "N s^2/m^2"),
-            ("torque_linear", "N s^2"),
-            ("torque_quadratic", "N m s^2"),
-            ("added_mass", "kg"),
-            ("added_inertia", "kg m^2"),
-        ):
-            self._settle(name, not_negative, unit)
-        self._settle("half_size", positive, "m")
-        self._settle("orientation", finite, "", 4)
+        """Normalize the quaternion."""
         norm = math.sqrt(sum(q * q for q in self.orientation))
         if norm < 1e-6:
             raise ValueError(f"`orientation` must be a quaternion that is not zero, got {self.orientation}.")
         w, x, y, z = (q / norm for q in self.orientation)
         object.__setattr__(self, "orientation", (w, x, y, z))
-        object.__setattr__(self, "volume", not_negative("volume", self.volume, "m^3"))
-        instance("law", self.law, DragLaw)
-        one_of("shape", self.shape, SHAPES)
-
-    def _settle(self, name: str, check: Any, unit: str, length: int = 3) -> None:
-        value: Any = getattr(self, name)
-        if np.shape(value) != (length,):
-            raise ValueError(f"`{name}` must hold {length} numbers, got {value!r}.")
-        clean = tuple(check(f"{name}[{i}]", x, unit) for i, x in enumerate(value))
-        object.__setattr__(self, name, clean)
 
     @property
     def shape_number(self) -> int:

@@ -2,41 +2,39 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from laticauda.errors import instance, not_negative, positive
+from laticauda.errors import positive
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water.elements import Element, Shape, Three
+from laticauda.quantities import option, quantity, value
 
 _ROUND = math.pi / 4.0  # share of a circle in the square around it
 _HALF_TURN = 0.5**0.5
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections."""
 
-    drag: Three = (0.2, 1.0, 1.0)
-    """C_D along the geom's axes, on the area that it shows in that direction [-]."""
-    rotational_drag: float = 0.0
-    """Share of what the drags, spread over the geom, set against its rotation [-]."""
-    added_mass: float = 1.0
-    """Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115) [-]."""
-    law: DragLaw = PolynomialDrag(reference_speed=0.0)
-    """How drag depends on speed; by default it is quadratic."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        if len(self.drag) != 3:
-            raise ValueError(f"`drag` must hold 3 numbers, got {self.drag!r}.")
-        object.__setattr__(self, "drag", tuple(not_negative(f"drag[{i}]", x) for i, x in enumerate(self.drag)))
-        for name in ("rotational_drag", "added_mass"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
-        instance("law", self.law, DragLaw)
+    drag: Three = quantity(
+        "", "C_D along the geom's axes, on the area that it shows in that direction", default=(0.2, 1.0, 1.0), ge=0.0
+    )
+    rotational_drag: float = quantity(
+        "", "Share of what the drags, spread over the geom, set against its rotation", default=0.0, ge=0.0
+    )
+    added_mass: float = quantity(
+        "",
+        "Share of the added mass and inertia of the ellipsoid that fits the geom (Lamb, 1932, art. 114 and 115)",
+        default=1.0,
+        ge=0.0,
+    )
+    law: DragLaw = option(
+        "How drag depends on speed; by default it is quadratic", default=PolynomialDrag(reference_speed=0.0)
+    )
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
