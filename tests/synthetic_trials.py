@@ -9,9 +9,11 @@ import pytest
 from laticauda.gaits import Gait
 from laticauda.kinematics import heading, joint_angles
 from laticauda.robot import Ground, Module, Robot, Section, Water, load_robot, load_water
+from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 
 PERIOD = 2.5
+USUAL_GAIT = Gait(amplitude=math.radians(30.0), frequency=2.0 * math.pi / PERIOD, phase_shift=math.radians(40.0))
 
 
 def synthetic_trial(
@@ -27,13 +29,15 @@ def synthetic_trial(
     n_axes: int = 2,
     robot: Robot | None = None,
     environment: Water | Ground | None = None,
+    gait: Gait | None = USUAL_GAIT,
+    notes: dict[str, object] | None = None,
     **fields: object,
 ) -> Trial:
     """A run at constant speed along a circle (`turning_rate` [rad/s]) or a line, with a gait of 2.5 s.
 
     The heading is the course plus a ripple of the gait's period; the joints do work of 3 W absolute, 1 W net.
     """
-    asked, robot = robot, robot if isinstance(robot, Robot) else load_robot("mamba")
+    robot = robot or load_robot("mamba")
     side = -1.0 if mirrored else 1.0
     omega = 2.0 * math.pi / PERIOD
     time = dt * np.arange(round(duration / dt) + 1)
@@ -66,9 +70,12 @@ def synthetic_trial(
         "joint_angle_ref": joint_angles(link_angle),
         "joint_torque": np.cos(joint_angles(link_angle)),
         "work": time[:, np.newaxis] * np.array([3.0, 1.0, 2.0]),
-        "robot": asked or robot,
-        "gait": Gait(amplitude=math.radians(30.0), frequency=omega, phase_shift=math.radians(40.0)),
-        "environment": environment or load_water("paper-lateral"),
+        "scenario": Experiment(
+            robot=robot,
+            gait=gait,
+            environment=environment or load_water("paper-lateral"),
+            notes=notes or {},
+        ),
         "version": "0.1.0",
     }
     return Trial(**{**given, **fields})
@@ -102,7 +109,7 @@ def full_trial() -> Trial:
         electrical_work=np.cumsum(rng.random(n)),
         link_force={"drag": rng.normal(size=(n, 4, 2)), "effector": -np.zeros((n, 4, 2))},
         signals={"offset": rng.normal(size=n), "of_ones_own": -np.zeros(n)},
-        settings={"model": "planar", "dt": 0.02, "bandwidth": math.inf, "steps": 3, "throw": False, "seed": None},
+        notes={"model": "planar", "dt": 0.02, "bandwidth": math.inf, "steps": 3, "throw": False, "seed": None},
         created="2026-01-02T03:04:05+00:00",
         status="The joints jumped at 0.5 s. Try a smaller gain: ½ of it.",
         succeeded=False,

@@ -16,13 +16,14 @@ import math
 import types
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import cache
 from itertools import groupby
 from typing import Any, TypeAlias, TypeVar, Union, cast, get_args, get_origin, overload
 
 from laticauda.errors import BadArgument, finite, nearest, one_of, shown
-from laticauda.extensions import Extensible, name_of
+from laticauda.extensions import Extensible, Unknown, name_of
 from laticauda.quantities import DEGREES, hints_of, quantities_of
 
 Table: TypeAlias = dict[str, Any]
@@ -56,6 +57,19 @@ def keys_of(file: object, error: type[Exception]) -> Generator[None]:
         raise error(f"{file}: {key}{bad.rule}") from None
 
 
+_keeps_unknown = ContextVar("_keeps_unknown", default=False)
+
+
+@contextmanager
+def keeping_unknown() -> Generator[None]:
+    """Within it, a `kind` that no member of an `Extensible` base has is kept as a stand-in, and not refused."""
+    before = _keeps_unknown.set(True)
+    try:
+        yield
+    finally:
+        _keeps_unknown.reset(before)
+
+
 @overload
 def decode(hint: type[T], value: object, at: str = "", default: object = ...) -> T: ...
 @overload
@@ -72,14 +86,18 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
     Raises:
         BadKey: If a key is unknown, missing, of the wrong type or out of range.
     """
-    if is_dataclass(value):
+    if is_dataclass(value) or isinstance(value, Unknown):
         return value  # made already
     find = _kinds(hint)
     if find is not None:
-        return _member(find, value, at, default)
+        return _member(find, value, at, default, get_origin(hint) or hint)
     if is_dataclass(hint):
         return _object(cast("type[Any]", hint), table_of(value, at), at)
     origin, inner = get_origin(hint), get_args(hint)
+    several = next((one for one in (hint, *inner) if get_origin(one) is tuple), None)
+    if several is not None and isinstance(value, list) and not is_dataclass(get_args(several)[0]):
+        if _kinds(get_args(several)[0]) is None:  # numbers or texts, or tuples of them
+            return tuple(decode(get_args(several)[0], one) for one in cast("list[object]", value))
     if origin in (types.UnionType, Union):
         holds = [one for one in inner if is_dataclass(one) or _kinds(one) is not None]
         return decode(holds[0], value, at) if holds and value is not None else value
@@ -210,22 +228,29 @@ def _with_new_names(kind: type, table: Table) -> Table:
 
 def _kinds(hint: Any) -> Callable[[Any], type] | None:
     """What finds the class that a table's `kind` says, in its own words; None: the type leaves no choice."""
-    if isinstance(hint, type) and Extensible in hint.__bases__:
-        base: type[Extensible] = hint
-        return lambda word: base.named(word if isinstance(word, str) else shown(word))
+    base = get_origin(hint) or hint
+    if isinstance(base, type) and Extensible in base.__bases__:
+        group: type[Extensible] = base
+        return lambda word: group.named(word if isinstance(word, str) else shown(word))
     if get_origin(hint) in (types.UnionType, Union):
         several = {name_of(one): one for one in get_args(hint) if is_dataclass(one) and isinstance(one, type)}
         return (lambda word: several[one_of("kind", word, tuple(several))]) if len(several) > 1 else None
     return None
 
 
-def _member(find: Callable[[Any], type], value: object, at: str, default: object = None) -> Any:
+def _member(find: Callable[[Any], type], value: object, at: str, default: object, base: Any) -> Any:
     if value is None:
         return value
     table = {"kind": value} if isinstance(value, str) else table_of(value, at)
     otherwise = name_of(type(default)) if is_dataclass(default) else None
-    with arguments_of(at):
-        found = find(table.pop("kind", otherwise))
+    word = table.pop("kind", otherwise)
+    try:
+        with arguments_of(at):
+            found = find(word)
+    except BadKey:
+        if _keeps_unknown.get() and isinstance(word, str) and isinstance(base, type):
+            return cast("type[Extensible]", base).stand_in(word, table)
+        raise
     return _object(found, table, at)
 
 
@@ -270,6 +295,8 @@ def encode(value: Any, hint: Any = None) -> Any:
     if is_dataclass(value):
         thing: Any = value
         return {**({} if _kinds(hint) is None else {"kind": name_of(thing.__class__)}), **_table(thing)}
+    if isinstance(value, Unknown):
+        return {"kind": value.kind, **value.table}
     if isinstance(value, Mapping):
         return {key: encode(one) for key, one in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, tuple | list):

@@ -63,9 +63,42 @@ class Extensible:
         return cls._known[name]
 
     @classmethod
+    def stand_in(cls, name: str, table: Mapping[str, Any]) -> Self:
+        """What takes the place of a member that a file names and nobody here defines: it is kept, and can do nothing.
+
+        Args:
+            name: What the file calls it.
+            table: What else the file says of it.
+        """
+        made: Any = object.__new__(_stand_in(cls))
+        made.__dict__ |= {"kind": name, "table": dict(table)}
+        return made
+
+    @classmethod
     def names(cls) -> tuple[str, ...]:
         """The names of all members of this group, those of the package first."""
         return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
+
+
+class Unknown:
+    """Mixin of stand-ins, see `Extensible.stand_in`."""
+
+    kind: str
+    table: Mapping[str, Any]
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash(self.kind)
+
+    def __repr__(self) -> str:
+        return f"<{self.kind}, which nobody here defines>"
+
+
+@functools.cache
+def _stand_in(base: type[Any]) -> type[Any]:
+    return type(f"_Unknown{base.__name__}", (Unknown, base), {})
 
 
 def name_of(kind: type) -> str:

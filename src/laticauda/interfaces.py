@@ -11,7 +11,7 @@ from jaxtyping import Float
 from laticauda.errors import finite
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
-from laticauda.quantities import quantity, value
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import CaudalFin, Environment, Robot
 
 State = TypeVar("State")
@@ -112,6 +112,18 @@ class Start:
     velocity: float = quantity("m/s", "Forward, along the heading", default=0.0, ge=-100.0, le=100.0)
 
 
+@value
+class Resumed:
+    """Where a run begins that goes on with another one: in the state that the plant was left in."""
+
+    state: Mapping[str, Any] = option("The state's arrays by name, as `Plant.pack` gives them")
+
+    def __post_init__(self) -> None:
+        """Keep plain numbers, which compare and can be stored."""
+        state = {name: tuple(np.asarray(values, dtype=float).tolist()) for name, values in self.state.items()}
+        object.__setattr__(self, "state", state)
+
+
 class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLLERS):
     """What decides the next command. Its state is a value, as a plant's is.
 
@@ -131,11 +143,6 @@ class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLL
         """The state after `observation` was made in `state`, and the command until the next control instant."""
         raise NotImplementedError
 
-    @property
-    def settings(self) -> Mapping[str, Any]:
-        """How the controller was made, for the Trial's record: texts and numbers by name."""
-        return {}
-
     def signals(self, state: State) -> Mapping[str, float]:
         """What it had in mind when it made `state`, for the Trial's log: always the same names, finite, in SI units."""
         return {}
@@ -144,14 +151,12 @@ class Controller(Extensible, Generic[State], group="controllers", homes=CONTROLL
         """Raise a ValueError if `robot` cannot do what the controller may command."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class OpenLoop(Controller[None]):
     """The controller that looks at nothing: one command from start to end."""
 
-    command: Command
-    """Held all the time."""
-    interval: float = math.inf
-    """Asked once."""
+    command: Command = option("Held all the time")
+    interval: float = quantity("s", "Between two control instants; infinite: asked once", default=math.inf, gt=0.0)
 
     @property
     def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
@@ -181,8 +186,8 @@ class Plant(Protocol[State]):
         ...
 
     @property
-    def settings(self) -> Mapping[str, Any]:
-        """How the plant was made, for the Trial's record."""
+    def settings(self) -> Any:
+        """How the plant was made: a scenario's model (`laticauda.Planar`, `laticauda.Spatial`), nothing left open."""
         ...
 
     def init(self, start: Start, command: Command) -> State:

@@ -279,6 +279,8 @@ def _things(kind: Any, count: int | None, declared: Quantity | None) -> str:
     if declared is not None and get_origin(kind) is None:
         amount = "a list of " if count is None else f"{_COUNTS.get(count, count)} "
         return f"{amount}numbers{f' in {declared.unit}' if declared.unit else ''}"
+    if declared is not None:
+        return f"a list of {_things(get_args(kind)[0], len(get_args(kind)), declared)}"
     return "a list of texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.actuation.laws import JointLaw
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.trial import FIGURES
 
@@ -139,7 +140,8 @@ def test_every_option_reaches_the_simulation(run):
     )
     stored = lc.load_trial("run.nc")
     named = replace(water, name=stored.environment.name)
-    assert stored.equals(replace(trial, environment=named, created=stored.created))
+    scenario = replace(trial.scenario, environment=named)
+    assert stored.equals(replace(trial, scenario=scenario, created=stored.created))
 
 
 def test_the_saved_file_is_the_run(run):
@@ -172,10 +174,11 @@ def test_a_resumed_run_says_where_its_coefficients_are_from(run):
 
 def test_a_trial_with_a_law_of_its_own_cannot_be_resumed(run):
     trial = lc.swim(lc.load_robot("mamba"), lateral(), 1.0)
-    replace(trial, settings={**trial.settings, "fluid_law": "my_law"}).save("mine.nc")
+    unknown = lc.Planar(joints=JointLaw.stand_in("my-law", {}))
+    replace(trial, scenario=replace(trial.scenario, model=unknown)).save("mine.nc")
     done = run("swim --resume mine.nc")
     assert done.status == 2
-    assert "--resume must be a trial with a built-in fluid law, got one with my_law." in done.err
+    assert "cannot be run here: nobody has defined its `my-law`" in done.err
 
 
 WILD = "swim --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
@@ -256,7 +259,7 @@ def test_a_parameter_file_changes_the_robot_and_its_joint_law_unless_a_flag_says
     (folder / "mine.toml").write_text(f"{head}{joints}[water]{tables}{''.join(rest)}")
     assert run(f"{command} --gait eel-like --parameters mine.toml --save run.nc").status == 0
     stored = lc.load_trial("run.nc")
-    assert (stored.settings["joints"], stored.settings["parameters"]) == ("pd", "mine")
+    assert (stored.settings["joints"], stored.environment.name) == ("pd", "mine, eel_like")
     assert {joint.actuator.proportional_gain for joint in stored.robot.joints} == {12.0}
     assert (stored.robot.active_power, stored.mean_power_kind) == (30.0, "electrical")
     assert run(f"{command} --parameters mine.toml --joints prescribed --save run.nc").status == 0

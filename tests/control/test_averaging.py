@@ -57,9 +57,7 @@ def swum(frequency, model=MODEL):
         joint_torque=zeros,
         work=np.stack([spent] * 3, axis=1),
         signals={"offset": offset},
-        robot=robot,
-        gait=replace(GAIT, frequency=frequency),
-        environment=lc.load_water("paper-lateral"),
+        scenario=lc.scenario(robot, replace(GAIT, frequency=frequency)),
         version=lc.__version__,
     )
 
@@ -119,7 +117,8 @@ def test_trials_that_do_not_tell_are_refused(frequencies, change, message):
 
 def test_trials_of_different_gaits_are_refused():
     trials = [swum(frequency) for frequency in (1.0, 1.5, 2.0)]
-    trials[1] = replace(trials[1], gait=replace(trials[1].gait, amplitude=0.3))
+    slower = replace(trials[1].gait, amplitude=0.3)
+    trials[1] = replace(trials[1], scenario=replace(trials[1].scenario, motion=slower))
     with pytest.raises(ValueError, match="`trials` must be of one gait but for its frequency and offset, got 2 gaits"):
         fit_averaged(trials)
 

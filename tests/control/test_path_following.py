@@ -124,9 +124,9 @@ def test_the_signals_of_a_trial_are_those_of_its_samples():
     raw = 0.4 * (signals["heading_ref"] - signals["heading_used"])
     np.testing.assert_allclose(signals["offset"], np.clip(raw, -np.radians(20), np.radians(20)), atol=1e-12)
     np.testing.assert_array_equal(signals["is_saturated"], np.abs(raw) > np.radians(20))
-    assert trial.settings["guidance"] == "LineOfSight(look_ahead_distance=0.18)"
-    assert trial.settings["heading_estimate"] == "raw"
-    assert trial.settings["offset_bandwidth"] == 10.0
+    assert trial.scenario.motion.guidance == LineOfSight(look_ahead_distance=0.18)
+    assert trial.scenario.motion.heading_estimate == "raw"
+    assert trial.scenario.model.offset_bandwidth == 10.0
 
 
 def test_the_same_state_and_observation_give_the_same_answer():

@@ -10,6 +10,7 @@ import laticauda as lc
 from laticauda.identify import Measurement, from_table1, from_trial
 from laticauda.identify.measurements import with_noise
 from laticauda.identify.selection import mean_of_the_greatest
+from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]
 TIME = np.linspace(0.0, 2.0, 5)
@@ -59,8 +60,9 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
     assert seen.figures["y"] == (trial.center_of_mass[-1, 1], 0.02)
     np.testing.assert_array_equal(seen.series["center_of_mass"][0], trial.center_of_mass[::20])
     assert seen.duration == 4.0 and seen.gait is trial.gait and seen.environment is trial.environment
+    unknown = Experiment(robot=trial.robot, environment=trial.environment)
     with pytest.raises(ValueError, match="`trial` must have a gait"):
-        from_trial(replace(trial, gait=None), name="a", figures=figures)
+        from_trial(replace(trial, scenario=unknown), name="a", figures=figures)
     with pytest.raises(ValueError, match="`figures` must be one of"):
         from_trial(trial, name="a", figures={"speed": 0.1})
 

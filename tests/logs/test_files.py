@@ -1,7 +1,7 @@
 import csv
 import dataclasses
-import json
 import os
+import tomllib
 import warnings
 
 import netCDF4
@@ -50,7 +50,7 @@ def test_every_float_and_text_comes_back_to_the_last_bit(
 ):
     gait = Gait(kind="eel-like", amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0)
     angle = np.array(values).reshape(26, 9)
-    trial = make_trial(duration=0.5, link_angle=angle, gait=gait, settings={"x": setting}, status=status)
+    trial = make_trial(duration=0.5, link_angle=angle, gait=gait, notes={"x": setting}, status=status)
     path = tmp_path_factory.getbasetemp() / "any.nc"
     trial.save(path)
     assert load_trial(path).equals(trial)
@@ -74,8 +74,8 @@ def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
         assert data.link_force_drag.dims == ("time", "link", "axis")
         assert list(data.axis.values) == ["x", "y"]
         assert data.attrs["Conventions"].startswith("CF-")
-        assert 'name = "odd one"' in data.attrs["robot"]
-        assert json.loads(data.attrs["gait"])["kind"] == "custom"
+        scenario = tomllib.loads(data.attrs["scenario"])
+        assert (scenario["robot"]["name"], scenario["gait"]["kind"]) == ("odd one", "custom")
         assert data.joint_torque.attrs["units"] == "N m"
         for name, variable in data.data_vars.items():
             assert variable.attrs["units"], name
@@ -164,12 +164,10 @@ def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("robot", "name = 3", r"Cannot load .*run\.nc: "),
-        ("environment", 'kind = "robot"', r"Cannot load .*run\.nc: "),
-        ("gait", '{"kind": "walk", "amplitude": 1, "frequency": 1, "phase_shift": 1}', "`kind` must be one of"),
-        ("gait", '{"speed": 1}', r"unexpected keyword argument 'speed'"),
-        ("settings", "{", r"Cannot load .*run\.nc: "),
-        ("settings", "[1]", r"Cannot load .*run\.nc: "),
+        ("scenario", "name = 3", r"Cannot load .*run\.nc: scenario: key `name`: is not known"),
+        ("scenario", "=", r"Cannot load .*run\.nc: "),
+        ("scenario", 'kind = "walk"', r"scenario: key `kind`: must be one of `scenario`, `experiment`, got 'walk'"),
+        ("scenario", 'kind = "experiment"\nnotes = 3', r"scenario: key `robot`: is missing"),
         ("link_force", '["lift"]', "it has no `link_force_lift`"),
         ("state", '{"gone": {"dtype": "<f8"}}', "it has no `bytes`"),
         ("state", '{"gone": 3}', r"Cannot load .*run\.nc: "),
@@ -184,7 +182,7 @@ def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(make_trial, pa
         load_trial(path)
 
 
-@pytest.mark.parametrize("name", ["robot", "environment", "gait", "settings", "status", "version", "state"])
+@pytest.mark.parametrize("name", ["scenario", "status", "version", "state"])
 def test_a_file_without_an_attribute_is_refused_by_its_name(make_trial, path, name):
     make_trial(duration=1.0).save(path)
     with netCDF4.Dataset(path, "a") as file:

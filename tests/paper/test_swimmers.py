@@ -42,7 +42,7 @@ def test_the_current_reaches_the_water_and_nothing_else_changes():
     swimmer = swimmers()[0]
     body = in_water(swimmer, model="planar", joints="prescribed", offset_bandwidth=4.0, current=(0.1, 0.2))
     assert body.environment == replace(swimmer.water, current=(0.1, 0.2))
-    assert body.settings["offset_bandwidth"] == 4.0
+    assert body.settings.offset_bandwidth == 4.0
 
 
 def test_a_run_that_blows_up_is_named():

@@ -17,6 +17,7 @@ from laticauda.pictures.camera import VIEW_DEG, calm, view
 from laticauda.pictures.caustics import PERIOD, light
 from laticauda.pictures.overlay import write_words
 from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
+from laticauda.scenarios import Experiment
 
 pytest.importorskip("mujoco")
 
@@ -58,6 +59,14 @@ def test_the_replay_is_where_the_trial_was(name):
         np.testing.assert_allclose(found[:, 2], -1.0, atol=1e-9)
 
 
+def with_other(trial, **parts):
+    return replace(trial, scenario=replace(trial.scenario, **parts))
+
+
+def without_gait(trial):
+    return replace(trial, scenario=Experiment(robot=trial.robot, environment=trial.environment))
+
+
 def test_between_samples_it_is_where_a_finer_log_has_it():
     coarse, fine = swum(sample_interval=0.1), swum(sample_interval=0.01)
     for sample in (1, 55, 234, 599):
@@ -87,17 +96,17 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
 
 
 def test_the_water_has_its_depth_and_the_ground_its_height(trial):
-    assert swimming_height(replace(trial, environment=replace(trial.environment, depth=0.3))) == -0.3
-    deep = replace(trial, environment=replace(trial.environment, depth=7.0))
+    assert swimming_height(with_other(trial, environment=replace(trial.environment, depth=0.3))) == -0.3
+    deep = with_other(trial, environment=replace(trial.environment, depth=7.0))
     assert floor_height(deep) < -7.0
-    on_land = replace(trial, environment=lc.load_ground("coulomb"))
+    on_land = with_other(trial, environment=lc.load_ground("coulomb"))
     assert (swimming_height(on_land), floor_height(on_land)) == (0.055, 0.0)
     names = {Replay(on_land).model.geom(i).name for i in range(Replay(on_land).model.ngeom)}
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = Replay(replace(trial, settings={**trial.settings, "ground": "ramp"})).model
+    model = Replay(with_other(trial, model=lc.Spatial(shore=lc.load_ground("coulomb")))).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
@@ -231,7 +240,7 @@ def test_the_speed_in_the_picture_is_the_trials():
 def test_the_words_say_who_swims_and_how(trial):
     assert render.words(trial) == ["mamba-fin", "lateral undulation, 30°, 130°/s, phase shift 40°"]
     assert render.words(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
-    assert render.words(replace(trial, gait=None)) == ["mamba-fin"]
+    assert render.words(without_gait(trial)) == ["mamba-fin"]
 
 
 # ---- films --------------------------------------------------------------------------------------------------------

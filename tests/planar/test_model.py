@@ -8,7 +8,6 @@ from laticauda.errors import SimulationFailed
 from laticauda.fluid.laws import CoulombFriction, FunctionDrag, PolynomialDrag
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Actuator, CaudalFin, Ground, Joint, PectoralFin, Tether, load_robot, load_water
-from laticauda.simulate import plant_of
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 WATER = load_water("paper-lateral")
@@ -293,7 +292,4 @@ def test_a_start_beyond_the_digits_of_a_number_is_refused():
 
 def test_the_plant_of_a_trial_is_made_again():
     trial = lc.swim(load_robot("mamba-modules"), GAIT, duration=1.0, joints="pd", dt=0.001, offset_bandwidth=4.0)
-    assert plant_of(trial).settings == trial.settings
-    own = replace(trial, settings={**trial.settings, "fluid_law": "mine"})
-    with pytest.raises(ValueError, match="`trial` must be a trial with a built-in fluid law, got one with mine"):
-        plant_of(own)
+    assert lc.plant(trial.scenario).settings == trial.scenario.model

@@ -5,6 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import load_robot, load_water
+from laticauda.scenarios import Experiment
 from laticauda.simulate import runner
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
@@ -58,10 +59,6 @@ def test_a_controller_can_steer():
 class Counting(TurnAfter):
     """Reports how often it was asked; too wide for a robot of two links."""
 
-    @property
-    def settings(self):
-        return {"gain": 2.0, "model": "none"}
-
     def signals(self, state):
         return {"asked": float(len(state))}
 
@@ -77,9 +74,9 @@ def test_signals_are_held_from_one_control_instant_to_the_next():
     assert run(Counting(GAIT, np.inf, 1000)).signals["asked"].tolist() == [1.0] * 201
 
 
-def test_the_trial_keeps_what_the_controller_says_of_itself_and_not_of_the_plant():
+def test_the_trial_keeps_its_controller():
     trial = run(Counting(GAIT, 5.0, 1000))
-    assert (trial.settings["gain"], trial.settings["model"]) == (2.0, "planar")
+    assert trial.scenario.motion == Counting(GAIT, 5.0, 1000)
     assert run(TurnAfter(GAIT, 5.0, 1000)).signals == {}
 
 
@@ -111,7 +108,9 @@ def test_a_run_in_chunks_is_the_same_run(monkeypatch):
 
 
 def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
-    trial = replace(lc.swim(load_robot("mamba"), GAIT, duration=1.0), gait=None)
+    trial = lc.swim(load_robot("mamba"), GAIT, duration=1.0)
+    unknown = Experiment(robot=trial.robot, environment=trial.environment)
+    trial = replace(trial, scenario=unknown)
     with pytest.raises(ValueError, match="`controller` must be given to go on with a trial that has no gait"):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
 

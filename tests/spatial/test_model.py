@@ -8,7 +8,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.interfaces import Command, OpenLoop, Plant, Start
-from laticauda.simulate import plant, plant_of, resume, run
+from laticauda.simulate import plant, resume, run
 from laticauda.spatial.model import SpatialPlant
 from laticauda.spatial.rows import STATE_ROWS
 from laticauda.spatial.water_robot import robot_elements
@@ -56,8 +56,8 @@ def test_a_run_goes_on_from_where_it_ended():
     body = plant(ROBOT, WATER, model="spatial", root="free", gravity=False)
     whole = run(body, OpenLoop(command=Command(gait=GAIT)), 2.0)
     first = run(body, OpenLoop(command=Command(gait=GAIT)), 1.0)
-    again = plant_of(first)
-    assert dict(again.settings) == dict(body.settings)
+    again = plant(first.scenario)
+    assert again.settings == body.settings
     second = resume(again, first, 1.0)
     np.testing.assert_allclose(second.center_of_mass[-1], whole.center_of_mass[-1], atol=1e-9)
     np.testing.assert_allclose(second.work[-1], whole.work[-1], rtol=1e-6)

@@ -11,7 +11,7 @@ from laticauda.fluid.laws import CoulombFriction
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.mujoco_water.ground import SINK
 from laticauda.pictures.lines import path_dashes
-from laticauda.simulate import plant, plant_of, resume, run
+from laticauda.simulate import plant, resume, run
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")
@@ -241,8 +241,8 @@ def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
 def test_a_run_from_the_shore_goes_on_where_it_ended():
     body = plant(ROBOT, WATER, model="spatial", shore=SMOOTH)
     first = run(body, OpenLoop(command=Command(gait=YAW)), 1.0)
-    again = plant_of(first)
-    assert dict(again.settings) == dict(body.settings)
+    again = plant(first.scenario)
+    assert again.settings == body.settings
     whole = run(body, OpenLoop(command=Command(gait=YAW)), 2.0)
     np.testing.assert_allclose(resume(again, first, 1.0).center_of_mass[-1], whole.center_of_mass[-1], atol=1e-6)
 

@@ -35,6 +35,10 @@ def whole(make_trial):
     )
 
 
+def with_other(trial, **parts):
+    return dataclasses.replace(trial, scenario=dataclasses.replace(trial.scenario, **parts))
+
+
 def test_two_halves_joined_are_the_whole_to_the_last_bit(whole):
     assert joined(cut(whole, 0, 101), cut(whole, 100, 201)).equals(whole)
 
@@ -61,9 +65,9 @@ def test_what_does_not_follow_is_not_joined(whole):
     with pytest.raises(ValueError, match="`first` must have reached its end, got a failed run: It blew up"):
         joined(dataclasses.replace(first, succeeded=False, status="It blew up."), second)
     with pytest.raises(ValueError, match="must have the same `gait` as `first`"):
-        joined(first, dataclasses.replace(second, gait=None))
+        joined(first, with_other(second, gait=None))
     with pytest.raises(ValueError, match="must have the same `robot` as `first`"):
-        joined(first, dataclasses.replace(second, robot=load_robot("mamba-thruster")))
+        joined(first, with_other(second, robot=load_robot("mamba-thruster")))
     with pytest.raises(ValueError, match="`second` must log the same as `first`"):
         joined(first, dataclasses.replace(second, electrical_work=None))
     with pytest.raises(

@@ -64,12 +64,12 @@ def test_lists_and_integers_become_arrays_of_floats(make_trial):
         ("electrical_work", np.zeros(2), "`electrical_work` must have shape (3)"),
         ("link_force", {"drag": np.zeros((3, 9, 3))}, "`link_force['drag']` must have shape (3, 9, 2)"),
         ("link_force", {"a/b": np.zeros((3, 9, 2))}, "`link_force` must have names of letters"),
-        ("settings", {"gains": object()}, "`settings['gains']` must be a text, number, truth value or None, got"),
-        ("settings", {"gain": float("nan")}, "`settings['gain']` must not be nan."),
-        ("settings", [1], "`settings` must map names to values, got list."),
-        ("robot", "mamba", "`robot` must be of kind Robot, got str."),
-        ("gait", "eel", "`gait` must be of kind Gait or None, got str."),
-        ("environment", load_robot("mamba"), "`environment` must be of kind Water or Ground, got Robot."),
+        ("notes", {"gains": object()}, "`notes['gains']` must be a text, number or truth value, got"),
+        ("notes", {"gain": float("nan")}, "`notes['gain']` must not be nan."),
+        ("notes", [1], "`notes` must map names to values, got list."),
+        ("gait", "eel", "`gait` must be of class Gait, got str."),
+        ("environment", load_robot("mamba"), "`environment` must be of class Water or Ground, got Robot."),
+        ("scenario", None, "`scenario` must be of kind Scenario or Experiment, got NoneType."),
         ("succeeded", 1, "`succeeded` must be of kind bool, got int."),
         ("status", None, "`status` must be of kind str, got NoneType."),
         ("state", {"all": np.array(["text"])}, "`state['all']` must be an array of numbers or truth values"),
@@ -91,8 +91,8 @@ def test_a_planar_log_has_the_links_of_the_planar_robot_and_a_spatial_one_all_mo
     assert spatial.strouhal_number > 0.0
 
 
-def test_numpy_scalars_in_the_settings_become_plain_numbers(make_trial):
-    settings = make_trial(settings={"dt": np.float64(0.02), "n": np.int64(3)}).settings
+def test_numpy_scalars_in_the_notes_become_plain_numbers(make_trial):
+    settings = make_trial(notes={"dt": np.float64(0.02), "n": np.int64(3)}).settings
     assert settings == {"dt": 0.02, "n": 3}
     assert type(settings["n"]) is int
 
@@ -103,8 +103,8 @@ def test_equal_means_every_bit(make_trial, full_trial):
     assert not trial.equals(make_trial(created="later"))
     assert not trial.equals(make_trial(created="now", joint_torque=trial.joint_torque * (1 + 1e-15)))
     assert not trial.equals(make_trial(created="now", heading=-0.0 * trial.heading))
-    assert not trial.equals(make_trial(created="now", settings={"n": 1}))
-    assert not make_trial(created="now", settings={"n": True}).equals(make_trial(created="now", settings={"n": 1}))
+    assert not trial.equals(make_trial(created="now", notes={"n": 1}))
+    assert not make_trial(created="now", notes={"n": True}).equals(make_trial(created="now", notes={"n": 1}))
     assert not trial.equals("a trial")
     assert full_trial.equals(full_trial)
 
@@ -148,7 +148,9 @@ def test_figures_in_a_current_are_those_of_the_speed_through_the_water(make_tria
         still,
         center_of_mass=still.center_of_mass + still.time[:, np.newaxis] * np.array([0.3, -0.2]),
         center_of_mass_velocity=still.center_of_mass_velocity + np.array([0.3, -0.2]),
-        environment=dataclasses.replace(still.environment, current=(0.3, -0.2)),
+        scenario=dataclasses.replace(
+            still.scenario, environment=dataclasses.replace(still.environment, current=(0.3, -0.2))
+        ),
     )
     assert drifting.speed_through_water == pytest.approx(still.speed_through_water)
     assert drifting.quasi_propulsive_efficiency == pytest.approx(still.quasi_propulsive_efficiency)

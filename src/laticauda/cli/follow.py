@@ -176,7 +176,6 @@ class Follow:
         controller = self.guidance.controller(gait, self.path.chosen(), body)
         start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
         trial = run(body, controller, duration, start=start, progress=progress)
-        trial = self.environment.noted(trial)
         if self.output.save is not None:
             trial.save(self.output.save)
         if self.output.plot is not None:

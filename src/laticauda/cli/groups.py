@@ -1,7 +1,7 @@
 """Groups of options that commands share: what swims, how, where, and by which model."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
@@ -12,7 +12,6 @@ from laticauda.robot import Environment, Robot, Water, load_ground, load_paramet
 
 if TYPE_CHECKING:
     from laticauda.gaits import Gait, Wave
-    from laticauda.trial import Trial
 
 # What options that are left out stand for: Mamba's first trial of the paper.
 ROBOT = "mamba"
@@ -166,17 +165,6 @@ class EnvironmentFlags:
             joints = load_parameters(self.parameters).joints
             settings |= {} if joints is None else {"joints": joints}
         return settings
-
-    def noted(self, trial: "Trial") -> "Trial":
-        """The trial, whose settings say which parameters it was made with.
-
-        Args:
-            trial: As it was run.
-        """
-        if self.parameters is None:
-            return trial
-        name = load_parameters(self.parameters).name
-        return replace(trial, settings={**trial.settings, "parameters": name})
 
     def _water(self, gait: "Gait") -> tuple[Water, str]:
         """The water before single coefficients are replaced, and where it is from."""

@@ -113,12 +113,12 @@ class Swim:
             **self.environment.model_settings(self.model),
             **self._clock(),
         )
-        return self.environment.noted(trial), origin
+        return trial, origin
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""
         from laticauda.logs import load_trial
-        from laticauda.simulate import plant_of, resume
+        from laticauda.simulate import plant, resume
         from laticauda.trial import joined
 
         for name in given(self):
@@ -126,7 +126,7 @@ class Swim:
                 raise ValueError(f"`{name}` must not be given with `resume`: the stored trial has its own.")
         first = load_trial(path)
         second = resume(
-            plant_of(first),
+            plant(first.scenario),
             first,
             link_forces=first.link_force is not None,
             progress=announced(first.environment, model=str(first.settings.get("model")), **self._clock()),

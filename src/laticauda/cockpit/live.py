@@ -3,7 +3,7 @@
 import math
 import threading
 from collections.abc import Mapping
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from laticauda.cockpit.simulation import TICK, Simulation, advance, altered, beg
 from laticauda.errors import within
 from laticauda.interfaces import Log
 from laticauda.packaging import __version__
-from laticauda.scenarios import Scenario
+from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import Trial
 
 PLOTTED = 60.0  # what the plots show [s]
@@ -192,13 +192,14 @@ class Live:
         if len(log["time"]) < 2:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
         signals = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
-        followed: dict[str, Any] = dict(now.scenario.controller.settings) if now.is_steered else {}
         return Trial(
             **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
-            robot=now.plant.robot,
-            gait=now.scenario.gait,
-            environment=now.plant.environment,
-            settings={**followed, **now.plant.settings},
+            scenario=Experiment(
+                robot=now.plant.robot,
+                gait=now.scenario.gait,
+                environment=now.plant.environment,
+                model=now.plant.settings,
+            ),
             signals=signals,
             version=__version__,
             status=now.failure or "The run reached its end.",

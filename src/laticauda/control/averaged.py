@@ -10,28 +10,14 @@ measured; it is for guidance to plan with, and no model of the body.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from laticauda.errors import finite, not_negative, positive
+from laticauda.quantities import quantity, value
 
 State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 
-# Units of what may have any sign, as the messages and the table of the theory have them.
-_UNITS = {
-    "turn_0": "1/s",
-    "turn_1": "",
-    "speed_0": "m/s",
-    "speed_1": "m",
-    "speed_offset": "m",
-    "bend": "",
-    "sway": "m",
-    "power_0": "W",
-    "power_offset": "W (s/rad)^k",
-}
 
-
-@dataclass(frozen=True, kw_only=True)
+@value
 class AveragedModel:
     """One gait with one robot, at any frequency and offset within what it was fitted to.
 
@@ -47,43 +33,22 @@ class AveragedModel:
         0.12
     """
 
-    turn_0: float
-    """Turning rate per offset, at frequency 0 [1/s]."""
-    turn_1: float
-    """What it gains with the frequency [-]."""
-    bend: float
-    """What an offset adds to the mean link angle at once, before the robot turns [-]."""
-    bend_lag: float
-    """Time constant with which the joints take the offset on [s]."""
-    speed_0: float
-    """Speed along the heading, at frequency 0 [m/s]."""
-    speed_1: float
-    """What it gains with the frequency [m]."""
-    speed_offset: float
-    """What it gains with the frequency and the square of the offset; negative, for a bent robot is slower [m]."""
-    speed_lag: float
-    """Time constant of the speed [s]."""
-    sway: float
-    """Speed to the left of psi per turning rate [m]."""
-    sway_lag: float
-    """Time constant of that speed [s]."""
-    power_0: float
-    """Power at frequency 0 [W]."""
-    power_1: float
-    """What it gains with the frequency to the power of k [W (s/rad)^k]."""
-    power_exponent: float
-    """k [-]."""
-    power_offset: float
-    """What it gains with that and the square of the offset [W (s/rad)^k]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        for name, unit in _UNITS.items():
-            object.__setattr__(self, name, finite(name, getattr(self, name), unit))
-        for name in ("bend_lag", "speed_lag", "sway_lag"):
-            object.__setattr__(self, name, positive(name, getattr(self, name), "s"))
-        object.__setattr__(self, "power_1", not_negative("power_1", self.power_1, "W (s/rad)^k"))
-        object.__setattr__(self, "power_exponent", positive("power_exponent", self.power_exponent))
+    turn_0: float = quantity("1/s", "Turning rate per offset, at frequency 0")
+    turn_1: float = quantity("", "What it gains with the frequency")
+    bend: float = quantity("", "What an offset adds to the mean link angle at once, before the robot turns")
+    bend_lag: float = quantity("s", "Time constant with which the joints take the offset on", gt=0.0)
+    speed_0: float = quantity("m/s", "Speed along the heading, at frequency 0")
+    speed_1: float = quantity("m", "What it gains with the frequency")
+    speed_offset: float = quantity(
+        "m", "What it gains with the frequency and the square of the offset; negative, for a bent robot is slower"
+    )
+    speed_lag: float = quantity("s", "Time constant of the speed", gt=0.0)
+    sway: float = quantity("m", "Speed to the left of psi per turning rate")
+    sway_lag: float = quantity("s", "Time constant of that speed", gt=0.0)
+    power_0: float = quantity("W", "Power at frequency 0")
+    power_1: float = quantity("W (s/rad)^k", "What it gains with the frequency to the power of k", ge=0.0)
+    power_exponent: float = quantity("", "k", gt=0.0)
+    power_offset: float = quantity("W (s/rad)^k", "What it gains with that and the square of the offset")
 
     # The arguments are numbers, arrays or CasADi's symbols: one text serves the fit, the observer and the plan.
 

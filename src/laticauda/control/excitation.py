@@ -2,18 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from laticauda.errors import finite, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 # To both sides, small and large; ends without, so that the turn can be seen to end.
 OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.0, 0.0))
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class OffsetSteps(Controller[int]):
     """A controller that looks at nothing and steers by a list; the trial keeps the offset among its signals.
 
@@ -21,20 +20,14 @@ class OffsetSteps(Controller[int]):
         ValueError: If a field is out of its range.
     """
 
-    gait: Gait
-    """What swims."""
-    offsets: tuple[float, ...] = OFFSETS
-    """One after the other, the last one from then on [rad]."""
-    interval: float = 12.0
-    """How long each is held [s]."""
+    gait: Gait = option("What swims")
+    offsets: tuple[float, ...] = quantity("rad", "One after the other, the last one from then on", default=OFFSETS)
+    interval: float = quantity("s", "How long each is held", default=12.0, gt=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
         if not self.offsets:
             raise ValueError("`offsets` must hold at least one offset in rad, got none.")
-        offsets = tuple(finite(f"offsets[{i}]", value, "rad") for i, value in enumerate(self.offsets))
-        object.__setattr__(self, "offsets", offsets)
-        object.__setattr__(self, "interval", positive("interval", self.interval, "s"))
 
     @property
     def duration(self) -> float:
@@ -53,11 +46,6 @@ class OffsetSteps(Controller[int]):
     def signals(self, state: int) -> Mapping[str, float]:
         """The offset that is held in `state`, for the log."""
         return {"offset": self.offsets[min(state, len(self.offsets)) - 1]}
-
-    @property
-    def settings(self) -> Mapping[str, str | float]:
-        """How it was made, for the trial's record."""
-        return {"offsets": repr(self.offsets), "control_interval": self.interval}
 
     def check(self, robot: Robot) -> None:
         """Every `robot` will do: a joint beyond its limit ends the run."""

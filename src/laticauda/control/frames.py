@@ -1,12 +1,15 @@
 """Where a robot is with respect to a path: the one answer that every path gives, and all that guidance sees of it."""
 
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.extensions import Extensible
+
 State = TypeVar("State")
+PATHS: dict[str, str] = dict.fromkeys(("straight-line", "polyline", "spline"), "laticauda.control.paths")
 # The modules of the paths take these from here and check their fields themselves, whatever they are given.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]
@@ -29,12 +32,15 @@ class PathFrame:
     """Length of the path ahead; 0 after its end, infinite for a line that has none [m]."""
 
 
-class Path(Protocol[State]):
-    """What a robot can follow. How far it has come is a value, like every state."""
+class Path(Extensible, Generic[State], group="paths", homes=PATHS):
+    """What a robot can follow. How far it has come is a value, like every state.
+
+    One's own is a class below this one; as a value it is stored with its trials.
+    """
 
     def init(self) -> State:
         """The progress before the first position is known."""
-        ...
+        raise NotImplementedError
 
     def locate(self, progress: State, position: Position) -> tuple[State, PathFrame]:
         """Find a position on the path.
@@ -46,7 +52,7 @@ class Path(Protocol[State]):
         Returns:
             The progress now, and the position seen from the path.
         """
-        ...
+        raise NotImplementedError
 
     def points(self, along_track_distance: Distances) -> Points:
         """Points of the path, for a drawing or a test.
@@ -57,4 +63,4 @@ class Path(Protocol[State]):
         Returns:
             One row x, y per distance [m], world axes; beyond its ends the path goes straight on.
         """
-        ...
+        raise NotImplementedError

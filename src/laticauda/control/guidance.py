@@ -5,22 +5,22 @@ the heading that the robot has, so that no law ever asks for a turn around the c
 """
 
 import math
-from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from laticauda.angles import wrap_to_pi
 from laticauda.control.frames import PathFrame
-from laticauda.errors import not_negative, positive
+from laticauda.extensions import Extensible
+from laticauda.quantities import quantity, value
 
 State = TypeVar("State")
 
 
-class Guidance(Protocol[State]):
-    """What turns a position beside the path into the heading to take."""
+class Guidance(Extensible, Generic[State], group="guidance"):
+    """What turns a position beside the path into the heading to take; one's own is a class below this one."""
 
     def init(self) -> State:
         """The state at the start."""
-        ...
+        raise NotImplementedError
 
     def step(
         self, state: State, frame: PathFrame, heading: float, dt: float, is_saturated: bool
@@ -37,11 +37,11 @@ class Guidance(Protocol[State]):
         Returns:
             The state now, and theta_ref in world axes, within half a turn of `heading` [rad].
         """
-        ...
+        raise NotImplementedError
 
 
-@dataclass(frozen=True, kw_only=True)
-class LineOfSight:
+@value
+class LineOfSight(Guidance[None]):
     """Head for the point of the path that is the look-ahead distance ahead.
 
         theta_ref = path_tangential_angle - atan(cross_track_error / look_ahead_distance)
@@ -60,13 +60,7 @@ class LineOfSight:
         -45
     """
 
-    look_ahead_distance: float
-    """Delta; smaller is steeper [m]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        delta = positive("look_ahead_distance", self.look_ahead_distance, "m")
-        object.__setattr__(self, "look_ahead_distance", delta)
+    look_ahead_distance: float = quantity("m", "Delta; smaller is steeper", gt=0.0)
 
     def init(self) -> None:
         """No state."""
@@ -77,8 +71,8 @@ class LineOfSight:
         return None, _nearest_turn(frame.path_tangential_angle - approach, heading)
 
 
-@dataclass(frozen=True, kw_only=True)
-class IntegralLineOfSight:
+@value
+class IntegralLineOfSight(Guidance[float]):
     """Line of sight that learns the drift: an integral of the error takes a steady current off.
 
         theta_ref = path_tangential_angle - atan((e + sigma y) / Delta)
@@ -91,16 +85,8 @@ class IntegralLineOfSight:
         ValueError: If the look-ahead distance is not positive, or the gain is negative.
     """
 
-    look_ahead_distance: float
-    """Delta [m]."""
-    integral_gain: float
-    """sigma; 0 gives `LineOfSight` [m/s]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        delta = positive("look_ahead_distance", self.look_ahead_distance, "m")
-        object.__setattr__(self, "look_ahead_distance", delta)
-        object.__setattr__(self, "integral_gain", not_negative("integral_gain", self.integral_gain, "m/s"))
+    look_ahead_distance: float = quantity("m", "Delta", gt=0.0)
+    integral_gain: float = quantity("m/s", "sigma; 0 gives `LineOfSight`", ge=0.0)
 
     def init(self) -> float:
         """The integral y, 0 [s]."""

@@ -4,12 +4,13 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from laticauda.angles import wrap_to_pi
-from laticauda.errors import not_negative, positive
+from laticauda.errors import not_negative
+from laticauda.quantities import quantity, value
 
 _ROUNDING = 1e-9  # [s]: two control instants are never that close
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class HeadingController:
     """The offset of all joints that turns the robot towards a heading, in proportion to the error.
 
@@ -25,15 +26,8 @@ class HeadingController:
         (0.2, False)
     """
 
-    gain: float
-    """k [-]."""
-    max_offset: float
-    """Largest offset to either side [rad]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "gain", positive("gain", self.gain))
-        object.__setattr__(self, "max_offset", positive("max_offset", self.max_offset, "rad"))
+    gain: float = quantity("", "k", gt=0.0)
+    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0)
 
     def offset(self, *, heading_ref: float, heading: float) -> tuple[float, bool]:
         """The offset to ask for.

@@ -1,7 +1,6 @@
 """Path following, the paper's Fig. 3: guidance gives a heading, the heading controller an offset of the gait."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +10,7 @@ from laticauda.control.heading import HeadingController, HeadingEstimate, Headin
 from laticauda.errors import one_of, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 HEADING_ESTIMATES = ("raw", "cycle_mean")
@@ -44,7 +44,7 @@ class PathFollowingState:
     """Whether the offset is at its limit."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class PathFollowing(Controller[PathFollowingState]):
     """A controller that makes a robot follow a path with its gait.
 
@@ -66,25 +66,22 @@ class PathFollowing(Controller[PathFollowingState]):
         ['along_track_distance', 'cross_track_error', 'heading_ref']
     """
 
-    gait: Gait
-    """What swims along the path; its own offset is added."""
-    path: Path[Any]
-    """Where to go: `StraightLine`, `Polyline`, `Spline` or one's own."""
-    guidance: Guidance[Any]
-    """The law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own."""
-    heading: HeadingController
-    """The law that turns the robot."""
-    heading_estimate: str = "raw"
-    """Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period [-]."""
-    interval: float = 0.05
-    """Time between two control instants [s]."""
+    gait: Gait = option("What swims along the path; its own offset is added")
+    path: Path[Any] = option("Where to go: `StraightLine`, `Polyline`, `Spline` or one's own")
+    guidance: Guidance[Any] = option(
+        "The law that leads to the path: `LineOfSight`, `IntegralLineOfSight` or one's own"
+    )
+    heading: HeadingController = option("The law that turns the robot")
+    heading_estimate: str = option(
+        "Which heading is used: raw (6), which carries the gait's ripple, or cycle_mean, over the last gait period",
+        default="raw",
+    )
+    interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        given = self.heading_estimate
-        kind = given.replace("-", "_") if isinstance(given, str) else given  # pyright: ignore
-        object.__setattr__(self, "heading_estimate", one_of("heading_estimate", kind, HEADING_ESTIMATES))
-        object.__setattr__(self, "interval", positive("interval", self.interval, "s"))
+        kind = one_of("heading_estimate", self.heading_estimate.replace("-", "_"), HEADING_ESTIMATES)
+        object.__setattr__(self, "heading_estimate", kind)
         if self.heading_estimate == "cycle_mean":
             positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
 
@@ -130,17 +127,6 @@ class PathFollowing(Controller[PathFollowingState]):
             "path_tangential_angle": state.path_tangential_angle,
             "offset": state.offset,
             "is_saturated": float(state.is_saturated),
-        }
-
-    @property
-    def settings(self) -> Mapping[str, str | float]:
-        """How it was made, for the trial's record."""
-        return {
-            "path": repr(self.path),
-            "guidance": repr(self.guidance),
-            "heading_controller": repr(self.heading),
-            "heading_estimate": self.heading_estimate,
-            "control_interval": self.interval,
         }
 
     def check(self, robot: Robot) -> None:

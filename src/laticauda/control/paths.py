@@ -4,23 +4,20 @@ Each is a `Path`: `init` and `locate`, with the progress along it as an explicit
 """
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
 from laticauda.control.curve import Curve, natural_cubic
-from laticauda.control.frames import Distances, PathFrame, Points, Position
-from laticauda.errors import finite, not_negative
+from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
+from laticauda.quantities import quantity, value
 
 Waypoints = tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class StraightLine:
+@value
+class StraightLine(Path[None]):
     """A line without begin and end.
 
     Raises:
@@ -32,15 +29,10 @@ class StraightLine:
         0.5
     """
 
-    point: tuple[float, float] = (0.0, 0.0)
-    """A point of it, at which the along-track distance is 0; x and y in world axes [m]."""
-    angle: float = 0.0
-    """Its direction to the world x axis, counter-clockwise [rad]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "point", _pair("point", self.point))
-        object.__setattr__(self, "angle", finite("angle", self.angle, "rad"))
+    point: tuple[float, float] = quantity(
+        "m", "A point of it, at which the along-track distance is 0; x and y in world axes", default=(0.0, 0.0)
+    )
+    angle: float = quantity("rad", "Its direction to the world x axis, counter-clockwise", default=0.0)
 
     def init(self) -> None:
         """A line knows no progress."""
@@ -61,8 +53,8 @@ class StraightLine:
         return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Polyline:
+@value
+class Polyline(Path[int]):
     """Straight legs from waypoint to waypoint, followed one at a time.
 
     The next leg begins when the robot comes within the acceptance distance of the leg's end, or passes it: a robot that
@@ -72,16 +64,14 @@ class Polyline:
         ValueError: If there are fewer than two waypoints, two equal ones in a row, or a number is not finite.
     """
 
-    waypoints: Waypoints
-    """In order; x and y in world axes [m]."""
-    acceptance_distance: float = 0.0
-    """How near to a waypoint it counts as reached; 0: only passing counts [m]."""
+    waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
+    acceptance_distance: float = quantity(
+        "m", "How near to a waypoint it counts as reached; 0: only passing counts", default=0.0, ge=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "waypoints", _waypoints(self.waypoints))
-        near = not_negative("acceptance_distance", self.acceptance_distance, "m")
-        object.__setattr__(self, "acceptance_distance", near)
+        _check_waypoints(self.waypoints)
 
     @cached_property
     def lengths(self) -> tuple[float, ...]:
@@ -130,8 +120,8 @@ class Polyline:
         return along >= 0.0 or math.hypot(along, across) < self.acceptance_distance
 
 
-@dataclass(frozen=True, kw_only=True)
-class Spline:
+@value
+class Spline(Path[float | None]):
     """A smooth curve through waypoints, known by its length; see `laticauda.control.curve`.
 
     The nearest point is searched everywhere at first and tracked from then on, so that a curve may cross itself. Before
@@ -142,12 +132,11 @@ class Spline:
             turns back on the spot.
     """
 
-    waypoints: Waypoints
-    """In order; x and y in world axes [m]."""
+    waypoints: Waypoints = quantity("m", "In order; x and y in world axes")
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "waypoints", _waypoints(self.waypoints))
+        _check_waypoints(self.waypoints)
         _ = self._curve  # a curve that cannot be is refused now
 
     @cached_property
@@ -167,7 +156,7 @@ class Spline:
     def init(self) -> None:
         """Nowhere yet: the first position is searched along the whole curve."""
 
-    def locate(self, progress: float | None, position: Position) -> tuple[float, PathFrame]:
+    def locate(self, progress: float | None, position: Position) -> tuple[float | None, PathFrame]:
         """Find a `position` [m]; the `progress` is the length up to the last nearest point [m]. See `Path`."""
         curve = self._curve
         u = np.array([curve.nearest(position[:2], progress)])
@@ -211,22 +200,9 @@ def _curvature(first: Position, second: Position) -> float:
     return float(turn / math.hypot(first[0], first[1]) ** 3)
 
 
-def _pair(name: str, value: object) -> tuple[float, float]:
-    if isinstance(value, str) or not isinstance(value, Iterable):
-        raise ValueError(f"`{name}` must be two numbers, x and y in m, got {value!r}.")
-    numbers = tuple(cast("Iterable[object]", value))
-    if len(numbers) != 2:
-        raise ValueError(f"`{name}` must be two numbers, x and y in m, got {len(numbers)}.")
-    return finite(f"{name}[0]", numbers[0], "m"), finite(f"{name}[1]", numbers[1], "m")
-
-
-def _waypoints(value: object) -> Waypoints:
-    if isinstance(value, str) or not isinstance(value, Iterable):
-        raise ValueError(f"`waypoints` must be points, x and y in m each, got {value!r}.")
-    points = tuple(_pair(f"waypoints[{i}]", point) for i, point in enumerate(cast("Iterable[object]", value)))
+def _check_waypoints(points: Waypoints) -> None:
     if len(points) < 2:
         raise ValueError(f"`waypoints` must hold at least 2 points, got {len(points)}.")
     for i in range(1, len(points)):
         if points[i] == points[i - 1]:
             raise ValueError(f"`waypoints[{i}]` must differ from the point before it, got {points[i]} twice.")
-    return points

@@ -1,7 +1,6 @@
 """Model-predictive path following: at every instant the best plan over the next seconds, of which the begin is done."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,9 +15,10 @@ from laticauda.control.heading import HeadingController
 from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
 from laticauda.control.path_following import refuse_offset
 from laticauda.control.planning import Given, Plan, Problem, plan
-from laticauda.errors import finite, instance, positive, whole
+from laticauda.errors import positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 _LEAST_INTERVAL = 0.2  # a solver needs its time [s]
@@ -47,7 +47,7 @@ class PredictiveState:
     """Whether there was none, and line of sight took over."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class ModelPredictive(Controller[PredictiveState]):
     """A controller that plans offset and frequency with the averaged model, and so takes a current into account.
 
@@ -60,63 +60,39 @@ class ModelPredictive(Controller[PredictiveState]):
         ValueError: If a field is out of its range.
     """
 
-    gait: Gait
-    """What swims; its frequency is what a run starts with."""
-    path: Path[Any]
-    """Where to go."""
-    model: AveragedModel
-    """How this gait moves this robot: `fit_averaged`."""
-    speed: float
-    """Speed along the path that is asked for [m/s]."""
-    frequency_limits: tuple[float, float] | None = None
-    """Least and greatest frequency; None: that of the gait, always [rad/s]."""
-    power_limit: float = math.inf
-    """Most that the gait may take, mean over its cycle, as the model has it [W]."""
-    max_offset: float = math.radians(20.0)
-    """Largest offset to either side [rad]."""
-    offset_rate: float = math.radians(20.0)
-    """Largest change of it [rad/s]."""
-    frequency_rate: float = 0.2
-    """Largest change of the frequency [rad/s^2]."""
-    cross_track_tolerance: float = 0.1
-    """Distance from the path that costs 1 per second; far off the cost grows in proportion [m]."""
-    course_tolerance: float = 0.5
-    """Angle of the course across the path that costs 1 per second [rad]."""
-    speed_tolerance: float = 0.05
-    """What is missing in speed that costs 1 per second [m/s]."""
-    power_tolerance: float = 1000.0
-    """Power that costs 1 per second [W]."""
-    horizon: int = 15
-    """How many steps a plan looks ahead, behind the first of one interval [-]."""
-    stage: float = 1.0
-    """How long each of them is [s]."""
-    iterations: int = 40
-    """Most that the solver may take for a plan [-]."""
-    look_ahead_distance: float = 1.62
-    """Of the line of sight that takes over [m]."""
-    gain: float = 0.25
-    """Of its heading law [-]."""
-    interval: float = 0.2
-    """Time between two control instants, 0.2 s or more [s]."""
+    gait: Gait = option("What swims; its frequency is what a run starts with")
+    path: Path[Any] = option("Where to go")
+    model: AveragedModel = option("How this gait moves this robot: `fit_averaged`")
+    speed: float = quantity("m/s", "Speed along the path that is asked for", gt=0.0)
+    frequency_limits: tuple[float, float] | None = quantity(
+        "rad/s", "Least and greatest frequency; None: that of the gait, always", default=None
+    )
+    power_limit: float = quantity(
+        "W", "Most that the gait may take, mean over its cycle, as the model has it", default=math.inf
+    )
+    max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
+    offset_rate: float = quantity("rad/s", "Largest change of it", default=math.radians(20.0), gt=0.0)
+    frequency_rate: float = quantity("rad/s^2", "Largest change of the frequency", default=0.2, gt=0.0)
+    cross_track_tolerance: float = quantity(
+        "m", "Distance from the path that costs 1 per second; far off the cost grows in proportion", default=0.1, gt=0.0
+    )
+    course_tolerance: float = quantity(
+        "rad", "Angle of the course across the path that costs 1 per second", default=0.5, gt=0.0
+    )
+    speed_tolerance: float = quantity("m/s", "What is missing in speed that costs 1 per second", default=0.05, gt=0.0)
+    power_tolerance: float = quantity("W", "Power that costs 1 per second", default=1000.0, gt=0.0)
+    horizon: int = quantity("", "How many steps a plan looks ahead, behind the first of one interval", default=15, ge=1)
+    stage: float = quantity("s", "How long each of them is", default=1.0, gt=0.0)
+    iterations: int = quantity("", "Most that the solver may take for a plan", default=40, ge=1)
+    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", default=1.62, gt=0.0)
+    gain: float = quantity("", "Of its heading law", default=0.25, gt=0.0)
+    interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        instance("model", self.model, AveragedModel)
-        lengths = ("cross_track_tolerance", "look_ahead_distance")
-        units = dict.fromkeys(lengths, "m") | dict.fromkeys(("speed", "speed_tolerance"), "m/s")
-        units |= {"max_offset": "rad", "offset_rate": "rad/s", "frequency_rate": "rad/s^2", "course_tolerance": "rad"}
-        units |= {"power_tolerance": "W", "stage": "s", "gain": ""}
-        for name, unit in units.items():
-            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
-        for name in ("horizon", "iterations"):
-            object.__setattr__(self, name, whole(name, getattr(self, name), 1))
-        if finite("interval", self.interval, "s") < _LEAST_INTERVAL:
-            raise ValueError(f"`interval` must be >= {_LEAST_INTERVAL} s, got {self.interval}.")
-        if len(self.frequencies) != 2:
-            raise ValueError(f"`frequency_limits` must be two numbers in rad/s, got {len(self.frequencies)}.")
         low, high = self.frequencies
         positive("frequency_limits[0]", low, "rad/s")
-        if not low <= self.gait.frequency <= finite("frequency_limits[1]", high, "rad/s"):
+        if not low <= self.gait.frequency <= high:
             raise ValueError(
                 f"`frequency_limits` must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them, "
                 f"got {low:.4g} and {high:.4g}."
@@ -243,21 +219,6 @@ class ModelPredictive(Controller[PredictiveState]):
             "is_saturated": float(abs(state.command[1]) >= self.max_offset - 1e-9),
             "solver_iterations": float(state.iterations),
             "is_fallback": float(state.is_fallback),
-        }
-
-    @property
-    def settings(self) -> Mapping[str, str | float]:
-        """How it was made, for the trial's record."""
-        numbers = ("speed", "max_offset", "offset_rate", "frequency_rate", "stage")
-        return {
-            "path": repr(self.path),
-            "guidance": "ModelPredictive",
-            "averaged_model": repr(self.model),
-            "frequency_limits": repr(self.frequencies),
-            "power_limit": repr(self.power_limit),
-            "horizon": float(self.horizon),
-            "control_interval": self.interval,
-            **{name: getattr(self, name) for name in numbers},
         }
 
     def check(self, robot: Robot) -> None:

@@ -6,7 +6,6 @@ above it, and the heading is the climb, the mean pitch of the links with the opp
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,6 +17,7 @@ from laticauda.control.heading import HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 _SIGNALS = {
@@ -40,7 +40,7 @@ class SpatialPathFollowingState:
     """In profile."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
     """A controller that makes a robot with pitch joints follow a path in space.
 
@@ -64,29 +64,19 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         ['along_track_distance', 'climb_is_saturated', 'climb_offset']
     """
 
-    gait: Gait
-    """What swims along the path; its own offsets are added."""
-    path: Path[Any]
-    """The path in plan."""
-    profile: Path[Any]
-    """The path in profile: x is the distance along `path`, y the height, 0 at the surface."""
-    guidance: Guidance[Any]
-    """The law that leads to the path in plan."""
-    climb_guidance: Guidance[Any]
-    """The law that leads to the path in profile."""
-    heading: HeadingController
-    """The law that turns the robot in plan."""
-    climb: HeadingController
-    """The law that turns it in profile."""
-    heading_estimate: str = "raw"
-    """As for `PathFollowing`, for both [-]."""
-    interval: float = 0.05
-    """Time between two control instants [s]."""
+    gait: Gait = option("What swims along the path; its own offsets are added")
+    path: Path[Any] = option("The path in plan")
+    profile: Path[Any] = option("The path in profile: x is the distance along `path`, y the height, 0 at the surface")
+    guidance: Guidance[Any] = option("The law that leads to the path in plan")
+    climb_guidance: Guidance[Any] = option("The law that leads to the path in profile")
+    heading: HeadingController = option("The law that turns the robot in plan")
+    climb: HeadingController = option("The law that turns it in profile")
+    heading_estimate: str = option("As for `PathFollowing`, for both", default="raw")
+    interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""
         object.__setattr__(self, "heading_estimate", self._plan.heading_estimate)
-        object.__setattr__(self, "interval", self._plan.interval)
 
     @property
     def _plan(self) -> PathFollowing:
@@ -133,16 +123,6 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         """The signals of the last control instant, out of `state`, for the log."""
         profile = self._profile.signals(state.profile)
         return self._plan.signals(state.plan) | {ours: profile[name] for name, ours in _SIGNALS.items()}
-
-    @property
-    def settings(self) -> Mapping[str, str | float]:
-        """How it was made, for the trial's record."""
-        return {
-            **self._plan.settings,
-            "profile": repr(self.profile),
-            "climb_guidance": repr(self.climb_guidance),
-            "climb_controller": repr(self.climb),
-        }
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

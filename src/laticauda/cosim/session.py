@@ -12,6 +12,7 @@ from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__
 from laticauda.robot import Robot, Water
+from laticauda.scenarios import settings_of
 
 RUN_SERIES = (
     "time",
@@ -145,5 +146,5 @@ def _about(world: World) -> dict[str, Any]:
         "n_links": robot.n_links,
         "n_joints": robot.n_joints,
         "link_length": [2.0 * module.half_length for module in robot.modules],
-        "settings": dict(world.plant.settings),
+        "settings": settings_of(world.plant.settings),
     }

@@ -17,6 +17,7 @@ from laticauda.cosim.setup import Setup, read_command, read_current
 from laticauda.errors import positive, within
 from laticauda.interfaces import Command, Log, OpenLoop, Plant
 from laticauda.robot import Water
+from laticauda.scenarios import Spatial
 from laticauda.simulate import run
 from laticauda.trial import Trial
 
@@ -196,8 +197,8 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
             f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
             f"{sample_interval:g} s, got {duration:g}."
         )
-    dt: Any = plant.settings["dt"]
-    most = MOST_WORK / plant.robot.n_links * float(dt)
+    dt = float(plant.settings.dt)
+    most = MOST_WORK / plant.robot.n_links * dt
     if duration > most:
         raise ValueError(
             f"`duration` must be <= {most:g} s in one request for {plant.robot.n_links} links and steps of "
@@ -211,4 +212,4 @@ def _try(plant: Plant[Any], state: Any, command: Command) -> Log:
 
 
 def _alone(plant: Plant[Any]) -> AbstractContextManager[Any]:
-    return _spatial if plant.settings["model"] == "spatial" else nullcontext()
+    return _spatial if isinstance(plant.settings, Spatial) else nullcontext()

@@ -11,10 +11,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from laticauda.actuation.laws import Prescribed
 from laticauda.errors import instance
 from laticauda.gaits import lateral_undulation
 from laticauda.interfaces import Command, Plant, Start
 from laticauda.robot import Robot
+from laticauda.scenarios import Spatial
 
 Vector: TypeAlias = NDArray[np.float64]
 
@@ -74,9 +76,9 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
         return
     instance("plant", plant, Plant)
     n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
-    if n != expected or (plant.robot.n_joints != n and plant.settings.get("model") == "spatial"):
+    if n != expected or (plant.robot.n_joints != n and isinstance(plant.settings, Spatial)):
         raise ValueError(f"`plant` must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}.")
-    if plant.settings.get("joints") == "prescribed":
+    if isinstance(plant.settings.joints, Prescribed):
         raise ValueError("`plant` must have joints that follow references, `pd` or `servo`, got 'prescribed'.")
 
 

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.actuation.laws import Servo
 from laticauda.errors import SimulationFailed
+from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Log, Plant, Start
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
+from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 
 SAMPLE_INTERVAL = 0.05  # s
@@ -56,8 +59,9 @@ class VirtualRobot:
     """
 
     def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
-        if plant.settings.get("joints") != "servo":
-            raise ValueError(f"`plant` must have `servo` joints, got {plant.settings.get('joints')!r}.")
+        joints: object = plant.settings.joints
+        if not isinstance(joints, Servo):
+            raise ValueError(f"`plant` must have `servo` joints, got {name_of(type(joints))!r}.")
         driven = list(range(robot.n_joints))
         if plant.robot.n_joints != robot.n_joints:
             driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
@@ -119,9 +123,7 @@ class VirtualRobot:
         signals = {name.removeprefix("signal_"): log.pop(name) for name in list(log) if name.startswith("signal_")}
         return Trial(
             **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
-            robot=self.plant.robot,
-            environment=self.plant.environment,
-            settings=self.plant.settings,
+            scenario=Experiment(robot=self.plant.robot, environment=self.plant.environment, model=self.plant.settings),
             signals=signals,
             version=version,
             status="The truth of the virtual tank.",
@@ -137,7 +139,7 @@ class VirtualRobot:
             rotation = from_quaternion(*(float(log[name][-1]) for name in ORIENTATION))
         else:
             rotation = turned_about_vertical(float(log["link_angle"][-1, 0]))
-        ballast = float(self.plant.settings.get("ballast_depth", 0.0))
+        ballast = float(getattr(self.plant.settings, "ballast_depth", 0.0))
         return Truth(
             time=self._time + float(log["time"][-1]),
             center_of_mass=center,

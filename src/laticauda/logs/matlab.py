@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     import xarray
 
 TEXT = "laticauda_trial"
-TEXTS = ("robot", "gait", "environment", "settings", "status")
+TEXTS = ("scenario", "status")
 
 
 class MatFile(Format):
     """After ``load run.mat`` there is a variable per time series, time along its rows.
 
-    So ``joint_angle(:, 1)`` is the tail-most joint's, ``units.joint_angle`` its unit; ``robot``, ``gait``,
-    ``environment``, ``settings`` are texts.
+    So ``joint_angle(:, 1)`` is the tail-most joint's, ``units.joint_angle`` its unit; ``scenario`` and ``status`` are
+    texts.
     """
 
     called: ClassVar[str] = "mat"

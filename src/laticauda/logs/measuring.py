@@ -6,7 +6,7 @@ import dataclasses
 import math
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Bool
@@ -19,6 +19,7 @@ from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
 from laticauda.logs.smoothing import rate
 from laticauda.logs.tables import Table, read_table
 from laticauda.robot import Robot
+from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 from laticauda.trial.arrays import Samples, times
 from laticauda.trial.contents import NOT_NEEDED
@@ -56,8 +57,9 @@ def load_measured(path: str | Path, columns: str | Path | ColumnMap) -> Trial:
         trial = _trial(table, given)
     except ValueError as error:
         raise TrialFileError(f"Cannot load {path}: {error}") from error
-    settings = {"model": "measured", "source": path.name, "smoothing": given.smoothing, **trial.settings}
-    return dataclasses.replace(trial, settings=settings)
+    known = cast(Experiment, trial.scenario)
+    notes = {"model": "measured", "source": path.name, "smoothing": given.smoothing, **known.notes}
+    return dataclasses.replace(trial, scenario=dataclasses.replace(known, notes=notes))
 
 
 def _trial(table: Table, given: ColumnMap) -> Trial:
@@ -79,12 +81,9 @@ def _trial(table: Table, given: ColumnMap) -> Trial:
         **arrays,
         electrical_work=None if given.power is None else _electrical_work(log),
         signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
-        robot=given.robot,
-        gait=given.gait,
-        environment=given.environment,
+        scenario=_experiment(given, filled_samples=int(np.count_nonzero(log.lost))),
         version=version("laticauda"),
         not_measured=missing,
-        settings={"filled_samples": int(np.count_nonzero(log.lost))},
         status=_status(log),
     )
 
@@ -215,8 +214,10 @@ def _own_table(table: Table, given: ColumnMap) -> Trial:
         work=work,
         electrical_work=plain.get(ELECTRICAL),
         signals={name.removeprefix("signal_"): one for name, one in plain.items() if name.startswith("signal_")},
-        robot=given.robot,
-        gait=given.gait,
-        environment=given.environment,
+        scenario=_experiment(given),
         version=version("laticauda"),
     )
+
+
+def _experiment(given: ColumnMap, **notes: int) -> Experiment:
+    return Experiment(robot=given.robot, gait=given.gait, environment=given.environment, notes=notes)

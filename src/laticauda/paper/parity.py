@@ -180,7 +180,7 @@ def parity(
         path = spatial.center_of_mass[:, :2]
         gap, rotation = _apart(path, planar.center_of_mass)
         richardson = None
-        if before is not None and math.isclose(before.settings["dt"], 2.0 * dt):  # pyright: ignore[reportArgumentType]
+        if before is not None and math.isclose(float(before.settings["dt"] or 0.0), 2.0 * dt):
             better = path + (path - before.center_of_mass[:, :2]) / (2.0 ** ORDERS[joints] - 1.0)
             richardson = _apart(better, planar.center_of_mass)[0] / traveled
         yield Parity(

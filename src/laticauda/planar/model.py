@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.errors import not_negative, one_of, positive, within
 from laticauda.fluid.laws import DragLaw
 from laticauda.hydrodynamics import Coefficients, link_coefficients
@@ -17,6 +18,7 @@ from laticauda.planar import rows
 from laticauda.planar.layout import JOINT_LAWS, Layout, layout
 from laticauda.planar.specialize import specialize
 from laticauda.robot import Environment, Robot, check_fits, has_power_model, law_of
+from laticauda.scenarios import Planar
 
 FORCES = ("drag", "added_mass", "effector")
 
@@ -86,15 +88,10 @@ class PlanarPlant:
         return self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0
 
     @property
-    def settings(self) -> Mapping[str, Any]:
-        """How the plant was made, for the Trial's record."""
-        return {
-            "model": "planar",
-            "joints": self.joints,
-            "dt": self.dt,
-            "offset_bandwidth": self.offset_bandwidth,
-            "ramp": self.ramp,
-        }
+    def settings(self) -> Planar:
+        """How the plant was made."""
+        own: Any = {name: getattr(self, name) for name in Planar.__dataclass_fields__}
+        return Planar(**own | {"joints": JointLaw.named(self.joints)()})
 
     @cached_property
     def coefficients(self) -> Coefficients:

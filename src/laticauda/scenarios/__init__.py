@@ -2,7 +2,9 @@
 
 from laticauda.scenarios.building import Changes, ModelChanges, Motion, default_water, model_of, preset_water, scenario
 from laticauda.scenarios.choice import Choice, Chosen, named_after
-from laticauda.scenarios.models import MODELS, Model, Planar, Spatial
+from laticauda.scenarios.coding import run_from_table, run_from_toml, run_to_toml, unknown_in
+from laticauda.scenarios.experiment import Experiment
+from laticauda.scenarios.models import MODELS, Model, Planar, Spatial, settings_of
 from laticauda.scenarios.scenario import Scenario
 
 __all__ = [
@@ -10,6 +12,7 @@ __all__ = [
     "Changes",
     "Choice",
     "Chosen",
+    "Experiment",
     "Model",
     "ModelChanges",
     "Motion",
@@ -20,5 +23,10 @@ __all__ = [
     "model_of",
     "named_after",
     "preset_water",
+    "run_from_table",
+    "run_from_toml",
+    "run_to_toml",
     "scenario",
+    "settings_of",
+    "unknown_in",
 ]

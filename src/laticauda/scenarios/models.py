@@ -3,6 +3,7 @@
 from typing import Literal, TypeAlias
 
 from laticauda.actuation.laws import JointLaw, Prescribed
+from laticauda.extensions import Unknown, name_of
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Ground
 
@@ -59,3 +60,15 @@ class Spatial:
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
 """The models by what texts call them."""
+
+
+def settings_of(model: Model) -> dict[str, str | float | bool | None]:
+    """A model in texts and numbers, for people.
+
+    Args:
+        model: Any.
+    """
+    plain = {name: one for name, one in vars(model).items() if not isinstance(one, JointLaw | Ground)}
+    joints = model.joints.kind if isinstance(model.joints, Unknown) else name_of(type(model.joints))
+    shore = {} if isinstance(model, Planar) or model.shore is None else {"ground": "ramp", "shore": model.shore.name}
+    return {"model": name_of(type(model)), "joints": joints, **plain, **shore}

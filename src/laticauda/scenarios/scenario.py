@@ -4,7 +4,7 @@ from typing import Any
 
 from laticauda.errors import instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, OpenLoop, Start
+from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios.models import Model, Planar
@@ -24,7 +24,7 @@ class Scenario:
     motion: Gait | Controller[Any] = option("What the joints are asked for: a gait, or a controller that steers one")
     environment: Environment = option("The water it swims in or the ground it crawls on")
     model: Model = option("By which model", default=Planar())
-    start: Start = option("Where it begins, straight", default=Start())
+    start: Start | Resumed = option("Where it begins: straight, or where another run ended", default=Start())
     duration: float = quantity("s", "Of the run", default=30.0, gt=0.0)
     sample_interval: float = quantity(
         "s",

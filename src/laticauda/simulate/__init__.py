@@ -8,7 +8,7 @@ from laticauda.simulate.sensitivities import Sensitivities as Sensitivities, sen
 if TYPE_CHECKING:
     from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.simulate.numbers import Parameter as Parameter, parameters as parameters
-    from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant, plant_of as plant_of
+    from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant
     from laticauda.simulate.runner import resume as resume, run as run
     from laticauda.simulate.swimming import swim as swim
 

@@ -173,7 +173,8 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
                 raise ValueError(f"`{name}` must be the same in all scenarios, got {getattr(one, name):g} s too.")
         instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
         command = one.motion.command if isinstance(one.motion, OpenLoop) else Command(gait=one.gait)
-        runs.append(Run(plant=plants[key], command=command, start=one.start))
+        instance(f"scenarios[{i}].start", one.start, Start)
+        runs.append(Run(plant=plants[key], command=command, start=cast(Start, one.start)))
     return runs
 
 

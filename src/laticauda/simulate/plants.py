@@ -6,13 +6,11 @@ from laticauda.errors import instance
 from laticauda.extensions import name_of
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
-from laticauda.robot.files import from_toml
-from laticauda.scenarios import Model, ModelChanges, Planar, Scenario, Spatial, model_of
-from laticauda.trial import Trial
+from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
 
 
 def plant(
-    robot: Scenario | Robot,
+    robot: Scenario | Experiment | Robot,
     environment: Environment | None = None,
     model: Model | str = "planar",
     **changes: Unpack[ModelChanges],
@@ -20,7 +18,7 @@ def plant(
     """What a scenario is about as something that can be stepped.
 
     Args:
-        robot: The scenario; or a robot alone, that comes with its environment.
+        robot: The scenario, of a trial too (`Trial.scenario`); or a robot alone, that comes with its environment.
         environment: Where it swims; left out with a scenario.
         model: With a robot, the model or its name.
         changes: With a robot, the model's settings; see `laticauda.scenarios.ModelChanges`.
@@ -32,7 +30,14 @@ def plant(
         ValueError: If an argument is out of its range, or robot and environment do not fit together.
         MissingExtra: If the model needs a package that is not installed.
     """
+    if isinstance(robot, Experiment):
+        raise ValueError(f"`scenario` must be that of a simulated run to be run again; this one lacks {robot.lacks}.")
     if isinstance(robot, Scenario):
+        for one in unknown_in(robot):
+            raise ValueError(
+                f"`scenario` cannot be run here: nobody has defined its `{one.kind}`; import the module that does, or "
+                "install the package that brings it."
+            )
         return _plant(robot.robot, robot.environment, robot.model)
     instance("robot", robot, Robot)
     instance("environment", environment, Water, Ground)
@@ -52,24 +57,6 @@ def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
     if model.root is None:
         settings["root"] = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
     return SpatialPlant(robot=robot, environment=environment, **settings)
-
-
-def plant_of(trial: Trial) -> Plant[Any]:
-    """The plant that a trial was made with, to go on with it.
-
-    Args:
-        trial: A simulated trial.
-
-    Raises:
-        ValueError: If it was made with a fluid law that stood in no file, as laticauda could before laws were values.
-    """
-    settings: Any = trial.settings
-    if settings.get("fluid_law", "built-in") != "built-in":
-        raise ValueError(f"`trial` must be a trial with a built-in fluid law, got one with {settings['fluid_law']}.")
-    names = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity", "ballast_depth", "tank")
-    shore = from_toml(settings["shore"], Ground) if "shore" in settings else None
-    chosen = {name: settings[name] for name in names if name in settings}
-    return plant(trial.robot, trial.environment, **chosen, shore=shore)
 
 
 def needs_compiling(environment: Environment, model: Model | str | None = None) -> bool:

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from laticauda.errors import SimulationFailed, instance, positive
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Start
+from laticauda.errors import SimulationFailed, instance
+from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Resumed, Start
 from laticauda.packaging import __version__
+from laticauda.scenarios import Motion, Scenario
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
@@ -26,7 +27,7 @@ def run(
     controller: Controller[Any],
     duration: float,
     *,
-    start: Start | None = None,
+    start: Start | Resumed | None = None,
     sample_interval: float = 0.05,
     link_forces: bool = False,
     until: Until | None = None,
@@ -55,8 +56,49 @@ def run(
         ValueError: If an argument is out of its range, or the controller refuses the robot.
         SimulationFailed: If the run blows up and `throw` is set.
     """
-    state = plant.init(start or Start(), Command(gait=controller.gait))
-    return _go(plant, controller, state, duration, sample_interval, link_forces, until, throw, progress)
+    scenario = Scenario(
+        robot=plant.robot,
+        motion=_motion(controller),
+        environment=plant.environment,
+        model=plant.settings,
+        start=start or Start(),
+        duration=duration,
+        sample_interval=sample_interval,
+    )
+    if duration > MOST_SAMPLES * sample_interval:
+        raise ValueError(
+            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer."
+        )
+    controller.check(plant.robot)
+    if isinstance(scenario.start, Resumed):
+        state = plant.unpack(scenario.start.state)
+    else:
+        state = plant.init(scenario.start, Command(gait=controller.gait))
+    controller_state = controller.init()
+    logs: list[Log] = []
+    signals: list[Mapping[str, float]] = []
+    failure: str | None = None
+    reached = 0
+    for share, count, done in _stretches(duration, sample_interval, controller.interval):
+        observation = plant.observe(state)
+        if until is not None and logs and until(observation):
+            scenario = replace(scenario, duration=_cut(duration, controller.interval, reached))
+            break
+        controller_state, command = controller.step(controller_state, observation)
+        signals.append(controller.signals(controller_state))
+        state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
+        logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
+        if failure is not None:
+            break
+        reached += 1
+        if progress is not None:
+            progress(done)
+    if throw and failure is not None:
+        raise SimulationFailed(failure)
+    log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
+    held = _held(signals, [part["time"].size for part in logs])
+    return _trial(scenario, log, held, failure, plant.pack(state) if failure is None else {})
 
 
 def resume(
@@ -74,7 +116,7 @@ def resume(
     """Go on from where a trial ended; the rest of an open-loop run is the same as if it had never been cut.
 
     Args:
-        plant: The same plant as that of the trial (`laticauda.simulate.plant_of`).
+        plant: The same plant as that of the trial (`laticauda.plant` of its scenario).
         trial: A trial that ran to its end.
         duration: How much longer [s].
         controller: None goes on with the trial's gait. A controller starts from its own initial state.
@@ -97,51 +139,34 @@ def resume(
         if trial.gait is None:
             raise ValueError("`controller` must be given to go on with a trial that has no gait.")
         controller = OpenLoop(command=Command(gait=trial.gait))
-    state = plant.unpack(trial.state)
-    return _go(plant, controller, state, duration, sample_interval, link_forces, until, throw, progress)
+    start = Resumed(state=trial.state)
+    return run(
+        plant,
+        controller,
+        duration,
+        start=start,
+        sample_interval=sample_interval,
+        link_forces=link_forces,
+        until=until,
+        throw=throw,
+        progress=progress,
+    )
 
 
-def _go(
-    plant: Plant[Any],
-    controller: Controller[Any],
-    state: Any,
-    duration: float,
-    sample_interval: float,
-    link_forces: bool,
-    until: Until | None,
-    throw: bool,
-    progress: Progress | None,
-) -> Trial:
-    positive("duration", duration, "s")
-    positive("sample_interval", sample_interval, "s")
-    if duration > MOST_SAMPLES * sample_interval:
-        raise ValueError(
-            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer."
-        )
+def _motion(controller: Controller[Any]) -> Motion:
+    """A gait, where the controller only holds one."""
     instance("controller", controller, Controller)
-    controller.check(plant.robot)
-    controller_state = controller.init()
-    logs: list[Log] = []
-    signals: list[Mapping[str, float]] = []
-    failure: str | None = None
-    for share, count, done in _stretches(duration, sample_interval, controller.interval):
-        observation = plant.observe(state)
-        if until is not None and logs and until(observation):
-            break
-        controller_state, command = controller.step(controller_state, observation)
-        signals.append(controller.signals(controller_state))
-        state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
-        logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
-        if failure is not None:
-            break
-        if progress is not None:
-            progress(done)
-    if throw and failure is not None:
-        raise SimulationFailed(failure)
-    log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
-    held = _held(signals, [part["time"].size for part in logs])
-    return _trial(plant, controller.gait, {**controller.settings, **plant.settings}, log, held, failure, state)
+    held = isinstance(controller, OpenLoop) and controller == OpenLoop(command=Command(gait=controller.gait))
+    return controller.gait if held else controller
+
+
+def _cut(duration: float, interval: float, n_reached: int) -> float:
+    """The duration of a run that ends after as many control instants of one that was to be longer [s]."""
+    length = duration / max(1, math.ceil(duration / interval - 1e-9))
+    cut = length * n_reached
+    return next(
+        (d for d in (cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)) if d / n_reached == length), cut
+    )
 
 
 def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
@@ -169,26 +194,21 @@ def _held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str,
 
 
 def _trial(
-    plant: Plant[Any],
-    gait: Gait,
-    settings: Mapping[str, Any],
+    scenario: Scenario,
     log: Log,
     signals: Mapping[str, np.ndarray],
     failure: str | None,
-    state: Any,
+    state: Mapping[str, np.ndarray],
 ) -> Trial:
     force = {name[len("force_") :]: log.pop(name) for name in list(log) if name.startswith("force_")}
     own = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
     return Trial(
         **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
         link_force=force or None,
-        robot=plant.robot,
-        gait=gait,
-        environment=plant.environment,
-        settings=settings,
+        scenario=scenario,
         signals={**signals, **own},
         version=__version__,
         status=failure or "The run reached its end.",
         succeeded=failure is None,
-        state=plant.pack(state) if failure is None else {},
+        state=state,
     )

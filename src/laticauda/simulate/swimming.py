@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import Unpack, cast
 
 from laticauda.robot import Robot
-from laticauda.scenarios import Changes, Motion, Scenario, scenario
+from laticauda.scenarios import Changes, Experiment, Motion, Scenario, scenario
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, run
 from laticauda.trial import Trial
 
 
 def swim(
-    robot: Scenario | Robot | str | Path,
+    robot: Scenario | Experiment | Robot | str | Path,
     gait: Motion | None = None,
     duration: float = 30.0,
     *,
@@ -23,14 +23,14 @@ def swim(
     """Run a scenario; or let a robot swim a gait, from straight and at rest.
 
     Args:
-        robot: The scenario; or what swims (`load_robot`), with its gait.
+        robot: The scenario, of a trial too (`Trial.scenario`); or what swims (`load_robot`), with its gait.
         gait: What the joints are asked for (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; left
             out with a scenario.
         duration: With a robot [s].
         link_forces: See `laticauda.simulate.run`.
         throw: See `laticauda.simulate.run`.
         progress: See `laticauda.simulate.run`.
-        changes: What else differs from the defaults, of a scenario too: `environment`, `model`, `joints`, `dt` and the
+        changes: With a robot, what else differs from the defaults, `environment`, `model`, `joints`, `dt` and the
             like, see `laticauda.scenarios.Changes`.
 
     Returns:
@@ -47,12 +47,13 @@ def swim(
         >>> round(trial.forward_velocity, 3)
         0.148
     """
-    if isinstance(robot, Scenario):
-        chosen = robot
+    if isinstance(robot, Scenario | Experiment):
+        body, chosen = plant(robot), cast(Scenario, robot)
     else:
         chosen = scenario(robot, cast(Motion, gait), duration, **changes)
+        body = plant(chosen)
     return run(
-        plant(chosen),
+        body,
         chosen.controller,
         chosen.duration,
         start=chosen.start,

@@ -11,13 +11,14 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import mujoco_water as water
+from laticauda.actuation.laws import JointLaw
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
 from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.mujoco_water import ground
 from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
-from laticauda.robot.files import to_toml
+from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows
 from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
 
@@ -108,20 +109,10 @@ class SpatialPlant:
         return self.joints != "prescribed" or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
 
     @property
-    def settings(self) -> Mapping[str, Any]:
-        """How the plant was made, for the Trial's record."""
-        return {
-            "model": "spatial",
-            "joints": self.joints,
-            "dt": self.dt,
-            "offset_bandwidth": self.offset_bandwidth,
-            "ramp": self.ramp,
-            "gravity": self.gravity,
-            "root": self.root,
-            "ballast_depth": self.ballast_depth,
-            "tank": self.tank,
-            **({} if self.shore is None else {"ground": "ramp", "shore": to_toml(self.shore)}),
-        }
+    def settings(self) -> Spatial:
+        """How the plant was made."""
+        own: Any = {name: getattr(self, name) for name in Spatial.__dataclass_fields__}
+        return Spatial(**own | {"joints": JointLaw.named(self.joints)()})
 
     @property
     def land(self) -> Ground | None:

@@ -1,6 +1,5 @@
 """Arrays and texts of a trial: each check returns the value as it is kept, or raises a ValueError naming the field."""
 
-import math
 from collections.abc import Mapping
 from typing import TypeAlias, cast
 
@@ -16,8 +15,8 @@ Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints"]
 Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
 Work: TypeAlias = Float[np.ndarray, "n_samples 3"]
 Axes: TypeAlias = Float[np.ndarray, " n_axes"]
+Setting: TypeAlias = str | float | bool | None
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
-Setting: TypeAlias = str | float | int | bool | None
 
 
 def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
@@ -77,16 +76,6 @@ def instance(name: str, value: object, *kinds: type) -> None:
         raise ValueError(f"`{name}` must be of kind {wanted}, got {type(value).__name__}.")
 
 
-def setting(name: str, value: object) -> Setting:
-    """`value` as plain data that a file can hold."""
-    plain: object = cast("object", value.item()) if isinstance(value, np.generic) else value
-    if isinstance(plain, float) and math.isnan(plain):
-        raise ValueError(f"`settings[{name!r}]` must not be nan.")
-    if plain is None or isinstance(plain, str | float | int):
-        return plain
-    raise ValueError(f"`settings[{name!r}]` must be a text, number, truth value or None, got {type(plain).__name__}.")
-
-
 def state_array(name: str, value: object) -> AnyArray:
     """`value` as a read-only array of its own kind of number, in the machine's byte order."""
     array = np.asarray(value)
@@ -113,7 +102,8 @@ def same(one: object, other: object) -> bool:
         a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
         return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     plain = cast("object", one)
-    return type(plain) is type(other) and plain == other
+    # Texts of values tell 1 from True and 0 from -0.
+    return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
 
 
 def _key(field: str, name: object) -> str:

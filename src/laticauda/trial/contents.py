@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
+from laticauda.scenarios import Experiment, Scenario, settings_of
 from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, Forces, Joints, Links, Plane, Samples, Setting, Work
 
@@ -71,14 +72,9 @@ class Contents:
     signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
     """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
     the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
-    robot: Robot
-    """What swam."""
-    gait: Gait | None = None
-    """What the joints were asked for; None where no gait was."""
-    environment: Water | Ground
-    """What it swam or crawled in."""
-    settings: Mapping[str, Setting] = dataclasses.field(default_factory=dict[str, Setting])
-    """How the run was made: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    scenario: Scenario | Experiment
+    """What swam, how, where and by which model: `laticauda.swim` makes the same trial of a scenario again. An
+    experiment says what is known of a run that was measured, or steered by hand."""
     version: str
     """Version of laticauda that made the run."""
     created: str = dataclasses.field(default_factory=_now)
@@ -94,15 +90,34 @@ class Contents:
 
     def __post_init__(self) -> None:
         """Check everything and freeze every array, once."""
-        arrays.instance("robot", self.robot, Robot)
-        arrays.instance("gait", self.gait, Gait, type(None))
-        arrays.instance("environment", self.environment, Water, Ground)
+        arrays.instance("scenario", self.scenario, Scenario, Experiment)
         arrays.instance("succeeded", self.succeeded, bool)
         for name in ("version", "created", "status"):
             arrays.instance(name, getattr(self, name), str)
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED))
+
+    @property
+    def robot(self) -> Robot:
+        """What swam."""
+        return self.scenario.robot
+
+    @property
+    def gait(self) -> Gait | None:
+        """What the joints were asked for, at first where it was steered; None where no gait was."""
+        return self.scenario.gait
+
+    @property
+    def environment(self) -> Water | Ground:
+        """What it swam or crawled in."""
+        return self.scenario.environment
+
+    @property
+    def settings(self) -> Mapping[str, Setting]:
+        """How the run was made, in texts and numbers: the model's, and what is known of an experiment."""
+        notes: Mapping[str, Setting] = self.scenario.notes if isinstance(self.scenario, Experiment) else {}
+        return {**({} if self.scenario.model is None else settings_of(self.scenario.model)), **notes}
 
     def _clean(self) -> dict[str, object]:
         """Arrays and mappings as they are kept."""
@@ -131,8 +146,7 @@ class Contents:
         clean |= {name: arrays.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
         clean["link_force"] = arrays.forces(self.link_force, (n, n_links, n_axes))
         clean["signals"] = arrays.signals(self.signals, n)
-        settings, state = arrays.mapping("settings", self.settings), arrays.mapping("state", self.state)
-        clean["settings"] = {key: arrays.setting(key, value) for key, value in settings.items()}
+        state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
         return clean
 

@@ -5,15 +5,17 @@ or JSON, which write floats with all their digits) or a number, so that any tool
 """
 
 import base64
-import dataclasses
 import json
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from laticauda.codec import keys_of
 from laticauda.gaits import Gait, Wave
-from laticauda.robot import Ground, Robot, Water, from_toml, to_toml
+from laticauda.robot import Ground, Robot, Water, from_toml
+from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
+from laticauda.scenarios.older import run_of_settings
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import WORK_KINDS, Contents
 
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
     import xarray
 
 FORMAT = 2
-"""Number of this layout: 1 kept the kinds of numbers of the state apart. A larger one is a newer laticauda's."""
+"""Number of this layout: 1 kept robot, gait, environment and settings, and the kinds of numbers of the state, apart. A
+larger one is a newer laticauda's."""
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
@@ -176,17 +179,13 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         return dataset.variables[name].values
 
     forces: list[str] | None = json.loads(attributes["link_force"])
-    gait: dict[str, Any] | None = json.loads(attributes["gait"])
     return {
         **{name: read(name) for name in PLAIN},
         "work": np.stack([read(name) for name in WORK], axis=1),
         "electrical_work": read(ELECTRICAL) if attributes["has_electrical_work"] else None,
         "link_force": None if forces is None else {name: read(FORCE + name) for name in forces},
         "signals": {name: read(SIGNAL + name) for name in json.loads(attributes["signals"])},
-        "robot": from_toml(attributes["robot"], Robot),
-        "gait": None if gait is None else _gait(gait),
-        "environment": _environment(attributes["environment"]),
-        "settings": json.loads(attributes["settings"]),
+        "scenario": _scenario(attributes, read),
         **{name: str(attributes[name]) for name in TEXTS},
         "succeeded": bool(attributes["succeeded"]),
         "not_measured": tuple(json.loads(attributes.get("not_measured", "[]"))),  # older versions have none
@@ -228,10 +227,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
         "source": f"laticauda {trial.version}",
         **{name: getattr(trial, name) for name in TEXTS},
         "succeeded": int(trial.succeeded),
-        "robot": to_toml(trial.robot),
-        "environment": to_toml(trial.environment),
-        "gait": json.dumps(None if trial.gait is None else dataclasses.asdict(trial.gait)),
-        "settings": json.dumps(trial.settings),
+        "scenario": run_to_toml(trial.scenario),
         "has_electrical_work": int(trial.electrical_work is not None),
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
         "signals": json.dumps(list(trial.signals)),
@@ -249,6 +245,17 @@ def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
         name: np.frombuffer(base64.b64decode(one["bytes"]), one["dtype"]).reshape(one["shape"])
         for name, one in stored.items()
     }
+
+
+def _scenario(attributes: Mapping[str, Any], read: Callable[[str], AnyArray]) -> Scenario | Experiment:
+    if attributes[MARK] > 1:
+        with keys_of("scenario", ValueError):
+            return run_from_toml(attributes["scenario"])
+    gait: dict[str, Any] | None = json.loads(attributes["gait"])
+    robot, environment = from_toml(attributes["robot"], Robot), _environment(attributes["environment"])
+    log = {name: read(name) for name in ("time", "center_of_mass", "center_of_mass_velocity", "heading")}
+    made = None if gait is None else _gait(gait)
+    return run_of_settings(robot, made, environment, json.loads(attributes["settings"]), log)
 
 
 def _gait(values: dict[str, Any]) -> Gait:

@@ -6,6 +6,8 @@ import dataclasses
 
 import numpy as np
 
+from laticauda.gaits import Gait
+from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial.trial import Trial
 
 _TOLERANCE = 1e-9  # of position [m] and angles [rad] at the joint: a restart continues the very state
@@ -50,6 +52,7 @@ def joined(first: Trial, second: Trial) -> Trial:
     return dataclasses.replace(
         first,
         **series,
+        scenario=_scenario(first.scenario, second.scenario),
         time=_counted_on(first.time, second.time),
         work=_counted_on(first.work, second.work),
         electrical_work=electrical,
@@ -59,6 +62,13 @@ def joined(first: Trial, second: Trial) -> Trial:
         succeeded=second.succeeded,
         state=second.state,
     )
+
+
+def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Scenario | Experiment:
+    """That of the run that was never cut; a controller began anew at the cut, and no scenario says so."""
+    if isinstance(first, Scenario) and isinstance(second, Scenario) and isinstance(first.motion, Gait):
+        return dataclasses.replace(first, duration=first.duration + second.duration)
+    return Experiment(robot=first.robot, gait=first.gait, environment=first.environment, model=first.model)
 
 
 def _check_belong(first: Trial, second: Trial) -> None:

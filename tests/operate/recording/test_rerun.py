@@ -7,13 +7,15 @@ import pytest
 from operate.tank import DRAWN, IDLE, ROOT, follower, record
 
 import laticauda as lc
+from laticauda.actuation.laws import Servo
 from laticauda.errors import TrialFileError
 from laticauda.estimation import Estimate, Estimator, KinematicEstimator
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import load_trial
 from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
 from laticauda.operate.recording.schema import pack
-from laticauda.operate.recording.values import PlantRecord, from_json, to_json, twin_from_json
+from laticauda.operate.recording.values import from_json, to_json, twin_from_json
+from laticauda.scenarios import Experiment
 
 
 @pytest.fixture(scope="module")
@@ -155,10 +157,10 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
     record(path, estimator=Estimator(robot=TWIN.robot, plant=TWIN))
     log = read_operation(path)
     assert log.header.estimator == Estimator(robot=TWIN.robot)
-    assert log.header.twin == PlantRecord(
+    assert log.header.twin == Experiment(
         robot=TWIN.robot,
         environment=TWIN.environment,
-        settings={"model": "planar", "joints": "servo", "dt": 0.002, "offset_bandwidth": 10.0, "ramp": 0.0},
+        model=lc.Planar(joints=Servo(), dt=0.002, offset_bandwidth=10.0, ramp=0.0),
     )
     again = rerun_estimator(log, plant=lc.plant)
     assert len(again) > 200

@@ -22,9 +22,10 @@ from laticauda.kinematics import to_quaternion
 from laticauda.logs import Recorder
 from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
 from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS, pack, topic_of
-from laticauda.operate.recording.values import PlantRecord, record_of, to_json
+from laticauda.operate.recording.values import record_of, to_json
 from laticauda.packaging import __version__
 from laticauda.robot import Environment, Robot, to_toml
+from laticauda.scenarios import Experiment
 
 HEADER = "operation"
 FORMAT = "1"
@@ -48,7 +49,7 @@ class Header:
     """What decides the commands, for a replay: one of those of `laticauda.control`, or None."""
     estimator: StateEstimator | None = None
     """What says where the robot is, for a replay, or None; the plant of an `Estimator` is kept as `twin`."""
-    twin: PlantRecord | None = None
+    twin: Experiment | None = None
     """How the estimator's digital twin was made; None without one."""
     supply_voltage: float | None = None
     """V of (4); None without a power meter [V]."""

@@ -97,4 +97,4 @@ def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | No
         return estimator
     if plant is None:
         raise ValueError("`plant` must be `laticauda.plant`, which makes the recorded twin again, got None.")
-    return replace(estimator, plant=twin.made(plant))
+    return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

@@ -11,6 +11,7 @@ from laticauda.estimation import Estimate, JointSample, ReferenceSample
 from laticauda.estimation.samples import yaw_joints
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
+from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 
 Column = Float[np.ndarray, " _n"]
@@ -86,10 +87,12 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
         electrical_work=electrical,
         not_measured=missing,
         signals=_signals(log, time, run),
-        robot=header.robot,
-        gait=header.gait,
-        environment=header.environment,
-        settings={"source": "recording", **power_source, **header.settings},
+        scenario=Experiment(
+            robot=header.robot,
+            gait=header.gait,
+            environment=header.environment,
+            notes={"source": "recording", **power_source, **header.settings},
+        ),
         version=log.version,
         status=end.message if end is not None else "The recording reached its end.",
         succeeded=_succeeded(log, end),

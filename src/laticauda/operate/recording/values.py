@@ -5,8 +5,7 @@ listed here are ever built from a file.
 """
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, cast
 
@@ -16,35 +15,14 @@ from laticauda.fluid.laws import FunctionDrag
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Robot, law_of
 from laticauda.robot.files import from_toml, to_toml
+from laticauda.scenarios import Experiment, model_of, settings_of
 
 KIND = "class"
 ROBOT, PLANT = "robot", "plant"  # they are not written here: a robot has its own file, a plant its record
-SETTINGS = ("model", "joints", "dt", "offset_bandwidth", "ramp", "root", "gravity")
-"""What a record keeps of a plant's settings."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlantRecord:
-    """How a plant was made, as a recording keeps it: `laticauda.simulate.plant` makes it again."""
-
-    robot: Robot
-    """What swims."""
-    environment: Environment
-    """Where it swims."""
-    settings: Mapping[str, Any]
-    """The rest of what `laticauda.simulate.plant` takes."""
-
-    def made(self, plant: Callable[..., Plant[Any]]) -> Plant[Any]:
-        """The plant again.
-
-        Args:
-            plant: `laticauda.simulate.plant`.
-        """
-        return plant(self.robot, self.environment, **self.settings)
-
-
-def record_of(plant: Plant[Any]) -> PlantRecord:
-    """How a plant was made.
+def record_of(plant: Plant[Any]) -> Experiment:
+    """How a plant was made, as a recording keeps it.
 
     Args:
         plant: Made by `laticauda.simulate.plant`.
@@ -52,10 +30,9 @@ def record_of(plant: Plant[Any]) -> PlantRecord:
     Raises:
         ValueError: If it has a function as its law, or a shore, neither of which a recording can hold.
     """
-    if isinstance(law_of(plant.environment), FunctionDrag) or "shore" in plant.settings:
+    if isinstance(law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "shore", None) is not None:
         raise BadArgument("plant", "must have a law that is a class, and no shore, to be recorded")
-    chosen = {name: plant.settings[name] for name in SETTINGS if name in plant.settings}
-    return PlantRecord(robot=plant.robot, environment=plant.environment, settings=chosen)
+    return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)
 
 
 @cache
@@ -81,7 +58,7 @@ def _classes() -> dict[str, type[Any]]:
     return {kind.__name__: kind for kind in known}
 
 
-def to_json(value: object, *, twin: PlantRecord | None = None) -> str:
+def to_json(value: object, *, twin: Experiment | None = None) -> str:
     """A value of one of these classes as JSON; floats keep all their digits.
 
     Args:
@@ -92,9 +69,9 @@ def to_json(value: object, *, twin: PlantRecord | None = None) -> str:
         ValueError: If it is of another class, or holds something that is.
     """
     plain = _plain(value)
-    if twin is not None:
+    if twin is not None and twin.model is not None:
         described = {"robot": to_toml(twin.robot), "environment": to_toml(twin.environment)}
-        plain[PLANT] = {KIND: PlantRecord.__name__, **described, "settings": dict(twin.settings)}
+        plain[PLANT] = {KIND: "PlantRecord", **described, "settings": settings_of(twin.model)}
     return json.dumps(plain)
 
 
@@ -114,7 +91,7 @@ def from_json(text: str, *, robot: Robot | None = None) -> Any:
         raise ValueError(f"`text` must be settings that this version of laticauda knows, got {text[:60]!r}.") from error
 
 
-def twin_from_json(text: str) -> PlantRecord | None:
+def twin_from_json(text: str) -> Experiment | None:
     """The record of an estimator's plant; None without one.
 
     Args:
@@ -125,7 +102,9 @@ def twin_from_json(text: str) -> PlantRecord | None:
     if given is None:
         return None
     robot, environment = from_toml(given["robot"], Robot), from_toml(given["environment"])
-    return PlantRecord(robot=robot, environment=cast("Environment", environment), settings=given["settings"])
+    settings = {name: one for name, one in given["settings"].items() if one is not None}
+    model = model_of(settings.pop("model", "planar"), **settings)
+    return Experiment(robot=robot, environment=cast("Environment", environment), model=model)
 
 
 def _plain(value: object) -> Any:

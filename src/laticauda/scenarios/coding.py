@@ -1,0 +1,145 @@
+"""Scenarios and experiments as TOML, with every number: what trials keep, and files that people write.
+
+What a text names and nobody here defines, a law or a controller, is kept as a stand-in: the trial of it loads, and only
+running it again is refused. Nothing that a text names is imported.
+"""
+
+import tomllib
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, cast
+
+from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped
+from laticauda.errors import RobotFileError, one_of
+from laticauda.extensions import Unknown, name_of
+from laticauda.gaits import Gait
+from laticauda.interfaces import Controller
+from laticauda.quantities import hints_of
+from laticauda.robot import Ground, Robot, Water, from_toml
+from laticauda.scenarios.experiment import Experiment
+from laticauda.scenarios.scenario import Scenario
+
+KINDS: dict[str, type[Scenario] | type[Experiment]] = {"scenario": Scenario, "experiment": Experiment}
+
+
+def run_to_toml(run: Scenario | Experiment) -> str:
+    """A scenario or experiment as a text, from which `run_from_toml` makes an equal one.
+
+    A function in it, a law that is no class for instance, cannot be stored: its name is, and a warning says so.
+
+    Args:
+        run: The scenario or experiment.
+    """
+    import tomli_w
+
+    table: Table = {"kind": name_of(type(run))}
+    for field in fields(run):
+        value, hint = getattr(run, field.name), hints_of(type(run))[field.name]
+        if isinstance(value, Robot | Water | Ground):
+            table[field.name] = stamped(name_of(type(value)), encode(value))
+        elif field.name == "motion" and isinstance(value, Controller):
+            table["controller"] = _stored(cast("Controller[Any]", value))
+        elif value is not None:
+            table["gait" if field.name == "motion" else field.name] = encode(value, hint)
+    return tomli_w.dumps(_without_functions(table, ""))
+
+
+def run_from_toml(text: str) -> Scenario | Experiment:
+    """The scenario or experiment that `run_to_toml` made a text of.
+
+    Args:
+        text: The TOML text.
+
+    Raises:
+        BadKey: If a key is unknown, missing or out of range.
+        RobotFileError: If robot or environment is wrong.
+        ValueError: If it is no TOML.
+    """
+    return run_from_table(tomllib.loads(text))
+
+
+def run_from_table(table: Table) -> Scenario | Experiment:
+    """The same from what the text holds.
+
+    Args:
+        table: As a TOML reader gives it.
+    """
+    table = dict(table)
+    with arguments_of(""):
+        kind = KINDS[one_of("kind", table.pop("kind", "scenario"), tuple(KINDS))]
+    hints = hints_of(kind)
+    motion = {"gait", "controller"} if kind is Scenario else set[str]()
+    check_keys(table, [*(name for name in hints if name != "motion"), *motion])
+    for name in ("robot", "environment"):
+        if name not in table:
+            raise BadKey(name, f"is missing; every {kind.__name__} needs it")
+    with keeping_unknown(), arguments_of(""):
+        values: Table = {}
+        for name, given in table.items():
+            if name in ("robot", "environment"):
+                values[name] = _described(given)
+            elif name in motion:
+                values["motion"] = _motion(name, given)
+            else:
+                values[name] = decode(hints[name], given, name, kind.__dataclass_fields__[name].default)
+        return kind(**values)
+
+
+def unknown_in(run: Scenario) -> Iterator[Unknown]:
+    """What a scenario names and nobody here defines.
+
+    Args:
+        run: The scenario.
+    """
+    yield from _unknown((run.motion, run.environment, run.model))
+
+
+def _unknown(values: tuple[Any, ...]) -> Iterator[Unknown]:
+    for value in values:
+        if isinstance(value, Unknown):
+            yield value
+        elif is_dataclass(value):
+            yield from _unknown(tuple(vars(value).values()))
+
+
+def _stored(controller: Controller[Any]) -> Any:
+    if is_dataclass(controller) or isinstance(controller, Unknown):
+        return encode(controller, Controller)
+    return {"kind": name_of(type(controller)), "gait": encode(cast(Any, controller).gait)}
+
+
+def _motion(name: str, given: Any) -> Gait | Controller[Any]:
+    if name == "gait":
+        return decode(Gait, given, "gait")
+    controller: Any = decode(cast(Any, Controller), given, "controller")
+    if isinstance(controller, Unknown):
+        vars(controller)["gait"] = decode(Gait, controller.table.get("gait"), "controller.gait")
+    return cast("Controller[Any]", controller)
+
+
+def _described(given: Any) -> Any:
+    import tomli_w
+
+    try:
+        return from_toml(tomli_w.dumps(given))
+    except RobotFileError as error:
+        raise ValueError(str(error).removeprefix("<text>: ")) from error
+
+
+def _without_functions(table: Mapping[str, Any], at: str) -> Table:
+    """The table with names in the place of functions, and kinds that nobody has where one stood."""
+    found: Table = {}
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
+        elif callable(value):
+            called = getattr(value, "__name__", type(value).__name__)
+            text = (
+                f"`{at}{name}` is a function, `{called}`, which cannot be stored: the run cannot be done again from it."
+            )
+            warnings.warn(f"{text} A law that is a class can.", stacklevel=2)
+            return {"kind": f"function {called}"}
+        elif value is not None:
+            found[name] = value
+    return found
