@@ -95,9 +95,11 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
         return _object(cast("type[Any]", hint), table_of(value, at), at)
     origin, inner = get_origin(hint), get_args(hint)
     several = next((one for one in (hint, *inner) if get_origin(one) is tuple), None)
-    if several is not None and isinstance(value, list) and not is_dataclass(get_args(several)[0]):
-        if _kinds(get_args(several)[0]) is None:  # numbers or texts, or tuples of them
-            return tuple(decode(get_args(several)[0], one) for one in cast("list[object]", value))
+    listed: object = value
+    if several is not None and isinstance(listed, list):
+        kind, things = get_args(several)[0], cast("list[object]", listed)
+        if not is_dataclass(kind) and _kinds(kind) is None:  # numbers or texts, or tuples of them
+            return tuple(decode(kind, one) for one in things)
     if origin in (types.UnionType, Union):
         holds = [one for one in inner if is_dataclass(one) or _kinds(one) is not None]
         return decode(holds[0], value, at) if holds and value is not None else value
@@ -320,7 +322,7 @@ def _table(thing: Any) -> Table:
         name, written = field.name, encode(value, hints[field.name])
         if written == {} and field.default_factory is not MISSING:
             continue
-        if name in degrees and math.radians(round(math.degrees(value), 9)) == value:
+        if name in degrees and isinstance(value, float) and math.radians(round(math.degrees(value), 9)) == value:
             name, written = degrees[name], round(math.degrees(value), 9)  # the very same number
         table[name] = written
     return table

@@ -95,6 +95,10 @@ class Unknown:
     def __repr__(self) -> str:
         return f"<{self.kind}, which nobody here defines>"
 
+    def __call__(self, *_: object) -> Any:
+        """Refuse to stand in for a formula."""
+        raise ValueError(f"`{self.kind}` is not known here: nobody has defined it; import the module that does.")
+
 
 @functools.cache
 def _stand_in(base: type[Any]) -> type[Any]:

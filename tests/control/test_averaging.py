@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 import laticauda as lc
 from laticauda.control import AveragedModel, OffsetSteps, fit_averaged
+from laticauda.scenarios import Experiment
 
 MODEL = AveragedModel(
     turn_0=0.02,
@@ -101,12 +102,15 @@ def test_two_steps_are_one():
     np.testing.assert_allclose(halves[:2], whole[:2], atol=1e-5)
 
 
+UNKNOWN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
+
+
 @pytest.mark.parametrize(
     ("frequencies", "change", "message"),
     [
         ((1.0, 2.0), {}, "`trials` must have at least 3 different frequencies, got 2"),
         ((1.0, 1.5, 2.0), {"signals": {}}, "`trials` must have an offset that turns the robot in at least one of them"),
-        ((1.0, 1.5, 2.0), {"gait": None}, r"`trials\[0\]` must have a gait that moves, got None"),
+        ((1.0, 1.5, 2.0), {"scenario": UNKNOWN}, r"`trials\[0\]` must have a gait that moves, got None"),
         ((1.0, 1.5, 2.0), {"not_measured": ("work",)}, "measured `work` for an averaged model"),
     ],
 )

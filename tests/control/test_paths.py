@@ -203,10 +203,10 @@ def test_a_spline_through_two_points_is_the_line_between_them():
         ),
         ([(0, 0), (math.nan, 0)], r"`waypoints\[1\]\[0\]` must be a finite number in m, got nan\."),
         ([(0, 0), (1, math.inf)], r"`waypoints\[1\]\[1\]` must be a finite number in m, got inf\."),
-        ([(0, 0), (1, 2, 3)], r"`waypoints\[1\]` must be two numbers, x and y in m, got 3\."),
-        ([(0, 0), 4], r"`waypoints\[1\]` must be two numbers, x and y in m, got 4\."),
-        ("0,0 1,1", "`waypoints` must be points, x and y in m each, got '0,0 1,1'"),
-        (3, "`waypoints` must be points, x and y in m each, got 3"),
+        ([(0, 0), (1, 2, 3)], r"`waypoints\[1\]` must be two numbers in m, got 3 of them"),
+        ([(0, 0), 4], r"`waypoints\[1\]` must be two numbers in m, got 4"),
+        ("0,0 1,1", "`waypoints` must be a list of two numbers in m, got '0,0 1,1'"),
+        (3, "`waypoints` must be a list of two numbers in m, got 3"),
     ],
 )
 def test_waypoints_that_make_no_path_are_refused(path, points, message):

@@ -247,6 +247,8 @@ def by_function(function):
         ({"environment": by_function(lambda v: v)}, "`<lambda>` must have a formula that Numba can compile: "),
         ({"environment": by_function(lambda a, b, c, d, e: a.nothing)}, "must have a formula that Numba can compile: "),
         ({"environment": by_function(lambda a, b, c, d, e: a)}, "`<lambda>` must return three finite numbers"),
+        ({"environment": "paper-eels"}, "there is no water preset named `paper-eels`"),
+        ({"environment": 3}, "`environment` must be of class Water or Ground, got int."),
         ({"environment": replace(WATER, depth=0.05)}, "`depth` must be > 0.055 m"),
     ],
 )
@@ -273,7 +275,10 @@ def test_a_start_that_is_no_number_is_refused():
         lc.Start(heading=float("nan"))
 
 
-def test_a_name_is_no_gait():
+def test_a_name_is_a_preset_of_a_robot_and_no_gait():
+    assert lc.swim("mamba", GAIT, 1.0).robot == load_robot("mamba")
+    with pytest.raises(ValueError, match="there is no robot preset named `mambo`"):
+        lc.swim("mambo", GAIT)
     with pytest.raises(ValueError, match="`gait` must be of class Gait or Controller, got str"):
         lc.swim(load_robot("mamba"), "eel_like")
 

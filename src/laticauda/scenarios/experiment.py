@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class Experiment:
 
 def _plain(name: str, note: Any) -> str | float:
     """A note as plain data that a file can hold."""
-    plain: object = note.item() if isinstance(note, np.generic) else note
+    plain = cast(object, note.item() if isinstance(note, np.generic) else note)
     if isinstance(plain, float) and math.isnan(plain):
         raise BadArgument(f"notes[{name!r}]", "must not be nan")
     if not isinstance(plain, str | float | int):

@@ -72,7 +72,7 @@ def run(
         )
     controller.check(plant.robot)
     if isinstance(scenario.start, Resumed):
-        state = plant.unpack(scenario.start.state)
+        state = plant.unpack({name: np.array(one) for name, one in scenario.start.state.items()})
     else:
         state = plant.init(scenario.start, Command(gait=controller.gait))
     controller_state = controller.init()
