@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.codec import BadKey, decode, encode, keys_of
+from laticauda.codec import BadKey, decode, encode, keys_of, merged
 from laticauda.errors import RobotFileError
 from laticauda.extensions import Extensible
 from laticauda.quantities import option, quantity, value
@@ -163,3 +163,11 @@ def test_a_missing_key_and_the_file_are_named():
         keys_of("m.toml", RobotFileError),
     ):
         decode(Machine, {})
+
+
+def test_what_differs_is_put_over_a_table_and_another_law_takes_the_place_of_the_whole_one():
+    common = {"a": 1, "law": {"kind": "x", "k": 1}, "list": [1]}
+    assert merged(common, {"law": {"k": 2}, "list": [2]}) == {"a": 1, "law": {"kind": "x", "k": 2}, "list": [2]}
+    assert merged(common, {"law": {"kind": "y"}})["law"] == {"kind": "y", "k": 1}
+    assert merged(common, {"law": {"kind": "y"}}, by_kind=True)["law"] == {"kind": "y"}
+    assert common["law"] == {"kind": "x", "k": 1}

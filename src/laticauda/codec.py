@@ -184,13 +184,30 @@ def arguments_of(
         raise BadKey(join(at, name), rule) from error
 
 
+def merged(common: Table, own: Table, *, by_kind: bool = False) -> Table:
+    """A table with what differs put over it, table by table.
+
+    Args:
+        common: The table.
+        own: What differs.
+        by_kind: Whether a table inside that says another `kind` takes the place of the whole one, as laws do.
+    """
+    found = dict(common)
+    for key, value in own.items():
+        mine, its = cast("tuple[Table, Table]", (value, found.get(key)))
+        both = isinstance(mine, dict) and isinstance(its, dict)
+        is_other = both and by_kind and mine.get("kind", its.get("kind")) != its.get("kind")
+        found[key] = merged(its, mine, by_kind=by_kind) if both and not is_other else value
+    return found
+
+
 def join(at: str, key: str) -> str:
     """The way to a key of the table at `at`."""
     return f"{at}.{key}" if at else key
 
 
 def _object(kind: type[Any], table: Table, at: str) -> Any:
-    table = _with_new_names(kind, table)
+    table = with_new_names(kind, table)
     hints, degrees = hints_of(kind), _degrees(kind)
     check_keys(table, [*hints, *degrees], at)
     for key, name in degrees.items():
@@ -212,8 +229,8 @@ def _object(kind: type[Any], table: Table, at: str) -> Any:
         return kind(**values)
 
 
-def _with_new_names(kind: type, table: Table) -> Table:
-    """A table of an older file with the keys of today."""
+def with_new_names(kind: type, table: Table) -> Table:
+    """A table of an older file with the keys of today, for an object of class `kind`."""
     former: Mapping[str, str] = getattr(kind, "former", {})
     for old in former.keys() & table.keys():
         inner = table = dict(table)

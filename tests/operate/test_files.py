@@ -101,8 +101,8 @@ def test_what_is_wrong_with_a_trial_file_is_said_with_its_key(text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("name = 1", r"key `kind`: is missing; it must be \"trial\" or \"series\""),
-        ("kind = 'robot'", r"key `kind`: must not be 'robot', but \"trial\" or \"series\""),
+        ("name = 1", r"key `kind`: is missing; it must be one of \"trial\", \"series\""),
+        ("kind = 'robot'", r"key `kind`: must be one of \"trial\", \"series\", got 'robot\'"),
         ("kind = 'trial'\nname = 'a'", r"key `gait`: is missing; every Operation needs it"),
         ("kind = 'series'\nname = 'a'", r"key `trials`: is missing; every SeriesFile needs it"),
         ("kind = 'series'\nname = 'a'\ntrials = []", r"key `trials`: must hold at least one trial, got none"),

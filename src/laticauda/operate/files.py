@@ -19,11 +19,10 @@ its name with ``_deg``, an angular rate with ``_deg_s``. A series file has the k
 the table ``[common]`` with what all trials share, and a list ``[[trials]]`` of what differs.
 """
 
-import math
 from pathlib import Path
 from typing import cast
 
-from laticauda.codec import BadKey, Table, decode, keys_of, table_of
+from laticauda.codec import Table, decode, keys_of, merged, table_of, take_kind
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.files import parse_toml, read_text
 from laticauda.operate.settings import Operation
@@ -81,13 +80,9 @@ def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
     """
     table = parse_toml(text, shown, OperationFileError)
     with keys_of(shown, OperationFileError):
-        kind = table.pop("kind", None)
-        if kind == "trial":
-            return decode(Operation, _in_radians(table))
-        if kind == "series":
-            return decode(SeriesFile, _with_common(table))
-        word = "is missing; it must be" if kind is None else f"must not be {kind!r}, but"
-        raise BadKey("kind", f'{word} "trial" or "series"')
+        if take_kind(table, "trial", "series") == "trial":
+            return decode(Operation, table)
+        return decode(SeriesFile, _with_common(table))
 
 
 def _with_common(table: Table) -> Table:
@@ -95,28 +90,5 @@ def _with_common(table: Table) -> Table:
     common, trials = table_of(table.pop("common", {}), "common"), table.get("trials")
     if isinstance(trials, list):
         entries = [table_of(entry, f"trials[{i}]") for i, entry in enumerate(cast("list[object]", trials))]
-        table["trials"] = [_in_radians(_merged(common, entry)) for entry in entries]
+        table["trials"] = [merged(common, entry) for entry in entries]
     return table
-
-
-def _merged(common: Table, own: Table) -> Table:
-    """What all share, with what one trial has of its own put over it, table by table."""
-    merged = dict(common)
-    for key, mine in own.items():
-        both = isinstance(mine, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _merged(merged[key], cast("Table", mine)) if both else mine
-    return merged
-
-
-def _in_radians(table: Table) -> Table:
-    """With the gait's angles in radians, as long as gaits do not declare their units themselves."""
-    gait = table.get("gait")
-    if not isinstance(gait, dict):
-        return table
-    plain: Table = {}
-    for key, number in cast("Table", gait).items():
-        stem = key.removesuffix("_deg_s").removesuffix("_deg")
-        is_angle = stem != key and stem in ("amplitude", "frequency", "phase_shift", "offset")
-        in_radians = is_angle and isinstance(number, int | float) and not isinstance(number, bool)
-        plain[stem if in_radians else key] = math.radians(number) if in_radians else number
-    return {**table, "gait": plain}

@@ -1,15 +1,15 @@
 """A curved path: a smooth curve through waypoints, followed with and without the fin to its end."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.control import LineOfSight, Spline
-from laticauda.errors import positive
 from laticauda.interfaces import Observation, Start
 from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
+from laticauda.quantities import option, quantity, value
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean, cycle_mean
 from laticauda.trial.following import mean_error
@@ -23,27 +23,24 @@ def curved_law() -> Steering:
     return Steering(name="the paper's gains", guidance=guidance, gain=0.4, max_offset=math.radians(20.0))
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class CurvedSettings:
     """Every swimmer along one curve."""
 
-    waypoints: Waypoints = ((0.0, 0.0), (2.0, 1.0), (4.0, 0.0), (6.0, -1.0), (8.0, 0.0))
-    """What the curve goes through; x and y in world axes [m]."""
-    law: Steering = field(default_factory=curved_law)
-    """How every swimmer is steered."""
-    most_duration: float = 150.0
-    """After which a run ends that has not reached the end of the curve [s]."""
-    control_interval: float = 0.1
-    """Between two control instants [s]."""
-    swimmers: tuple[Swimmer, ...] = field(default_factory=swimmers)
-    """Who swims: a run each. It begins at the begin of the curve, along it and at rest."""
+    waypoints: Waypoints = option(
+        "What the curve goes through; x and y in world axes",
+        default=((0.0, 0.0), (2.0, 1.0), (4.0, 0.0), (6.0, -1.0), (8.0, 0.0)),
+    )
+    law: Steering = option("How every swimmer is steered", default_factory=curved_law)
+    most_duration: float = quantity("s", "After which a run ends before the end of the curve", gt=0.0, default=150.0)
+    control_interval: float = quantity("s", "Between two control instants", gt=0.0, default=0.1)
+    swimmers: tuple[Swimmer, ...] = option("Who swims, from the begin of the curve, at rest", default_factory=swimmers)
 
     def __post_init__(self) -> None:
         """Check what has a range."""
         _ = self.path  # a curve that cannot be is refused now
-        object.__setattr__(self, "control_interval", positive("control_interval", self.control_interval, "s"))
         gaits = tuple(swimmer.gait for swimmer in self.swimmers)
-        object.__setattr__(self, "most_duration", long_enough("most_duration", self.most_duration, gaits, 2.0))
+        long_enough("most_duration", self.most_duration, gaits, 2.0)
 
     @property
     def path(self) -> Spline:

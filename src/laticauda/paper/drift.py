@@ -1,13 +1,13 @@
 """A current across the path: what it does to line of sight, and what the integral does about it."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from laticauda.control import IntegralLineOfSight, LineOfSight, StraightLine
-from laticauda.errors import finite, positive
 from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
+from laticauda.quantities import option, quantity, value
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.following import last_third_error, mean_error
@@ -31,30 +31,20 @@ def _swimmer() -> Swimmer:
     return next(one for one in swimmers() if one.has_fin and one.gait.kind == "lateral_undulation")
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class DriftSettings:
     """One swimmer along the x axis in a current, steered by one law after the other."""
 
-    swimmer: Swimmer = field(default_factory=_swimmer)
-    """Who swims."""
-    current: tuple[float, float] = (0.0, 0.05)
-    """Velocity that the water moves to, world axes [m/s]."""
-    laws: tuple[Steering, ...] = field(default_factory=drift_laws)
-    """How it is steered: a run each."""
-    duration: float = 180.0
-    """Of every run, which begins on the path, along it and at rest [s]."""
-    control_interval: float = 0.05
-    """Between two control instants [s]."""
-    tolerance: float = 0.05
-    """Largest mean error, over the last third, of a law that holds the path [m]."""
+    swimmer: Swimmer = option("Who swims", default_factory=_swimmer)
+    current: tuple[float, float] = quantity("m/s", "Velocity that the water moves to, world axes", default=(0.0, 0.05))
+    laws: tuple[Steering, ...] = option("How it is steered: a run each", default_factory=drift_laws)
+    duration: float = quantity("s", "Of every run, which begins on the path, along it and at rest", default=180.0)
+    control_interval: float = quantity("s", "Between two control instants", gt=0.0, default=0.05)
+    tolerance: float = quantity("m", "Largest mean error at the end of a law that holds", gt=0.0, default=0.05)
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        x, y = self.current
-        object.__setattr__(self, "current", (finite("current[0]", x, "m/s"), finite("current[1]", y, "m/s")))
-        for name, unit in (("control_interval", "s"), ("tolerance", "m")):
-            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
-        object.__setattr__(self, "duration", long_enough("duration", self.duration, (self.swimmer.gait,), 5.0))
+        long_enough("duration", self.duration, (self.swimmer.gait,), 5.0)
 
     @property
     def n_runs(self) -> int:

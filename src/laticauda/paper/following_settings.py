@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from laticauda.errors import positive, within
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.paper.measured import MeasuredPathFollowing, path_following_trials
 from laticauda.paper.settings import (
@@ -16,6 +16,7 @@ from laticauda.paper.settings import (
     paper_table,
     printed_changes,
 )
+from laticauda.quantities import option, quantity, value
 from laticauda.trial.null_models import group_name
 
 LEAST_DURATION = 15.0  # a steady part takes 10 s and a gait cycle, 4 s in Table 2 [s]
@@ -68,50 +69,34 @@ class HeldOut:
     """Smallest and largest offset that was published [rad]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class PathFollowingSettings:
     """What the path-following study runs: every case of Table 2 along the x axis, in every way of the band."""
 
-    duration: float
-    """After which a run ends [s]."""
-    distance: float
-    """Progress along the path after which it ends earlier [m]."""
-    look_ahead_distance: float
-    """Delta [m]."""
-    gain: float
-    """k [-]."""
-    max_offset: float
-    """Of the joints to either side [rad]."""
-    control_interval: float
-    """Between two control instants [s]."""
-    coefficients: Coefficients
-    """The water of every gait."""
-    accepted_error: float
-    """What the mean over the gait cycle shall stay within in the last third of a run [m]."""
-    joint_laws: tuple[str, ...]
-    """Of the band: how the joints follow the gait."""
-    offset_bandwidths: tuple[float, ...]
-    """Of the band: bandwidths of the reference generator [rad/s]."""
-    groups: tuple[FollowingGroup, ...]
-    """The parts of Table 2."""
-    held_out: HeldOut
-    """The trial of another publication."""
+    duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
+    distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
+    look_ahead_distance: float = quantity("m", "Delta", gt=0.0)
+    gain: float = quantity("", "k", gt=0.0)
+    max_offset: float = quantity("rad", "Of the joints to either side", gt=0.0)
+    control_interval: float = quantity("s", "Between two control instants", gt=0.0)
+    coefficients: Coefficients = option("The water of every gait")
+    accepted_error: float = quantity("m", "What the mean over the gait cycle shall stay within at the end", gt=0.0)
+    joint_laws: tuple[str, ...] = option("Of the band: how the joints follow the gait")
+    offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Of the band: bandwidths of the reference generator")
+    groups: tuple[FollowingGroup, ...] = option("The parts of Table 2")
+    held_out: HeldOut = option("The trial of another publication")
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        units = {"duration": "s", "distance": "m", "look_ahead_distance": "m", "gain": "", "max_offset": "rad"}
-        units |= {"control_interval": "s", "accepted_error": "m"}
-        for name, unit in units.items():
-            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
-        within("duration", self.duration, LEAST_DURATION, 1e5, "s")
         for name in ("joint_laws", "offset_bandwidths", "groups"):
             if not getattr(self, name):
-                raise ValueError(f"`{name}` must hold at least one entry, got none.")
+                raise BadArgument(name, "must hold at least one entry, got none")
         for group in self.groups:
             if len(group.measured) != len(group.figures):
-                raise ValueError(
-                    f"`figures` must be at most as many as Table 2 has cases of {group.name}, {len(group.measured)}, "
-                    f"got {len(group.figures)}."
+                raise BadArgument(
+                    "figures",
+                    f"must be at most as many as Table 2 has cases of {group.name}, {len(group.measured)}, "
+                    f"got {len(group.figures)}",
                 )
 
     @property

@@ -5,13 +5,14 @@ The paper sets the gain by the fin beside that of a robot of twice the length. H
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import product
 
-from laticauda.errors import one_of, positive, whole
+from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import Gait
 from laticauda.packaging import __version__
 from laticauda.paper.settings import Coefficients, paper_coefficients
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
 from laticauda.simulate import swim
 from laticauda.studies.progress import Progress
@@ -21,34 +22,23 @@ KEPT = ("phase shift", "number of waves")
 """What the longer robot has in common with the shorter one, besides amplitude and frequency."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class LinksSettings:
     """What the links study runs; amplitude and frequency are those that the paper's sweeps hold."""
 
-    robot: str = "mamba"
-    """Whose link is repeated (`load_robot`)."""
-    n_links: tuple[int, int] = (10, 20)
-    """Numbers of links of the shorter and the longer robot [-]."""
-    gaits: tuple[str, ...] = ("lateral_undulation", "eel_like")
-    """Kinds of gait."""
-    amplitude: float = math.radians(30.0)
-    """alpha [rad]."""
-    frequency: float = math.radians(110.0)
-    """omega [rad/s]."""
-    phase_shift: float = math.radians(40.0)
-    """delta of the shorter robot [rad]."""
-    duration: float = 30.0
-    """Of every trial [s]."""
-    coefficients: Coefficients = field(default_factory=paper_coefficients)
-    """The water by gait; by default the paper's."""
+    robot: str = option("Whose link is repeated (`load_robot`)", default="mamba")
+    n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
+    gaits: tuple[str, ...] = option("Kinds of gait", default=("lateral_undulation", "eel_like"))
+    amplitude: float = quantity("rad", "alpha", default=math.radians(30.0))
+    frequency: float = quantity("rad/s", "omega", default=math.radians(110.0))
+    phase_shift: float = quantity("rad", "delta of the shorter robot", default=math.radians(40.0))
+    duration: float = quantity("s", "Of every trial", gt=0.0, default=30.0)
+    coefficients: Coefficients = option("The water by gait; by default the paper's", default_factory=paper_coefficients)
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        if len(self.n_links) != 2 or self.n_links[0] >= self.n_links[1]:
-            raise ValueError(f"`n_links` must be two rising numbers, got {self.n_links}.")
-        for i, n in enumerate(self.n_links):
-            whole(f"n_links[{i}]", n, 2)
-        positive("duration", self.duration, "s")
+        if self.n_links[0] >= self.n_links[1]:
+            raise BadArgument("n_links", f"must be two rising numbers, got {self.n_links}")
 
     def gait(self, kind: str, n_links: int, kept: str) -> Gait:
         """The gait of one run.

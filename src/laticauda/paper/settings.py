@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of, positive
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
+from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water, load_water
 from laticauda.trial.null_models import group_name
 
@@ -52,29 +53,22 @@ class Coefficients:
         return robot if self.parameters is None else self.parameters.robot(robot, gait)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class SweepSettings:
     """A range of one parameter of the gait, the other two held."""
 
-    parameter: str
-    """One of `PARAMETERS`."""
-    low: float
-    """Where it begins [rad, or rad/s for the frequency]."""
-    high: float
-    """Where it ends; within the sweep if the steps lead there [rad, rad/s]."""
-    step: float
-    """Between two values [rad, rad/s]."""
-    fixed: Mapping[str, float]
-    """The other two parameters by name [rad, rad/s]."""
+    parameter: str = option("Of the gait", check=one_among(*PARAMETERS))
+    low: float = quantity("rad", "Where it begins")
+    high: float = quantity("rad", "Where it ends; within the sweep if the steps lead there")
+    step: float = quantity("rad", "Between two values", gt=0.0)
+    fixed: Mapping[str, float] = option("The other two parameters; rad, frequency in rad/s, as all here")
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        one_of("parameter", self.parameter, PARAMETERS)
-        positive("step", self.step, "rad")
         if not 0.0 < self.low <= self.high:
-            raise ValueError(f"`low` must be > 0 and <= `high`, got {self.low} and {self.high}.")
+            raise BadArgument("low", f"must be > 0 and <= `high`, got {self.low} and {self.high}")
         if set(self.fixed) != set(PARAMETERS) - {self.parameter}:
-            raise ValueError(f"`fixed` must hold the parameters that are not swept, got {', '.join(self.fixed)}.")
+            raise BadArgument("fixed", f"must hold the parameters that are not swept, got {', '.join(self.fixed)}")
 
     @property
     def values(self) -> Float[np.ndarray, " n_values"]:
@@ -141,25 +135,20 @@ class Group:
         return next((name for name, index in self.maxima.items() if index == case), None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class EfficiencySettings:
     """What the efficiency study runs: every sweep and every case, for every group and set of coefficients."""
 
-    duration: float
-    """Of every trial [s]."""
-    models: tuple[Coefficients, ...]
-    """The curves of every figure; the first one is the paper's own."""
-    sweeps: tuple[SweepSettings, ...]
-    """One per panel of the figures."""
-    groups: tuple[Group, ...]
-    """The parts of Table 1."""
+    duration: float = quantity("s", "Of every trial", gt=0.0)
+    models: tuple[Coefficients, ...] = option("The curves of every figure; the first one is the paper's own")
+    sweeps: tuple[SweepSettings, ...] = option("One per panel of the figures")
+    groups: tuple[Group, ...] = option("The parts of Table 1")
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        object.__setattr__(self, "duration", positive("duration", self.duration, "s"))
         for name in ("models", "sweeps", "groups"):
             if not getattr(self, name):
-                raise ValueError(f"`{name}` must hold at least one entry, got none.")
+                raise BadArgument(name, "must hold at least one entry, got none")
 
     @property
     def n_runs(self) -> int:

@@ -6,17 +6,18 @@ takes is asked here, for both gaits without and with the fin; for the raw headin
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.control import LineOfSight, StraightLine
-from laticauda.errors import finite, positive
+from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.packaging import __version__
 from laticauda.paper.swimmers import Steering, Swimmer, how_made, in_water, long_enough, run_named, swimmers
+from laticauda.quantities import option, quantity, value
 from laticauda.studies.progress import Progress
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
@@ -29,49 +30,42 @@ BEHAVIORS = (SETTLED, SWINGS, COMING)
 """What a loop does: settles on the path, swings on about it, or is still on its way at the end of the run."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class StabilitySettings:
     """What the stability map runs: every look-ahead distance with every gain, for every swimmer."""
 
-    look_ahead_distances: tuple[float, ...] = (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24)
-    """Delta, rising: half a link to twice the robot with its fin [m]."""
-    gains: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
-    """k with the mean heading over the gait cycle, rising [-]."""
-    raw_gains: tuple[float, ...] = (0.4,)
-    """k with the raw heading; none leaves it out [-]."""
-    paper: tuple[float, float] = (0.18, 0.4)
-    """The paper's look-ahead distance [m] and gain [-], to be marked."""
-    max_offset: float = math.radians(20.0)
-    """Largest offset to either side [rad]."""
-    initial_cross_track_error: float = 0.5
-    """Where every run begins beside the path, along it and at rest [m]."""
-    duration: float = 120.0
-    """Of every run [s]."""
-    control_interval: float = 0.2
-    """Between two control instants; four times that of the trials, which makes so many runs affordable and moves only
-    points on the boundary [s]."""
-    tolerance: float = 0.05
-    """Largest root mean square of the mean error, over the last third, of a loop that has settled [m]."""
-    swimmers: tuple[Swimmer, ...] = field(default_factory=swimmers)
-    """Who swims: a map each."""
+    look_ahead_distances: tuple[float, ...] = quantity(
+        "m",
+        "Delta, rising: half a link to twice the robot with its fin",
+        gt=0.0,
+        default=(0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24),
+    )
+    gains: tuple[float, ...] = quantity(
+        "", "k with the mean heading over the gait cycle, rising", gt=0.0, default=(0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
+    )
+    raw_gains: tuple[float, ...] = quantity("", "k with the raw heading; none leaves it out", gt=0.0, default=(0.4,))
+    paper: tuple[float, float] = quantity(
+        "", "The paper's look-ahead distance [m] and gain [-], to be marked", default=(0.18, 0.4)
+    )
+    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
+    initial_cross_track_error: float = quantity("m", "Where every run begins, along it, at rest", default=0.5)
+    duration: float = quantity("s", "Of every run", default=120.0)
+    control_interval: float = quantity("s", "Between two control instants", gt=0.0, default=0.2)
+    tolerance: float = quantity("m", "Largest rms of the mean error of a loop that has settled", gt=0.0, default=0.05)
+    swimmers: tuple[Swimmer, ...] = option("Who swims: a map each", default_factory=swimmers)
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        for name, unit in (("look_ahead_distances", "m"), ("gains", ""), ("raw_gains", "")):
-            values = tuple(positive(f"{name}[{i}]", value, unit) for i, value in enumerate(getattr(self, name)))
+        for name in ("look_ahead_distances", "gains", "raw_gains"):
+            values = getattr(self, name)
             if any(after <= before for before, after in pairwise(values)):
-                raise ValueError(f"`{name}` must rise, got {', '.join(f'{value:g}' for value in values)}.")
-            object.__setattr__(self, name, values)
+                raise BadArgument(name, f"must rise, got {', '.join(f'{value:g}' for value in values)}")
         for name in ("look_ahead_distances", "gains", "swimmers"):
             if not getattr(self, name):
-                raise ValueError(f"`{name}` must hold at least one entry, got none.")
-        for name, unit in (("max_offset", "rad"), ("control_interval", "s"), ("tolerance", "m")):
-            object.__setattr__(self, name, positive(name, getattr(self, name), unit))
-        start = finite("initial_cross_track_error", self.initial_cross_track_error, "m")
-        object.__setattr__(self, "initial_cross_track_error", start)
+                raise BadArgument(name, "must hold at least one entry, got none")
         # Each third of the run must show a whole gait cycle.
         gaits = tuple(swimmer.gait for swimmer in self.swimmers)
-        object.__setattr__(self, "duration", long_enough("duration", self.duration, gaits, 4.5))
+        long_enough("duration", self.duration, gaits, 4.5)
 
     @property
     def n_runs(self) -> int:

@@ -2,41 +2,39 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import positive, within
+from laticauda.errors import BadArgument, within
 from laticauda.interfaces import Command, OpenLoop
 from laticauda.paper.swimmers import Swimmer, how_made, in_water, run_named, swimmers
+from laticauda.quantities import option, quantity, value
 from laticauda.trial.contents import Setting
 
 Numbers = Float[np.ndarray, " n_offsets"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class TurningSettings:
     """Every offset, for every swimmer."""
 
-    offsets: tuple[float, ...] = tuple(math.radians(value) for value in range(2, 21, 2))
-    """phi_0, rising [rad]."""
-    duration: float = 60.0
-    """Of every run, which begins straight and at rest [s]."""
-    swimmers: tuple[Swimmer, ...] = field(default_factory=swimmers)
-    """Who swims: a curve each."""
+    offsets: tuple[float, ...] = quantity(
+        "rad", "phi_0, rising", gt=0.0, default=tuple(math.radians(value) for value in range(2, 21, 2))
+    )
+    duration: float = quantity("s", "Of every run, which begins straight and at rest", gt=0.0, default=60.0)
+    swimmers: tuple[Swimmer, ...] = option("Who swims: a curve each", default_factory=swimmers)
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        offsets = tuple(positive(f"offsets[{i}]", value, "rad") for i, value in enumerate(self.offsets))
+        offsets = self.offsets
         if not offsets or any(after <= before for before, after in pairwise(offsets)):
-            raise ValueError(f"`offsets` must hold at least one value [rad] and rise, got {self.offsets}.")
-        object.__setattr__(self, "offsets", offsets)
+            raise BadArgument("offsets", f"must hold at least one value [rad] and rise, got {self.offsets}")
         # A turning rate takes two cycles after the transient, which is 10 s or a third of the run.
         longest = max((2.0 * math.pi / one.gait.frequency for one in self.swimmers), default=1.0)
-        least = max(10.0 + 2.0 * longest, 3.0 * longest)
-        object.__setattr__(self, "duration", within("duration", self.duration, least, 1e5, "s"))
+        within("duration", self.duration, max(10.0 + 2.0 * longest, 3.0 * longest), 1e5, "s")
 
     @property
     def n_runs(self) -> int:

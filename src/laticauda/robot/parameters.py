@@ -33,12 +33,15 @@ from laticauda.codec import (
     decode,
     encode,
     keys_of,
+    merged,
     stamped,
     table_of,
     take_kind,
+    with_new_names,
 )
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
 from laticauda.files import write
+from laticauda.fluid.laws import DragLaw
 from laticauda.quantities import hints_of, option, value
 from laticauda.robot.adjustments import NAMES, Adjustments, adjusted, read_adjustments, write_adjustments
 from laticauda.robot.environment import Water
@@ -197,7 +200,7 @@ def _parameters(table: Table) -> Parameters:
         check_keys(entries, ("water", *NAMES), gait)
         if "water" in entries:
             where = f"{gait}.water"
-            own[gait] = decode(Water, {**common, **_water_table(entries["water"], where)}, where)
+            own[gait] = decode(Water, merged(common, _water_table(entries["water"], where), by_kind=True), where)
         own_changes[gait] = read_adjustments({key: entries[key] for key in NAMES if key in entries}, gait)
     with arguments_of(""):
         return Parameters(
@@ -211,16 +214,18 @@ def _parameters(table: Table) -> Parameters:
         )
 
 
-def _differences(water: Water, usual: Water) -> Table:
-    """The fields in which a water is not the usual one, as a file has them."""
+def _differences(own: Any, usual: Any) -> Table:
+    """The fields in which a gait's water, or a law of it, is not the usual one, as a file has them."""
     table: Table = {}
-    for one in fields(Water):
-        number = getattr(water, one.name)
-        if one.name == "name" or number == getattr(usual, one.name):
+    for one in fields(own):
+        mine, its = getattr(own, one.name), getattr(usual, one.name)
+        if one.name == "name" or mine == its:
             continue
-        if number is None:
+        if mine is None:
             raise BadArgument(one.name, "must be a number, as it is for every gait; a file cannot take it away")
-        table[one.name] = encode(number, hints_of(Water)[one.name])
+        hint = hints_of(own.__class__)[one.name]
+        is_same_law = isinstance(mine, DragLaw) and mine.__class__ is its.__class__
+        table[one.name] = _differences(mine, its) if is_same_law else encode(mine, hint)
     return table
 
 
@@ -228,4 +233,4 @@ def _water_table(value: object, path: str) -> Table:
     table = table_of(value, path)
     if "name" in table:
         raise BadKey(f"{path}.name", "must not be given: the water takes the name of the file")
-    return table
+    return with_new_names(Water, table)
