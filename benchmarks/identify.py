@@ -19,7 +19,7 @@ def main() -> None:
     robot, gaits, water = lc.load_robot("mamba"), random_gaits(20), lc.load_water("paper-eel")
     true = lc.swim_many(robot, gaits, environments=water).forward_velocity
     measured = [
-        Measurement(name=f"{i}", gait=gait, robot=robot, figures={"forward_velocity": (float(speed), 0.001)})
+        Measurement(name=f"{i}", scenario=lc.scenario(robot, gait), figures={"forward_velocity": (float(speed), 0.001)})
         for i, (gait, speed) in enumerate(zip(gaits, true, strict=True))
     ]
     for n_starts in (1, 4):

@@ -87,7 +87,8 @@ def tracked(trial: Trial, name: str, twist: float, rng: np.random.Generator) -> 
         heading=trial.heading + twist + HEADING * rng.standard_normal(trial.heading.shape),
     )
     seen = from_trial(log, name=name, series={"center_of_mass": POSITION, "heading": HEADING}, every=EVERY)
-    return replace(seen, start=lc.Start(), environment=lc.load_water("paper-lateral"))
+    scenario = replace(seen.scenario, start=lc.Start(), environment=lc.load_water("paper-lateral"))
+    return replace(seen, scenario=scenario)
 
 
 def case(number: int, seed: int = SEED, threads: int | None = 1) -> Case:

@@ -54,7 +54,7 @@ def tracked(number: int, noise: float, rng: np.random.Generator) -> Measurement:
     )
     series = {"center_of_mass": POSITION, "heading": HEADING}
     seen = from_trial(log, name=f"trial {number}", series=series, figures={"forward_velocity": 0.001}, every=5)
-    return replace(seen, start=lc.Start(), environment=water)
+    return replace(seen, scenario=replace(seen.scenario, start=lc.Start(), environment=water))
 
 
 def show(title: str, found: Fit) -> None:

@@ -25,7 +25,7 @@ for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
     )
     noise = {"center_of_mass": 0.003, "heading": 0.01}  # standard deviations [m], [rad]
     seen = from_trial(tracked, name=f"trial {k}", series=noise, every=5)
-    measured.append(replace(seen, start=lc.Start(), environment=guess))
+    measured.append(replace(seen, scenario=replace(seen.scenario, start=lc.Start(), environment=guess)))
 
 names = ["water.tangential_friction", "water.normal_drag", "water.current_x", "water.current_y", "water.added_inertia"]
 found = fit(measured, parameters=names)

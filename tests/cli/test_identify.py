@@ -142,7 +142,7 @@ def test_the_shipped_file_of_the_preset_fixes_what_the_preset_has():
     assert len(task.unknowns) == 4
     for unknown in task.unknowns:
         assert unknown.lower < unknown.start < unknown.upper
-    robot = task.measurements[-1].robot
+    robot = task.measurements[-1].scenario.robot
     assert robot.n_links == 9
     assert robot.caudal_fin == preset.robot(robot, "eel_like").caudal_fin
     assert task.base.every_gait.normal_drag == preset.every_gait.normal_drag

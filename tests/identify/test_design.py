@@ -3,23 +3,22 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 import pytest
-from identify.trials import FINNED, ROBOT, WATER, gaits
+from identify.trials import FINNED, ROBOT, WATER, gaits, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
 from laticauda.identify.candidates import Tow, coast_down, information_of, straight_tow, swims
 from laticauda.identify.design import best_of, design, known_from, prior_information, sigma_of
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.problem import problem
+from laticauda.identify.problem import make_problem
 from laticauda.interfaces import Start
 from laticauda.trial.metrics import towing_drag
 
 WANTED = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
-OPTIONS = {"joints": "prescribed", "dt": None, "offset_bandwidth": 10.0, "ramp": None}
 
 
 def put_of(candidates, wanted=WANTED):
-    return problem([one.measurement for one in candidates], None, wanted, options=OPTIONS, threads=1)
+    return make_problem([one.measurement for one in candidates], wanted, threads=1)
 
 
 @pytest.fixture(scope="module")
@@ -124,9 +123,10 @@ def test_a_coast_down_says_less_where_its_first_speed_has_to_be_found_too():
 
 def test_the_speed_at_the_begin_can_be_identified():
     truth = coast_down(ROBOT, WATER, 0.37, duration=2.0).measurement
-    trial = lc.swim(ROBOT, truth.gait, 2.0, environment=WATER, start=truth.start, sample_interval=0.1)
+    trial = lc.swim(replace(truth.scenario, sample_interval=0.1))
     path = trial.center_of_mass[1:]
-    measured = replace(truth, start=Start(velocity=0.3), time=trial.time[1:], series={"center_of_mass": (path, 0.002)})
+    truth = within(truth, start=Start(velocity=0.3))
+    measured = replace(truth, time=trial.time[1:], series={"center_of_mass": (path, 0.002)})
     found = fit([measured], parameters=["start.velocity", WANTED[0]], n_starts=1, threads=1)
     assert found["start.velocity"].value == pytest.approx(0.07, abs=1e-5)
     assert found[WANTED[0]].value == pytest.approx(WATER.tangential_friction, rel=1e-4)
@@ -143,7 +143,7 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
     measured = []
     for one in swimming:
         m = one.measurement
-        trial = lc.swim(ROBOT, m.gait, m.duration, environment=WATER, sample_interval=0.5)
+        trial = lc.swim(replace(m.scenario, sample_interval=0.5))
         path = trial.center_of_mass[1:] + 0.005 * rng.standard_normal(trial.center_of_mass[1:].shape)
         measured.append(replace(m, time=trial.time[1:], series={"center_of_mass": (path, 0.005)}))
     found = fit(measured, parameters=WANTED[:2], n_starts=1, threads=1)
@@ -205,10 +205,7 @@ def test_what_is_tied_keeps_the_product_in_the_fit_and_in_the_file(tmp_path):
     measured = [
         Measurement(
             name=str(i),
-            gait=gait,
-            robot=ROBOT,
-            environment=WATER,
-            duration=6.0,
+            scenario=lc.scenario(ROBOT, gait, 6.0, environment=WATER),
             figures={"forward_velocity": (float(speed), 0.002)},
         )
         for i, (gait, speed) in enumerate(zip(asked, speeds, strict=True))

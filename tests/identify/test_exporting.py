@@ -1,5 +1,5 @@
 import pytest
-from identify.trials import FINNED, FRICTION, ROBOT, WATER, speeds
+from identify.trials import FINNED, FRICTION, ROBOT, WATER, speeds, within
 
 import laticauda as lc
 from laticauda.identify import Unknown, fit
@@ -28,8 +28,8 @@ def test_a_parameter_file_says_what_was_identified(found, tmp_path):
 
 def test_a_trial_with_the_parameter_file_is_what_the_fit_predicts(found):
     kept, measurement = found.parameters("tank", "in the tank"), found.problem.measurements[0]
-    kind = measurement.gait.kind
-    trial = lc.swim(kept.robot(ROBOT, kind), measurement.gait, 4.0, environment=kept.water(kind))
+    kind = measurement.scenario.gait.kind
+    trial = lc.swim(kept.robot(ROBOT, kind), measurement.scenario.gait, 4.0, environment=kept.water(kind))
     assert trial.forward_velocity == pytest.approx(found.predictions[0], rel=1e-9)
     assert found.robot(ROBOT, kind) == kept.robot(ROBOT, kind)
     assert found.water(WATER, kind).tangential_friction == found[FRICTION].value
@@ -44,7 +44,7 @@ def test_what_a_parameter_file_cannot_say_is_refused_but_a_robot_can_have_it():
 
 def test_what_a_robot_does_not_have_is_left_out():
     fin = Unknown(name="robot.caudal_fin.normal_drag", start=1.5)
-    measured = [m.__class__(**{**vars(m), "robot": FINNED}) for m in speeds(2, duration=4.0)]
+    measured = [within(m, robot=FINNED) for m in speeds(2, duration=4.0)]
     with_fin = fit(measured, parameters=[fin], n_starts=1, threads=1)
     assert with_fin.robot(ROBOT, "eel_like") == ROBOT
     assert with_fin.robot(FINNED, "eel_like").caudal_fin.normal_drag == with_fin[fin.name].value

@@ -2,12 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, speeds
+from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, speeds, within
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
-from laticauda.identify.unknowns import with_prior
 
 NOISY = speeds(noise=0.002)
 
@@ -74,10 +73,10 @@ def test_a_prior_alone_comes_back():
 
 def test_a_prior_and_the_data_meet_by_their_weights(noisy):
     value, sigma = noisy[FRICTION].value, noisy[FRICTION].sigma
-    found = fit(NOISY, parameters=[with_prior(FRICTION, value + sigma, sigma)], n_starts=1)
+    found = fit(NOISY, parameters=[Unknown(name=FRICTION, prior=(value + sigma, sigma))], n_starts=1)
     assert found[FRICTION].value == pytest.approx(value + 0.5 * sigma, abs=0.05 * sigma)
     assert found[FRICTION].sigma == pytest.approx(sigma / np.sqrt(2.0), rel=0.05)
-    both = fit(NOISY, parameters=[with_prior(FRICTION, value, sigma)], n_starts=1, noise="estimated")
+    both = fit(NOISY, parameters=[Unknown(name=FRICTION, prior=(value, sigma))], n_starts=1, noise="estimated")
     assert both.noise_factor == pytest.approx(noisy.noise_factor, rel=0.1)
 
 
@@ -103,7 +102,7 @@ def test_a_series_identifies_what_speeds_do_not():
     trials = [lc.swim(ROBOT, gait, 8.0, environment=water) for gait in gaits(2)]
     series = {"center_of_mass": 0.002, "heading": 0.005}
     measured = [from_trial(trial, name=f"{i}", series=series, every=10) for i, trial in enumerate(trials)]
-    measured = [replace(m, environment=WATER) for m in measured]
+    measured = [within(m, environment=WATER) for m in measured]
     names = [DRAG, MASS, "water.current_x", "water.current_y", "measured.heading_offset", "0.start.heading"]
     found = fit(measured, parameters=names, n_starts=1)
     for name, truth in zip(names, (1.4, 1.5, 0.02, -0.01, 0.0, 0.0), strict=True):
@@ -116,7 +115,7 @@ def test_the_tracked_point_and_where_it_began_are_found():
     ahead = 0.2 * np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
     moved = replace(trial, center_of_mass=trial.center_of_mass + ahead)
     measured = from_trial(moved, name="a", series={"center_of_mass": 0.002}, every=10)
-    measured = replace(measured, start=lc.Start(heading=0.2))
+    measured = within(measured, start=lc.Start(heading=0.2))
     names = ["measured.offset_x", "measured.offset_y", "start.heading", "start.x"]
     found = fit([measured], parameters=names, n_starts=1)
     for name, truth in zip(names, (0.2, 0.0, 0.1, 0.0), strict=True):
@@ -144,10 +143,7 @@ def test_power_has_an_offset_of_its_meter():
     measured = [
         Measurement(
             name=f"{i}",
-            gait=gait,
-            robot=ROBOT,
-            environment=WATER,
-            duration=8.0,
+            scenario=lc.scenario(ROBOT, gait, 8.0, environment=WATER),
             figures={
                 "mean_power": (many.mean_power[i] + 5.0, 0.1),
                 "forward_velocity": (many.forward_velocity[i], 1e-3),
@@ -167,7 +163,9 @@ def test_each_gait_may_have_its_own_water_and_a_special_name_wins():
     many = lc.swim_many(robots, asked, 8.0, environments=waters)
     measured = [
         Measurement(
-            name=f"{i}", gait=g, robot=r, environment=WATER, duration=8.0, figures={"forward_velocity": (v, 1e-3)}
+            name=f"{i}",
+            scenario=lc.scenario(r, g, 8.0, environment=WATER),
+            figures={"forward_velocity": (v, 1e-3)},
         )
         for i, (g, r, v) in enumerate(zip(asked, robots, many.forward_velocity, strict=True))
     ]
@@ -186,7 +184,11 @@ def test_one_module_may_have_its_own_number():
     modules[3] = replace(modules[3], tangential_friction=1.0)
     many = lc.swim_many(replace(robot, modules=tuple(modules)), gaits(4), 8.0, environments=WATER)
     measured = [
-        Measurement(name=f"{i}", gait=g, environment=WATER, duration=8.0, figures={"forward_velocity": (v, 1e-4)})
+        Measurement(
+            name=f"{i}",
+            scenario=lc.scenario(robot, g, 8.0, environment=WATER),
+            figures={"forward_velocity": (v, 1e-4)},
+        )
         for i, (g, v) in enumerate(zip(gaits(4), many.forward_velocity, strict=True))
     ]
     found = fit(measured, robot, parameters=["robot.module[3].tangential_friction"], n_starts=1)
@@ -235,9 +237,8 @@ def test_bad_input_is_refused_by_name():
     refused(r"at least 2 numbers for 1 unknowns .* and the noise, got 1", NOISY[:1], noise="estimated")
     refused(r"`measurements` must have different names, got `trial 0` twice", [NOISY[0], NOISY[0]])
     refused(r"`measurements` must be a list of at least one", [])
-    refused(r"`robot` must be given, because .* `trial 0`", [replace(NOISY[0], robot=None)])
     refused(
-        r"`trial 0` is of robot `mamba-modules`", [replace(NOISY[0], robot=lc.load_robot("mamba-modules"))], robot=ROBOT
+        r"`trial 0` is of robot `mamba-modules`", [within(NOISY[0], robot=lc.load_robot("mamba-modules"))], robot=ROBOT
     )
     refused(r"got 'water.friction'; the nearest are .*`water.tangential_friction`", parameters=["water.friction"])
     refused(r"got 'measured.heading'; the nearest are .*`measured.heading_offset`", parameters=["measured.heading"])
@@ -259,7 +260,7 @@ def test_a_figure_that_a_trial_does_not_have_is_refused():
 
 
 def test_a_measurement_that_diverges_in_simulation_is_named():
-    wild = [replace(m, environment=replace(WATER, tangential_friction=1e6)) for m in NOISY[:2]]
+    wild = [within(m, environment=replace(WATER, tangential_friction=1e6)) for m in NOISY[:2]]
     with pytest.raises(SimulationFailed, match=r"`trial 0` cannot be simulated at any start .*diverged at t ="):
         fit(wild, parameters=[DRAG], n_starts=1, dt=0.1)
 

@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 from identify.trials import speeds
 
 from laticauda.identify.identifiability import deviations, identifiability
-from laticauda.identify.problem import problem
+from laticauda.identify.problem import make_problem
 
 NAMES = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
-UNKNOWNS = problem(speeds(2), None, NAMES).unknowns
+UNKNOWNS = make_problem(speeds(2), NAMES).unknowns
 
 
 def seen(jacobian):

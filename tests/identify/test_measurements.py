@@ -13,11 +13,12 @@ from laticauda.identify.selection import mean_of_the_greatest
 from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]
+SCENARIO = lc.scenario(ROBOT, GAIT)
 TIME = np.linspace(0.0, 2.0, 5)
 
 
 def one(**fields):
-    return Measurement(**({"name": "a", "gait": GAIT, "figures": {"x": (1.0, 0.1)}} | fields))
+    return Measurement(**({"name": "a", "scenario": SCENARIO, "figures": {"x": (1.0, 0.1)}} | fields))
 
 
 @given(st.integers(1, 40))
@@ -56,10 +57,12 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
     trial = lc.swim(ROBOT, GAIT, 4.0, environment=WATER, start=lc.Start(center_of_mass=(1.0, 2.0), heading=0.1))
     figures = {"forward_velocity": 0.01, "y": 0.02}
     seen = from_trial(trial, name="a", figures=figures, series={"center_of_mass": 0.01}, every=20)
-    assert seen.start.center_of_mass == pytest.approx((1.0, 2.0)) and seen.start.heading == pytest.approx(0.1)
+    start = seen.scenario.start
+    assert start.center_of_mass == pytest.approx((1.0, 2.0)) and start.heading == pytest.approx(0.1)
     assert seen.figures["y"] == (trial.center_of_mass[-1, 1], 0.02)
     np.testing.assert_array_equal(seen.series["center_of_mass"][0], trial.center_of_mass[::20])
-    assert seen.duration == 4.0 and seen.gait is trial.gait and seen.environment is trial.environment
+    assert seen.scenario.duration == 4.0
+    assert seen.scenario.motion is trial.gait and seen.scenario.environment is trial.environment
     unknown = Experiment(robot=trial.robot, environment=trial.environment)
     with pytest.raises(ValueError, match="`trial` must have a gait"):
         from_trial(replace(trial, scenario=unknown), name="a", figures=figures)
@@ -68,7 +71,7 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
 
 
 def test_noise_is_of_the_size_that_is_stated():
-    exact = one(duration=2.0, time=np.linspace(0, 2, 4000), series={"heading": (np.zeros(4000), 0.3)})
+    exact = one(time=np.linspace(0, 2, 4000), series={"heading": (np.zeros(4000), 0.3)})
     noisy = with_noise(exact, np.random.default_rng(1))
     assert np.std(noisy.series["heading"][0]) == pytest.approx(0.3, rel=0.05)
     assert noisy.figures["x"][0] != 1.0
@@ -82,7 +85,6 @@ def test_noise_is_of_the_size_that_is_stated():
         ({"figures": {"x": (np.nan, 0.1)}}, r"`figures\['x'\]` of `a` must be a finite number in m, got nan"),
         ({"figures": {"x": (1.0, 0.0)}}, "must be > 0 m"),
         ({"figures": {"speed": (1.0, 0.1)}}, "`figures` of `a` must be one of"),
-        ({"duration": 0.0}, "`duration` of `a` must be > 0 s"),
         ({"selected_from": 0}, "`selected_from` of `a` must be a whole number >= 1"),
         ({"time": TIME}, "`time` of `a` must be given for series, and only for them"),
         ({"time": TIME, "series": {"heading": (np.zeros(4), 0.1)}}, r"must have the shape \(5,\), got \(4,\)"),

@@ -2,13 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identify.trials import FINNED, ROBOT, WATER, gaits, speeds
+from identify.trials import FINNED, ROBOT, WATER, gaits, speeds, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_trial
+from laticauda.identify.measurement_model import interpolated
 from laticauda.identify.model import predict
-from laticauda.identify.problem import problem
-from laticauda.identify.seeing import interpolated
+from laticauda.identify.problem import make_problem
 
 SERIES = {"center_of_mass": 0.01, "heading": 0.01}
 
@@ -51,7 +51,7 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
         "start.heading",
         "1.start.x",
     ]
-    put = problem(measured, None, names, options={"dt": 0.05})
+    put = make_problem(measured, names, dt=0.05)
     check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1]))
     assert not put.moves[0, 2] and put.moves[1, 2]
     assert not put.moves[0, 7] and put.moves[1, 7]
@@ -60,19 +60,15 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
 def test_the_jacobian_of_joints_is_that_of_differences():
     trial = lc.swim(ROBOT, gaits(1)[0], 1.0, environment=WATER, joints="servo", dt=0.005)
     measured = [from_trial(trial, name="a", series={"joint_angle": 0.01, "joint_torque": 0.1}, every=3)]
-    put = problem(measured, None, ["robot.joint.actuator.servo_gain"], options={"joints": "servo", "dt": 0.005})
+    put = make_problem(measured, ["robot.joint.actuator.servo_gain"], joints="servo", dt=0.005)
     check_jacobian(put, np.array([5.0]), scale=1e-4)
 
 
 def test_what_is_predicted_of_a_trial_is_that_trial():
     trial = lc.swim(FINNED, gaits(1)[0], 6.0, environment=WATER, joints="pd")
     series = SERIES | {"joint_angle": 0.01, "joint_torque": 0.1}
-    put = problem(
-        [from_trial(trial, name="a", series=series, figures={"forward_velocity": 0.01, "y": 0.01})],
-        None,
-        ["water.normal_drag"],
-        options={"joints": "pd"},
-    )
+    measured = from_trial(trial, name="a", series=series, figures={"forward_velocity": 0.01, "y": 0.01})
+    put = make_problem([measured], ["water.normal_drag"], joints="pd")
     np.testing.assert_allclose(predict(put, put.start).values, put.observed, atol=1e-9)
 
 
@@ -80,19 +76,17 @@ def test_trials_of_different_length_go_together():
     short, long = speeds(2, duration=4.0), speeds(2, duration=8.0)
     together = [*short, *(replace(m, name=f"long {m.name}") for m in long)]
     values = np.array([0.2])
-    whole = predict(problem(together, None, ["water.tangential_friction"]), values, jacobian=True)
+    whole = predict(make_problem(together, ["water.tangential_friction"]), values, jacobian=True)
     for members, at in ((short, slice(0, 2)), (long, slice(2, 4))):
-        part = predict(problem(members, None, ["water.tangential_friction"]), values, jacobian=True)
+        part = predict(make_problem(members, ["water.tangential_friction"]), values, jacobian=True)
         np.testing.assert_allclose(whole.values[at], part.values, rtol=1e-12)
         np.testing.assert_allclose(whole.jacobian[at], part.jacobian, rtol=1e-10)
 
 
 def test_a_run_that_diverges_is_named_and_has_no_predictions():
     good, bad = speeds(2)
-    bad = replace(bad, environment=replace(WATER, tangential_friction=1e6))
-    found = predict(
-        problem([good, bad], None, ["water.normal_drag"], options={"dt": 0.1}), np.array([1.75]), jacobian=True
-    )
+    bad = within(bad, environment=replace(WATER, tangential_friction=1e6))
+    found = predict(make_problem([good, bad], ["water.normal_drag"], dt=0.1), np.array([1.75]), jacobian=True)
     assert list(found.failures) == ["trial 1"]
     assert np.isfinite(found.values[0]) and np.isnan(found.values[1])
 
@@ -109,16 +103,13 @@ def test_the_twin_predicts_what_the_planar_model_does():
     measured = [
         Measurement(
             name="a",
-            gait=gait,
-            robot=ROBOT,
-            environment=WATER,
-            duration=1.0,
+            scenario=lc.scenario(ROBOT, gait, 1.0, environment=WATER),
             figures={"forward_velocity": (0.1, 0.01)},
             time=np.array([0.5, 0.9]),
             series={"heading": (np.zeros(2), 0.01)},
         )
     ]
-    flat, deep = (problem(measured, None, ["water.normal_drag"], model=model) for model in ("planar", "spatial"))
+    flat, deep = (make_problem(measured, ["water.normal_drag"], model=model) for model in ("planar", "spatial"))
     one, other = (predict(put, np.array([1.5]), jacobian=True) for put in (flat, deep))
     np.testing.assert_allclose(one.values, other.values, rtol=0.02, atol=2e-3)
     np.testing.assert_allclose(one.jacobian, other.jacobian, rtol=0.1, atol=2e-3)
@@ -127,4 +118,4 @@ def test_the_twin_predicts_what_the_planar_model_does():
 def test_no_two_names_may_say_the_same():
     measured = speeds(2)
     with pytest.raises(ValueError, match=r"`parameters` must say once per measurement what `water.normal_drag` is for"):
-        problem(measured, None, ["lateral_undulation.water.normal_drag", "trial 0.water.normal_drag"])
+        make_problem(measured, ["lateral_undulation.water.normal_drag", "trial 0.water.normal_drag"])

@@ -6,9 +6,8 @@ from identify.trials import speeds
 
 import laticauda as lc
 from laticauda.errors import RobotFileError
-from laticauda.identify.model import predict
-from laticauda.identify.problem import problem
-from laticauda.identify.searching import slopes_of
+from laticauda.identify.model import predict, scaled_jacobian
+from laticauda.identify.problem import make_problem
 from laticauda.identify.tasks import Task, load_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mamba-identified.toml"
@@ -18,14 +17,12 @@ HEAD = 'kind = "identification"\nparameters = ["water.normal_drag"]\n'
 def test_the_preset_is_where_its_file_leads():
     # One Gauss-Newton step from the preset's numbers: it should stay well within their uncertainty.
     task, preset = load_task(EXAMPLE), lc.load_parameters("mamba-identified")
-    options = {"joints": "servo", "dt": None, "offset_bandwidth": 10.0, "ramp": None}
-    put = problem(task.measurements, None, task.unknowns, options=options, threads=1)
+    put = make_problem(task.measurements, task.unknowns, threads=1, joints="servo")
     water, actuator = preset.every_gait, preset.changes["actuator"]
     values = np.array(
         [water.tangential_friction, water.drag.reference_speed, actuator["no_load_speed"], actuator["servo_gain"]]
     )
-    found = predict(put, values, jacobian=True)
-    rows = found.jacobian / put.sigma[:, np.newaxis] * slopes_of(put, values)
+    found, rows = predict(put, values), scaled_jacobian(put, values)
     off = (put.observed - found.values) / put.sigma
     step = np.linalg.lstsq(rows, off)[0]
     noise = np.sqrt(np.sum(off**2) / (20 - 4))
@@ -44,7 +41,7 @@ def test_the_preset_is_where_its_file_leads():
         (f"{HEAD}[[trials]]\nfile = 1\n", r"key `trials\[0\].file`: must be a text"),
         (f"{HEAD}[[trials]]\nname = 'x'\n", r"key `trials\[0\].file`: is missing"),
         (f"{HEAD}[[trials]]\nfile = 'x.nc'\nseries = 3\n", r"key `trials\[0\].series`: must be a table"),
-        (f"{HEAD}[table1]\n[fixed.water]\ndrag = 1.0\n", r"key `fixed.water.drag`: is not known"),
+        (f"{HEAD}[table1]\n[fixed.water]\nlift = 1.0\n", r"key `fixed.water.lift`: is not known"),
         (f"{HEAD}[table1]\n[fixed.fins]\ndrag = 1.0\n", r"key `fixed.fins`: is not known"),
         ('kind = "identification"\nparameters = []\ntable1 = true\n', "key `parameters`: must name at least one"),
         (
@@ -71,9 +68,9 @@ def test_what_is_fixed_reaches_every_measurement_and_the_parameter_file(tmp_path
         "[fixed.caudal_fin]\nnormal_drag = 1.4\n"
     )
     task = load_task(path)
-    assert {m.environment.added_mass for m in task.measurements} == {1.3}
-    assert {m.robot.caudal_fin.normal_drag for m in task.measurements if m.robot.caudal_fin} == {1.4}
-    assert {m.robot.n_links for m in task.measurements} == {5}
+    assert {m.scenario.environment.added_mass for m in task.measurements} == {1.3}
+    assert {m.scenario.robot.caudal_fin.normal_drag for m in task.measurements if m.scenario.robot.caudal_fin} == {1.4}
+    assert {m.scenario.robot.n_links for m in task.measurements} == {5}
     measured = tuple(speeds(3, duration=4.0))
     small = Task(
         name="a", title="b", measurements=measured, unknowns=task.unknowns, base=task.base, options={"n_starts": 1}

@@ -4,32 +4,32 @@ import pytest
 from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown
-from laticauda.identify.problem import problem
-from laticauda.identify.settling import RANGE
+from laticauda.identify.problem import make_problem
+from laticauda.identify.resolution import RANGE
 
 MEASURED = speeds(2)
 
 
-def settled(unknown):
-    return problem(MEASURED, None, [unknown]).unknowns[0]
+def resolved(unknown):
+    return make_problem(MEASURED, [unknown]).unknowns[0]
 
 
 def test_what_is_left_open_comes_from_the_measurements_and_the_field():
-    found = settled(FRICTION)
+    found = resolved(FRICTION)
     assert found.is_log and found.start == 0.3 and found.size == 1.0
     assert (found.lower, found.upper) == (0.3 / RANGE, 0.3 * RANGE)
     assert found.value(found.x(0.17)) == pytest.approx(0.17, rel=1e-15)
 
 
 def test_what_may_be_negative_or_begins_at_zero_is_on_a_linear_scale():
-    current, tether = settled("water.current_x"), settled("robot.tether.drag")
+    current, tether = resolved("water.current_x"), resolved("robot.tether.drag")
     assert not current.is_log and (current.lower, current.upper, current.size) == (-math.inf, math.inf, 0.1)
     assert not tether.is_log and (tether.lower, tether.upper) == (0.0, math.inf)
-    assert settled("measured.heading_offset").lower == -math.inf
+    assert resolved("measured.heading_offset").lower == -math.inf
 
 
 def test_a_range_ends_where_the_field_ends():
-    limit = settled("robot.joint.limit")
+    limit = resolved("robot.joint.limit")
     assert limit.upper == pytest.approx(math.pi, rel=1e-6)
     assert limit.upper <= math.pi
 
@@ -55,6 +55,6 @@ def test_bad_unknowns_are_refused_by_name(fields, words):
 def test_ends_that_the_field_does_not_allow_are_refused():
     rule = r"`lower` of `water.normal_drag` must be in the range of the field, got -1: .*>= 0"
     with pytest.raises(ValueError, match=rule):
-        settled(Unknown(name=DRAG, lower=-1.0, scale="linear"))
+        resolved(Unknown(name=DRAG, lower=-1.0, scale="linear"))
     with pytest.raises(ValueError, match=r"`start` of `robot.tether.drag` must be > 0 on a log scale, got 0"):
-        settled(Unknown(name="robot.tether.drag", scale="log"))
+        resolved(Unknown(name="robot.tether.drag", scale="log"))

@@ -1,6 +1,8 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from identify.trials import FRICTION, speeds
+from identify.trials import FRICTION, speeds, within
 
 import laticauda as lc
 from laticauda.identify import (
@@ -11,7 +13,7 @@ from laticauda.identify import (
     linear_leave_one_out,
 )
 from laticauda.identify.model import predict
-from laticauda.identify.problem import problem
+from laticauda.identify.problem import make_problem
 
 MEASURED = speeds(6, noise=0.002)
 
@@ -27,7 +29,7 @@ def test_leaving_one_out_is_a_fit_to_the_others(found):
         others = [m for k, m in enumerate(MEASURED) if k != i]
         refit = fit(others, parameters=[FRICTION], n_starts=1)
         assert left.values[i, 0] == pytest.approx(refit[FRICTION].value, rel=1e-6)
-        alone = predict(problem(MEASURED[i : i + 1], None, [FRICTION]), left.values[i])
+        alone = predict(make_problem(MEASURED[i : i + 1], [FRICTION]), left.values[i])
         assert left.predictions[i] == pytest.approx(alone.values[0], rel=1e-9)
 
 
@@ -46,7 +48,7 @@ def test_a_group_whose_own_parameter_nothing_else_knows_cannot_be_predicted():
     rows = from_table1()[::3]
     own = fit(rows, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
     assert np.isfinite(leave_out(own, "group").percentage_error())
-    common = [row for row in rows if not (row.gait.kind == "eel_like" and row.robot.caudal_fin)]
+    common = [row for row in rows if not (row.scenario.gait.kind == "eel_like" and row.scenario.robot.caudal_fin)]
     alone = fit(common, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
     assert np.isnan(leave_out(alone, "group").percentage_error())
 
@@ -70,5 +72,5 @@ def test_null_models_stand_beside_it():
 def test_null_models_know_no_gaits_of_ones_own(found):
     assert len(compared_with_null_models(found)) == 4
     gait = lc.custom_gait(envelope=[1.0] * 8, amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    own = [m.__class__(name=m.name, gait=gait, robot=m.robot, duration=8.0, figures=m.figures) for m in MEASURED[:2]]
+    own = [replace(within(m, motion=gait), group="") for m in MEASURED[:2]]
     assert compared_with_null_models(fit(own, parameters=[FRICTION], n_starts=1)) == ()

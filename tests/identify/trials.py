@@ -15,6 +15,11 @@ DRAG = "water.normal_drag"
 MASS = "water.added_mass"
 
 
+def within(measurement, **changes):
+    """A measurement in another scenario."""
+    return replace(measurement, scenario=replace(measurement.scenario, **changes))
+
+
 def gaits(n, seed=1):
     rng = np.random.default_rng(seed)
     ranges = {"amplitude": (0.3, 0.7), "frequency": (1.2, 2.6), "phase_shift": (0.4, 1.0)}
@@ -32,10 +37,7 @@ def speeds(
     return [
         Measurement(
             name=f"trial {i}",
-            gait=gait,
-            robot=ROBOT,
-            environment=WATER,
-            duration=duration,
+            scenario=lc.scenario(ROBOT, gait, duration, environment=WATER),
             figures={figure: (float(value), sigma)},
         )
         for i, (gait, value) in enumerate(zip(asked, found, strict=True))

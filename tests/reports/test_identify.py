@@ -6,8 +6,8 @@ import pytest
 from identify.trials import FRICTION, speeds
 
 from laticauda.identify import Unknown
-from laticauda.identify.checking import checked
 from laticauda.identify.tasks import Task
+from laticauda.identify.validation import validate
 from laticauda.reports.identify import as_dict, write_identification
 from laticauda.reports.identify_figures import short_names
 from laticauda.reports.identify_tables import tables_of
@@ -22,7 +22,7 @@ def done():
     wanted = (Unknown(name=FRICTION, prior=(0.3, 0.2)), Unknown(name=WITHOUT_EFFECT))
     options = {"n_starts": 2, "noise": "estimated"}
     task = Task(name="tank", title="in the tank", measurements=tuple(measured), unknowns=wanted, options=options)
-    return checked(task, task.run(threads=1), profiles=False)
+    return validate(task, task.run(threads=1), profiles=False)
 
 
 def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
@@ -69,7 +69,7 @@ def test_groups_are_not_left_out_where_the_others_do_not_suffice(done):
     few = replace(
         few, measurements=tuple(replace(m, group="one" if i else "rest") for i, m in enumerate(few.measurements))
     )
-    assert checked(few, few.run(threads=1)).by_group is None
+    assert validate(few, few.run(threads=1)).by_group is None
 
 
 def test_names_are_short_where_that_leaves_them_different():

@@ -137,32 +137,30 @@ class DesignExperiment:
 
     def _problem(self) -> "tuple[Problem, dict[str, Any]]":
         """The unknowns, and what is known of them."""
-        from laticauda.identify.checking import of_interest
         from laticauda.identify.design import known_from
         from laticauda.identify.identifiability import marginal
-        from laticauda.identify.problem import problem
+        from laticauda.identify.problem import make_problem
         from laticauda.identify.tasks import load_task
 
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
                 raise ValueError("`parameters` must not be given with --after, whose file says them.")
             fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
-            keep = of_interest(fit)
+            keep = fit.problem.of_interest
             put = replace(
                 fit.problem, unknowns=tuple(fit.problem.unknowns[k] for k in keep), moves=fit.problem.moves[:, keep]
             )
-            values = fit.problem.values_of(fit.x)[keep]
+            values = fit.best[keep]
             return put, {"values": values, "information": marginal(known_from(fit), keep)}
         if not self.unknowns.parameters:
             raise ValueError("`parameters` must name at least one number to identify, as water.normal_drag, got none.")
         base = self._base()
         joints = self.robot.joints or (base.joints if base is not None else None) or "prescribed"
-        put = problem(
+        put = make_problem(
             [one.measurement for one in self._swims(None)],
-            None,
             [_unknown(word) for word in self.unknowns.parameters],
-            options={"joints": joints, "dt": None, "offset_bandwidth": 10.0, "ramp": None},
             threads=self.candidates.threads,
+            joints=joints,
         )
         return put, {}
 
@@ -190,14 +188,14 @@ class DesignExperiment:
         )
         gaits = [make(amplitude=a, frequency=f, phase_shift=p) for a, f, p in settings for make in makers]
         found: list[Candidate] = []
-        robots = {s.robot.name: s.robot for s in put.settings} if put is not None else {}
+        robots = {s.robot.name: s.robot for s in put.scenarios} if put is not None else {}
         if not robots or self.robot.robot is not None:
             chosen = load_robot(self.robot.robot or "mamba")
             robots = {chosen.name: chosen}
         for gait in gaits:
             for robot in robots.values():
                 mine = robot if base is None else base.robot(robot, gait.kind)
-                olds = [] if put is None else [s.environment for s in put.settings if s.gait.kind == gait.kind]
+                olds = [] if put is None else [s.environment for s in put.scenarios if s.gait.kind == gait.kind]
                 water = base.water(gait.kind) if base is not None else None
                 water = water or next(iter(olds), None) or preset_water(default_water(gait))
                 duration = 30.0 if flags.duration is None else flags.duration
@@ -212,11 +210,9 @@ class DesignExperiment:
             return found
         first: dict[str, Candidate] = {}
         for one in found:
-            first.setdefault(getattr(one.measurement.robot, "name", ""), one)
+            first.setdefault(one.measurement.scenario.robot.name, one)
         for one in first.values():
-            robot, water = one.measurement.robot, one.measurement.environment
-            assert robot is not None
-            assert water is not None
+            robot, water = one.measurement.scenario.robot, one.measurement.scenario.environment
             found += [straight_tow(robot, water, Tow(speed=v)) for v in _given(self.candidates.tow, SPEEDS)]
             found += [coast_down(robot, water, v) for v in _given(self.candidates.coast_down, SPEEDS[1:])]
         return found

@@ -16,9 +16,9 @@ from laticauda.cli.messages import flag, given
 from laticauda.cli.tables import MISSING, aligned, number
 
 if TYPE_CHECKING:
-    from laticauda.identify.checking import Checked
     from laticauda.identify.tasks import Task
     from laticauda.identify.unknowns import Unknown
+    from laticauda.identify.validation import Validation
 
 FOLDER = "identification"
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
@@ -114,7 +114,7 @@ class Identify:
     def __call__(self) -> int:
         """Identify, write, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
-        from laticauda.identify.checking import checked
+        from laticauda.identify.validation import validate
         from laticauda.reports.chapter import writable_folder
         from laticauda.reports.identify import as_dict, write_identification
 
@@ -127,7 +127,7 @@ class Identify:
             raise ValueError(str(error).replace("`folder`", "--output")) from error
         try:
             found = task.run(threads=self.method.threads, progress=lambda share: show("search", share))
-            done = checked(
+            done = validate(
                 task,
                 found,
                 exact=self.method.exact,
@@ -168,8 +168,8 @@ class Identify:
 
     def _task_of_flags(self) -> "Task":
         from laticauda.identify.measurements import from_table1
-        from laticauda.identify.tasks import task_of_files
-        from laticauda.identify.trial_files import INTERVAL, TrialFile
+        from laticauda.identify.tasks import fixed, task_of_files
+        from laticauda.identify.trial_files import TrialFile
         from laticauda.robot import load_parameters, load_robot
 
         if not self.files and not self.what.table1:
@@ -177,16 +177,16 @@ class Identify:
         if not self.what.parameters:
             raise ValueError("--parameters must name at least one number to identify, as water.normal_drag, got none.")
         figures, series = _measured(self.what.measured)
-        columns = None if self.what.columns is None else Path(self.what.columns)
+        more: dict[str, Any] = {} if self.what.interval is None else {"interval": self.what.interval}
         names = _names(self.files)
         trials = [
             TrialFile(
-                file=Path(file),
-                columns=None if columns is None or Path(file).suffix.lower() in (".nc", ".mcap") else columns,
+                file=file,
+                columns=None if Path(file).suffix.lower() in (".nc", ".mcap") else self.what.columns,
                 name=name,
                 figures=figures,
                 series=series,
-                interval=INTERVAL if self.what.interval is None else self.what.interval,
+                **more,
             )
             for file, name in zip(self.files, names, strict=True)
         ]
@@ -211,13 +211,7 @@ class Identify:
         )
         if not self.what.table1:
             return task
-        table = from_table1()
-        if base is not None:
-            table = tuple(
-                replace(m, robot=base.robot(m.robot, m.gait.kind), environment=base.water(m.gait.kind))
-                for m in table
-                if m.robot is not None
-            )
+        table = [fixed(measurement, None, base) for measurement in from_table1()]
         return replace(task, measurements=(*task.measurements, *table))
 
     def _command(self) -> str:
@@ -281,18 +275,16 @@ def _unknown(word: str) -> "Unknown":
     raise ValueError(f"`parameters` must be {FORM}, got {word!r}.")
 
 
-def as_text(done: "Checked", folder: Path) -> str:
+def as_text(done: "Validation", folder: Path) -> str:
     """The parameters, what the data do not see, the errors, and where everything is.
 
     Args:
         done: What was found.
         folder: Where it was written.
     """
-    from laticauda.identify.checking import of_interest
-
     found = done.found
     rows = [["parameter", "value", "", "+-", f"{100 * found.confidence:g} % interval", "", ""]]
-    shown = of_interest(found)
+    shown = found.problem.of_interest
     for estimate in (found.estimates[k] for k in shown):
         if estimate.interval is None:
             cells = [MISSING, estimate.unit, MISSING, MISSING]
@@ -311,7 +303,7 @@ def as_text(done: "Checked", folder: Path) -> str:
     return "\n\n".join(parts)
 
 
-def _errors(done: "Checked") -> str:
+def _errors(done: "Validation") -> str:
     def shown(value: float | None) -> str:
         return MISSING if value is None or value != value else f"{value:.1f} %"
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
         from_table1 as from_table1,
         from_trial as from_trial,
     )
-    from laticauda.identify.result import Estimate as Estimate, Fit as Fit
+    from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (

@@ -4,7 +4,6 @@ Besides swimming, with what sensors there are, a straight tow (the force that pu
 speed) and a coast-down (the path of the straight robot that is let go with a speed).
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,15 +15,14 @@ from laticauda.errors import not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.model import predict
-from laticauda.identify.problem import Problem
-from laticauda.identify.searching import slopes_of
-from laticauda.identify.settling import with_tied
-from laticauda.identify.unknowns import SIDE, Settled
+from laticauda.identify.model import predict, scaled_jacobian
+from laticauda.identify.problem import Problem, other_measurements
+from laticauda.identify.resolution import with_tied
+from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot, Water
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import changed, parameters
+from laticauda.simulate.numbers import changed
 from laticauda.simulate.runner import Progress
 from laticauda.trial.metrics import towing_drag
 
@@ -106,7 +104,9 @@ def swims(
                 name=name,
                 kind="swim",
                 measurement=Measurement(
-                    name=name, gait=gait, robot=robot, environment=environment, duration=duration, **measured
+                    name=name,
+                    scenario=Scenario(robot=robot, motion=gait, environment=environment, duration=duration),
+                    **measured,
                 ),
             )
         )
@@ -132,7 +132,9 @@ def coast_down(
         name=name,
         kind="coast-down",
         measurement=Measurement(
-            name=name, gait=_STRAIGHT, robot=robot, environment=environment, start=start, duration=duration, **measured
+            name=name,
+            scenario=Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration),
+            **measured,
         ),
     )
 
@@ -146,19 +148,21 @@ def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
         tow: How.
     """
     name = f"straight tow at {tow.speed:g} m/s{_fin(robot)}"
-    at_rest = Measurement(
-        name=name, gait=_STRAIGHT, robot=robot, environment=environment, duration=1.0, figures={"x": (0.0, 1.0)}
-    )
+    still = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, duration=1.0)
+    at_rest = Measurement(name=name, scenario=still, figures={"x": (0.0, 1.0)})
     return Candidate(name=name, kind="tow", measurement=at_rest, tow=tow)
 
 
 def information_of(
-    put: Problem, candidates: Sequence[Candidate], values: Float[np.ndarray, " n_unknowns"], progress: Progress | None
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    values: Float[np.ndarray, " n_unknowns"],
+    progress: Progress | None,
 ) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
     """What each candidate would say, as information to the coordinates of the unknowns.
 
     Args:
-        put: The unknowns.
+        problem: The unknowns.
         candidates: The trials.
         values: Of the unknowns.
         progress: Called with the share that is finished.
@@ -166,12 +170,12 @@ def information_of(
     Raises:
         ValueError: If a candidate cannot be simulated.
     """
-    slope = slopes_of(put, values)
+    slope = problem.slopes(values)
     found = np.zeros((len(candidates), values.size, values.size))
     swimming = [i for i, one in enumerate(candidates) if one.kind == "swim"]
     for begin in range(0, len(swimming), _AT_ONCE):
         members = swimming[begin : begin + _AT_ONCE]
-        part = _problem_of(put, [candidates[i].measurement for i in members])
+        part = other_measurements(problem, [candidates[i].measurement for i in members])
         predicted = predict(part, values, jacobian=True)
         assert predicted.jacobian is not None
         for name, status in predicted.failures.items():
@@ -185,9 +189,9 @@ def information_of(
             progress((begin + len(members)) / len(candidates))
     for i, one in enumerate(candidates):
         if one.kind == "coast-down":
-            found[i] = _coasted(put, one, values)
+            found[i] = _coasted(problem, one, values)
         elif one.tow is not None:
-            force, slopes = _towed(put, one, values)
+            force, slopes = _towed(problem, one, values)
             row = slopes / np.hypot(one.tow.sigma, one.tow.share * force) * slope
             found[i] = np.outer(row, row)
     if progress is not None:
@@ -199,86 +203,41 @@ _AT_ONCE = 64
 _STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 
 
-def _coasted(put: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
+def _coasted(problem: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
     """What a coast-down says where nobody knows exactly where and how fast it began: its path has to say that too."""
-    part = _problem_of(put, [one.measurement])
+    part = other_measurements(problem, [one.measurement])
     unknown = [
-        Settled(
-            name=name,
-            scope="",
-            parameter=SIDE[name],
-            start=0.0,
-            lower=-math.inf,
-            upper=math.inf,
-            prior=None,
-            is_log=False,
-            size=0.1,
-        )
+        ResolvedUnknown(name=name, parameter=NUISANCE[name], start=0.0, is_log=False, size=0.1)
         for name in ("start.x", "start.velocity")
     ]
     moves = np.concatenate([part.moves, np.ones((1, len(unknown)), dtype=bool)], axis=1)
     part = replace(part, unknowns=(*part.unknowns, *unknown), moves=moves)
     every = np.concatenate([values, np.zeros(len(unknown))])
-    jacobian = predict(part, every, jacobian=True).jacobian
-    assert jacobian is not None
-    rows = jacobian / part.sigma[:, np.newaxis] * slopes_of(part, every)
+    rows = scaled_jacobian(part, every)
     return marginal(rows.T @ rows, range(values.size))
 
 
-def _problem_of(put: Problem, measurements: Sequence[Measurement]) -> Problem:
-    """The same unknowns, seen by other measurements."""
-    settings = [_scenario(measurement) for measurement in measurements]
-    moves = np.array([[_moves(unknown.scope, unknown.parameter.name, s) for unknown in put.unknowns] for s in settings])
-    _special(moves, put)
-    return replace(
-        put,
-        measurements=tuple(replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)),
-        settings=tuple(settings),
-        groups=("candidates",) * len(settings),
-        moves=moves,
-    )
-
-
-def _scenario(measurement: Measurement) -> Scenario:
-    assert measurement.robot is not None
-    assert measurement.environment is not None
-    return Scenario(robot=measurement.robot, motion=measurement.gait, environment=measurement.environment)
-
-
-def _moves(scope: str, name: str, setting: Scenario) -> bool:
-    """Whether a trial depends on an unknown; those of single old measurements are none of its own."""
-    return scope in ("", setting.gait.kind) and (
-        name in parameters(setting, each=True) if name not in SIDE else scope == ""
-    )
-
-
-def _special(moves: np.ndarray, put: Problem) -> None:
-    """Where a number is looked for in general and for a gait, the general one leaves that gait alone."""
-    for k, unknown in enumerate(put.unknowns):
-        for j, other in enumerate(put.unknowns):
-            if unknown.scope and not other.scope and unknown.parameter.name == other.parameter.name:
-                moves[:, j] &= ~moves[:, k]
-
-
-def _towed(put: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.ndarray]:
+def _towed(problem: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.ndarray]:
     """The force, and its derivative to every unknown; of order two, of a smooth function in closed form."""
-    part = _problem_of(put, [one.measurement])
+    part = other_measurements(problem, [one.measurement])
     assert one.tow is not None
-    (setting,) = part.apply(values)
+    (scenario,) = part.scenarios_at(values)
     found = np.zeros(values.size)
     for k, unknown in enumerate(part.unknowns):
         name = unknown.parameter.name
-        if not part.moves[0, k] or name in SIDE:
+        if not part.moves[0, k] or name in NUISANCE:
             continue
         step = _DIFFERENCE * (abs(float(values[k])) or unknown.size)
         ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
-        low, high = (_force(setting, one.tow.speed, with_tied(setting, name, float(end), unknown.tied)) for end in ends)
+        low, high = (
+            _force(scenario, one.tow.speed, with_tied(scenario, name, float(end), unknown.tied)) for end in ends
+        )
         found[k] = (high - low) / (ends[1] - ends[0])
-    return _force(setting, one.tow.speed, {}), found
+    return _force(scenario, one.tow.speed, {}), found
 
 
-def _force(setting: Scenario, speed: float, values: Mapping[str, float]) -> float:
-    swims = changed(setting, values)
+def _force(scenario: Scenario, speed: float, values: Mapping[str, float]) -> float:
+    swims = changed(scenario, values)
     if not isinstance(swims.environment, Water):
         raise ValueError("`candidates` must be in water for a tow, got ground.")
     tether = getattr(swims.robot.tether, "drag", 0.0) * speed**2

@@ -20,9 +20,10 @@ from jaxtyping import Float
 from laticauda.errors import one_of, whole
 from laticauda.identify.candidates import Candidate, information_of
 from laticauda.identify.identifiability import LIMIT, combination_of, deviations
+from laticauda.identify.model import scaled_jacobian
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit
-from laticauda.identify.unknowns import Settled
+from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.simulate.runner import Progress
 
 CRITERIA = ("D", "A")
@@ -52,7 +53,7 @@ class Step:
 class Design:
     """The next trials, best first, and what they are expected to say."""
 
-    unknowns: tuple[Settled, ...]
+    unknowns: tuple[ResolvedUnknown, ...]
     """What is looked for."""
     values: Float[np.ndarray, " n_unknowns"]
     """At which values of them the trials were judged."""
@@ -102,7 +103,7 @@ class Design:
 
 
 def design(
-    put: Problem,
+    problem: Problem,
     candidates: Sequence[Candidate],
     n_trials: int,
     *,
@@ -114,7 +115,7 @@ def design(
     """Choose the trials that would shrink the uncertainty most.
 
     Args:
-        put: The unknowns; its measurements do not count, `information` does.
+        problem: The unknowns; its measurements do not count, `information` does.
         candidates: Trials that could be done; each may be chosen more than once.
         n_trials: How many are to be chosen.
         values: Of the unknowns, at which the trials are judged; None: where their search begins.
@@ -128,30 +129,30 @@ def design(
     whole("n_trials", n_trials, 1)
     if not candidates:
         raise ValueError("`candidates` must hold at least one trial, got none.")
-    names = put.names
+    names = problem.names
     one_of("criterion", criterion, (*CRITERIA, *names))
-    at = put.start if values is None else values
-    known = prior_information(put, at) if information is None else information
-    sizes = np.array([unknown.size for unknown in put.unknowns])
+    at = problem.start if values is None else values
+    known = prior_information(problem, at) if information is None else information
+    sizes = problem.sizes
     scale = np.outer(sizes, sizes)
-    added = information_of(put, candidates, at, progress) * scale
+    added = information_of(problem, candidates, at, progress) * scale
     score = _score(criterion, names)
     first = known * scale
     chosen = best_of(added, first, n_trials, score)
     steps: list[Step] = []
     total = first
     for i in chosen:
-        steps.append(_step(candidates[i], total, added[i], put.unknowns))
+        steps.append(_step(candidates[i], total, added[i], problem.unknowns))
         total = total + added[i]
     order = sorted(range(len(candidates)), key=lambda i: -score(first + added[i]))
     return Design(
-        unknowns=put.unknowns,
+        unknowns=problem.unknowns,
         values=at,
         criterion=criterion if criterion in CRITERIA else f"sigma of {criterion}",
         before=sigma_of(first),
         steps=tuple(steps),
         n_candidates=len(candidates),
-        alone=tuple(_step(candidates[i], first, added[i], put.unknowns) for i in order),
+        alone=tuple(_step(candidates[i], first, added[i], problem.unknowns) for i in order),
         swimming=_swimming_alone(candidates, added, first, n_trials, score),
     )
 
@@ -209,30 +210,20 @@ def known_from(found: Fit) -> Matrix:
     Args:
         found: The fit.
     """
-    from laticauda.identify.model import predict
-    from laticauda.identify.searching import slopes_of
-
-    put = found.problem
-    at = np.array(list(found.values.values()))
-    jacobian = predict(put, at, jacobian=True).jacobian
-    assert jacobian is not None
-    factor = found.noise_factor if found.noise == "estimated" and np.isfinite(found.noise_factor) else 1.0
-    rows = jacobian / (factor * put.sigma)[:, np.newaxis] * slopes_of(put, at)
-    return rows.T @ rows + prior_information(put, at)
+    factor = found.used_noise_factor if np.isfinite(found.used_noise_factor) else 1.0
+    rows = scaled_jacobian(found.problem, found.best, factor)
+    return rows.T @ rows + prior_information(found.problem, found.best)
 
 
-def prior_information(put: Problem, values: Float[np.ndarray, " n_unknowns"]) -> Matrix:
+def prior_information(problem: Problem, values: Float[np.ndarray, " n_unknowns"]) -> Matrix:
     """What the priors say, as information to the coordinates.
 
     Args:
-        put: The unknowns.
+        problem: The unknowns.
         values: Theirs.
     """
-    diagonal = [
-        0.0 if unknown.prior is None else (unknown.slope(float(value)) / unknown.prior[1]) ** 2
-        for unknown, value in zip(put.unknowns, values, strict=True)
-    ]
-    return np.diag(diagonal)
+    rows = problem.prior_slopes(values)
+    return rows.T @ rows
 
 
 def sigma_of(information: Matrix) -> Float[np.ndarray, " n_unknowns"]:
@@ -264,7 +255,7 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
     return {"D": volume, "A": spread}.get(criterion, one)
 
 
-def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[Settled]) -> Step:
+def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[ResolvedUnknown]) -> Step:
     volume = _score("D", ())
     root = np.linalg.cholesky(total + _FAINT * np.eye(len(total)))
     half = np.linalg.solve(root, added)

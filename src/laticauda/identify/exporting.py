@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.identify.problem import Problem
-from laticauda.identify.settling import with_tied
+from laticauda.identify.resolution import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS, JOINT_LAWS
@@ -49,15 +50,15 @@ def applied(
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Parameters:
     """What was identified as a parameter file has it; see `Fit.parameters`."""
-    bases = {s.gait.kind: s.environment for s in reversed(problem.settings) if isinstance(s.environment, Water)}
+    bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, Water)}
     if not bases:
         raise ValueError("`measurements` must be made in water for a parameter file, got ground.")
-    first = problem.settings[0].environment
+    first = problem.scenarios[0].environment
     first = first if isinstance(first, Water) else next(iter(bases.values()))
     common = _water(problem, values, first, "")
     own = {kind: _water(problem, values, bases.get(kind, first), kind) for kind in GAITS}
     changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
-    joints: Any = problem.options.get("joints")
+    joints: Any = name_of(type(problem.model.joints))
     return Parameters(
         name=name,
         title=title,
@@ -70,7 +71,7 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Pa
 
 
 def _water(problem: Problem, values: Values, water: Water, gait_kind: str) -> Water:
-    environment = applied(problem, values, problem.settings[0].robot, water, gait_kind)[1]
+    environment = applied(problem, values, problem.scenarios[0].robot, water, gait_kind)[1]
     assert isinstance(environment, Water)
     return environment
 
@@ -82,7 +83,7 @@ def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, flo
     result: dict[str, float] = {}
     for unknown in chosen:
         at = int(np.argmax(problem.moves[:, problem.unknowns.index(unknown)]))
-        base, name = problem.settings[at], unknown.parameter.name
+        base, name = problem.scenarios[at], unknown.parameter.name
         result |= with_tied(base, name, values[unknown.name], unknown.tied)
     return result
 

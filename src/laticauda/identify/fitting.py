@@ -2,23 +2,23 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import SimulationFailed, one_of
-from laticauda.identify import door
-from laticauda.identify.estimating import assembled, information_of
+from laticauda.errors import SimulationFailed
+from laticauda.identify.estimates import fit_of, information_of
 from laticauda.identify.identifiability import LIMIT
+from laticauda.identify.least_squares import Minimum, minimize
 from laticauda.identify.measurements import Measurement
+from laticauda.identify.method import Method
 from laticauda.identify.model import predict
-from laticauda.identify.problem import Problem, problem
+from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
-from laticauda.identify.searching import Method, search
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Robot
-from laticauda.scenarios import MODELS
+from laticauda.scenarios import Model, ModelChanges
 from laticauda.simulate.runner import Progress
 
 SPREAD = 3.0  # further starts lie within this factor of the first
@@ -33,11 +33,7 @@ def fit(
     robot: Robot | None = None,
     *,
     parameters: Sequence[str | Unknown] | Mapping[str, tuple[float, float]],
-    model: str = "planar",
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
+    model: Model | str | None = None,
     noise: str = "known",
     loss: str = "linear",
     n_starts: int = 4,
@@ -46,6 +42,7 @@ def fit(
     limit: float = LIMIT,
     threads: int | None = None,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> Fit:
     """Identify parameters of robot and water from measured trials, by least squares.
 
@@ -54,13 +51,9 @@ def fit(
 
     Args:
         measurements: What was measured.
-        robot: What swam where a measurement does not say it.
+        robot: What has to have swum, with or without its fin; None: what the first measurement says.
         parameters: Names of what is identified, or `Unknown`s with ranges and priors.
-        model: planar, or spatial: the 3D twin, which is slow.
-        joints: See `laticauda.simulate.plant`.
-        dt: See there [s].
-        offset_bandwidth: See there [rad/s].
-        ramp: See there [s].
+        model: planar, or spatial, the 3D twin, which is slow; None: that of the measurements' scenarios.
         noise: known: the uncertainties take the noise as the measurements state it; estimated: a common factor on it is
             estimated from the residuals.
         loss: linear, or soft_l1, huber, cauchy, arctan: outliers count less.
@@ -70,6 +63,7 @@ def fit(
         limit: From which standard deviation on, as a share of itself, an unknown counts as not identified [-].
         threads: How many to compute with; None takes all cores that this process may use.
         progress: Called now and then with the share that is finished, from 0 to 1.
+        changes: Of the model, as `joints`; see `laticauda.scenarios.ModelChanges`.
 
     Returns:
         Values, intervals, correlations, predictions, and what the data do not see.
@@ -85,37 +79,30 @@ def fit(
         >>> found["water.tangential_friction"].is_identified
         True
     """
-    one_of("model", model, tuple(MODELS))
-    method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
-    options: dict[str, Any] = {
-        "joints": joints,
-        "dt": dt,
-        "offset_bandwidth": offset_bandwidth,
-        "ramp": ramp,
-    }
-    put = problem(measurements, robot, parameters, model=model, options=options, threads=threads)
-    return solve(put, method, progress=progress)
+    method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)  # pyright: ignore[reportArgumentType]
+    problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
+    return solve(problem, method, progress=progress)
 
 
-def solve(put: Problem, method: Method, *, start: Vector | None = None, progress: Progress | None = None) -> Fit:
+def solve(problem: Problem, method: Method, *, start: Vector | None = None, progress: Progress | None = None) -> Fit:
     """Solve a problem; arguments and errors as for `fit`.
 
     Args:
-        put: Measurements and unknowns.
+        problem: Measurements and unknowns.
         method: How.
         start: Values to begin with instead of the problem's own.
         progress: Called now and then with the share that is finished.
     """
-    _check_enough(put, method)
-    searches: list[tuple[door.Found, np.ndarray]] = []
+    _check_enough(problem, method)
+    searches: list[tuple[Minimum, np.ndarray]] = []
     failures: Mapping[str, str] = {}
-    for number, x in enumerate(_starts(put, method, put.start if start is None else start)):
-        begin = predict(put, put.values_of(x))
+    for number, x in enumerate(_starts(problem, method, problem.start if start is None else start)):
+        begin = predict(problem, problem.values_of(x))
         failures = begin.failures or failures
         if np.all(np.isfinite(begin.values)):
-            searches.append((search(put, method, x, 1.0), x))
+            searches.append((minimize(problem, x, loss=method.loss), x))
         elif not begin.failures:
-            _refuse_missing(put, begin.values)
+            _refuse_missing(problem, begin.values)
         if progress is not None:
             progress((number + 1) / method.n_starts)
     if not searches:
@@ -124,16 +111,16 @@ def solve(put: Problem, method: Method, *, start: Vector | None = None, progress
     searches.sort(key=lambda item: item[0].cost)
     best = searches[0][0]
     if method.noise == "estimated":
-        best = _with_noise(put, method, best)
-    return assembled(put, method, best, searches)
+        best = _with_noise(problem, method, best)
+    return fit_of(problem, method, best, searches)
 
 
-def _starts(put: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]:
+def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]:
     """Coordinates to begin with: the first, and a Latin hypercube around it, the same for a given seed."""
-    x, n = put.x_of(first), method.n_starts - 1
+    x, n = problem.x_of(first), method.n_starts - 1
     rng = np.random.default_rng(method.seed)
     columns: list[np.ndarray] = []
-    for k, unknown in enumerate(put.unknowns):
+    for k, unknown in enumerate(problem.unknowns):
         reach = math.log(SPREAD) if unknown.is_log else unknown.prior[1] if unknown.prior else unknown.size
         low = max(x[k] - reach, unknown.x(unknown.lower) if unknown.lower > -math.inf else -math.inf)
         high = min(x[k] + reach, unknown.x(unknown.upper) if unknown.upper < math.inf else math.inf)
@@ -141,29 +128,29 @@ def _starts(put: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]
     return [x, *np.array(columns).T]
 
 
-def _with_noise(put: Problem, method: Method, best: door.Found) -> door.Found:
+def _with_noise(problem: Problem, method: Method, best: Minimum) -> Minimum:
     """The search again with the noise as the residuals have it, until both agree; once, without priors."""
     factor = 1.0
     for _ in range(_ROUNDS):
-        information = information_of(put, best)
+        information = information_of(problem, best)
         whole_information = best.jacobian.T @ best.jacobian
         fitted = float(np.trace(np.linalg.pinv(whole_information) @ information))
-        off = (predict(put, put.values_of(best.x)).values - put.observed) / put.sigma
-        new = math.sqrt(float(np.sum(off**2)) / (put.observed.size - fitted))
-        if not any(unknown.prior for unknown in put.unknowns):
+        off = (predict(problem, problem.values_of(best.x)).values - problem.observed) / problem.sigma
+        new = math.sqrt(float(np.sum(off**2)) / (problem.observed.size - fitted))
+        if not any(unknown.prior for unknown in problem.unknowns):
             return best._replace(jacobian=best.jacobian / (new or 1.0))
-        settled = abs(new - factor) <= _SAME * factor
+        has_settled = abs(new - factor) <= _SAME * factor
         factor = new
-        if settled or new == 0.0:
+        if has_settled or new == 0.0:
             break
-        best = search(put, method, best.x, factor)
+        best = minimize(problem, best.x, loss=method.loss, factor=factor)
     return best
 
 
-def _check_enough(put: Problem, method: Method) -> None:
+def _check_enough(problem: Problem, method: Method) -> None:
     """Refuse fewer numbers than unknowns."""
-    n_priors = sum(unknown.prior is not None for unknown in put.unknowns)
-    n_data, n_free = put.observed.size, len(put.unknowns) - n_priors
+    n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
+    n_data, n_free = problem.observed.size, len(problem.unknowns) - n_priors
     more = 1 if method.noise == "estimated" else 0
     if n_data < n_free + more:
         also = " and the noise" if more else ""
@@ -173,21 +160,15 @@ def _check_enough(put: Problem, method: Method) -> None:
         )
 
 
-def _refuse_missing(put: Problem, predicted: np.ndarray) -> None:
-    measurement = put.measurements[int(put.owner[np.flatnonzero(~np.isfinite(predicted))[0]])]
+def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
+    measurement = problem.measurements[int(problem.owner[np.flatnonzero(~np.isfinite(predicted))[0]])]
     names = ", ".join(measurement.figures)
     raise ValueError(
         f"`figures` of `{measurement.name}` must be ones that its simulation has, got {names}; a trial of "
-        f"{measurement.duration:g} s may be too short for a steady velocity."
+        f"{measurement.scenario.duration:g} s may be too short for a steady velocity."
     )
 
 
-def method_of(found: Fit) -> Method:
-    """How a fit was made, with one start."""
-    limit = found.identifiability.limit
-    return Method(noise=found.noise, loss=found.loss, n_starts=1, confidence=found.confidence, limit=limit)
-
-
-def refitted(found: Fit, put: Problem) -> Fit:
+def refitted(found: Fit, problem: Problem) -> Fit:
     """The same unknowns from other measurements, begun where a fit ended."""
-    return solve(put, method_of(found), start=np.array(list(found.values.values())))
+    return solve(problem, found.method, start=found.best)

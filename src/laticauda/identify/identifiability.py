@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.identify.unknowns import Settled
+from laticauda.identify.unknowns import ResolvedUnknown
 
 LIMIT = 0.5
 """A combination whose standard deviation is more than this share of itself counts as not seen [-]."""
@@ -55,7 +55,7 @@ class Identifiability:
 
 
 def identifiability(
-    information: Float[np.ndarray, "n n"], unknowns: Sequence[Settled], *, limit: float = LIMIT
+    information: Float[np.ndarray, "n n"], unknowns: Sequence[ResolvedUnknown], *, limit: float = LIMIT
 ) -> Identifiability:
     """Eigenvalues and eigenvectors of the information, in shares of the unknowns.
 
@@ -113,7 +113,7 @@ def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Floa
     return information[np.ix_(list(keep), list(keep))] - between @ hidden @ between.T
 
 
-def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Settled]) -> str:
+def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[ResolvedUnknown]) -> str:
     """A combination of unknowns in words.
 
     Args:
@@ -128,7 +128,7 @@ def _oriented(vector: np.ndarray) -> np.ndarray:
     return vector * np.sign(vector[np.argmax(np.abs(vector))])
 
 
-def _named(weights: np.ndarray, unknowns: Sequence[Settled]) -> str:
+def _named(weights: np.ndarray, unknowns: Sequence[ResolvedUnknown]) -> str:
     """A combination in words."""
     greatest = np.max(np.abs(weights))
     order: list[int] = np.argsort(-np.abs(weights), kind="stable").tolist()

@@ -13,7 +13,8 @@ from laticauda.errors import finite, instance, one_of, positive, whole
 from laticauda.gaits import GAIT_WORDS, Gait
 from laticauda.identify.selection import mean_of_the_greatest
 from laticauda.interfaces import Start
-from laticauda.robot import Environment, Ground, Robot, Water, load_robot
+from laticauda.robot import load_robot
+from laticauda.scenarios import Scenario, scenario
 from laticauda.simulate.sensitivities import UNITS
 from laticauda.trial import MeasuredTrials, Trial
 from laticauda.trial.null_models import group_name
@@ -30,7 +31,7 @@ Numbers = Float[np.ndarray, " n"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
-    """What one trial of a robot gave, from straight and at rest: figures, time series, or both.
+    """A scenario and what one trial of it gave, from straight and at rest: figures, time series, or both.
 
     The noise of every number is taken as normal and independent of all others, with the standard deviation given.
 
@@ -40,18 +41,10 @@ class Measurement:
 
     name: str
     """What tables and messages call it; no two of a fit alike."""
-    gait: Gait
-    """What the joints were asked for."""
-    robot: Robot | None = None
-    """What swam; None: the robot that is identified."""
-    environment: Environment | None = None
-    """Where; None: the paper's coefficients for the gait, as far as they are not identified."""
-    group: str | None = None
-    """Which measurements it belongs with, to be left out together; None: those of its gait, with or without fin."""
-    start: Start = Start()  # noqa: RUF009 - frozen
-    """Where it began: straight, at rest."""
-    duration: float = 30.0
-    """How long it swam [s]."""
+    scenario: Scenario
+    """What swam, how and where: robot, gait, water, start and duration; what is not identified stays as it is there."""
+    group: str = ""
+    """Which measurements it belongs with, to be left out together; "": those of its gait, with or without fin."""
     figures: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     """By name of the figure (of `Swims`; x, y, heading: at the end): value and standard deviation of its noise."""
     time: Numbers | None = None
@@ -65,12 +58,10 @@ class Measurement:
         """Check every field once, and freeze what it holds."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ValueError(f"`name` must be a text that is not empty, got {self.name!r}.")
-        instance("gait", self.gait, Gait)
-        instance("robot", self.robot, Robot, type(None))
-        instance("environment", self.environment, Water, Ground, type(None))
-        instance("start", self.start, Start)
+        instance("scenario", self.scenario, Scenario)
+        instance("scenario.motion", self.scenario.motion, Gait)
         checked: dict[str, Any] = {
-            "duration": positive(f"duration` of `{self.name}", self.duration, "s"),
+            "group": self.group or _usual_group(self.scenario),
             "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),
             "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
         }
@@ -99,9 +90,9 @@ class Measurement:
             raise ValueError(
                 f"`time` of `{self.name}` must be moments that increase, got an array of shape {time.shape}."
             )
-        if time[0] < 0.0 or time[-1] > self.duration * (1.0 + 1e-9):
+        if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
             raise ValueError(
-                f"`time` of `{self.name}` must lie between 0 and its `duration` of {self.duration:g} s, "
+                f"`time` of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s, "
                 f"got {time[0]:g} to {time[-1]:g} s."
             )
         return time
@@ -132,14 +123,12 @@ class Measurement:
         return value - self.selection_bias * sigma if figure.endswith("_velocity") else value
 
 
-def group_of(measurement: Measurement, robot: Robot) -> str:
-    """The name of the group that a measurement of this robot belongs to."""
-    if measurement.group is not None:
-        return measurement.group
-    has_fin = robot.caudal_fin is not None
-    if measurement.gait.kind in GAIT_WORDS:
-        return group_name(measurement.gait.kind, has_fin)
-    return f"{measurement.gait.kind} gait, {'with' if has_fin else 'without'} fin"
+def _usual_group(scenario: Scenario) -> str:
+    """Gait, with or without fin."""
+    kind, has_fin = scenario.gait.kind, scenario.robot.caudal_fin is not None
+    if kind in GAIT_WORDS:
+        return group_name(kind, has_fin)
+    return f"{kind} gait, {'with' if has_fin else 'without'} fin"
 
 
 def from_trial(
@@ -149,7 +138,7 @@ def from_trial(
     figures: Mapping[str, float] | None = None,
     series: Mapping[str, float] | None = None,
     every: int = 1,
-    group: str | None = None,
+    group: str = "",
 ) -> Measurement:
     """A trial, simulated or recorded, as a measurement. It must begin straight and at rest.
 
@@ -182,12 +171,14 @@ def from_trial(
     x, y = trial.center_of_mass[0, :2]
     return Measurement(
         name=name,
-        gait=trial.gait,
-        robot=trial.robot,
-        environment=trial.environment,
+        scenario=Scenario(
+            robot=trial.robot,
+            motion=trial.gait,
+            environment=trial.environment,
+            start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0])),
+            duration=trial.duration,
+        ),
         group=group,
-        start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0])),
-        duration=trial.duration,
         figures=chosen,
         time=time if columns else None,
         series=columns,
@@ -225,8 +216,7 @@ def from_table1(
         found.append(
             Measurement(
                 name=f"{group_name(trial.gait.kind, trial.has_fin)}, {setting}",
-                gait=trial.gait,
-                robot=robots(trial.robot),
+                scenario=scenario(robots(trial.robot), trial.gait),
                 figures={figure: (value, sigma * value)},
                 selected_from=selected_from if trial.is_maximum else 1,
             )

@@ -4,30 +4,34 @@ The planar model computes all trials side by side, and their derivatives by a co
 is run trial by trial, and its derivatives are differences.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.measurement_model import Run as Raw
+from laticauda.identify.measurement_model import interpolated, measured_values, shifted
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.problem import Problem
-from laticauda.identify.seeing import SAMPLE_INTERVAL, Raw, Values, interpolated, moved_start, seen, starts_of
-from laticauda.identify.settling import with_tied
-from laticauda.identify.twin import by_differences
-from laticauda.identify.unknowns import SIDE
-from laticauda.interfaces import Start
+from laticauda.identify.problem import SAMPLE_INTERVAL, Problem
+from laticauda.identify.resolution import with_tied
+from laticauda.identify.unknowns import NUISANCE
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
-from laticauda.scenarios import Scenario
+from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate.derivatives import Number, slopes
-from laticauda.simulate.many import batch_of, collected, runs_of
+from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import changed
 from laticauda.simulate.runner import Progress
 from laticauda.simulate.sensitivities import UNITS
-from laticauda.trial import metrics
+from laticauda.simulate.swimming import swim
+from laticauda.trial import Trial, metrics
+
+DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change
+
+Values = Float[np.ndarray, " n_unknowns"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,47 +55,52 @@ def predict(problem: Problem, values: Values, *, jacobian: bool = False, progres
         jacobian: Whether derivatives are wanted.
         progress: Called with the share that is finished (3D twin only).
     """
-    if problem.model == "spatial":
-        found, slope, ends = by_differences(problem, values, jacobian, progress)
-        return Predicted(values=found, jacobian=slope, failures=ends)
-    settings = problem.apply(values)
-    raw, failures = _simulated(problem, settings, values)
-    predicted = [seen(m, raw[i], problem.side(i, values)) for i, m in enumerate(problem.measurements)]
-    found = _slopes(problem, settings, values, raw) if jacobian else None
-    return Predicted(values=np.concatenate(predicted), jacobian=found, failures=failures)
+    scenarios = problem.scenarios_at(values)
+    if isinstance(problem.model, Planar):
+        raw, failures = _planar_runs(problem, scenarios)
+        found = partial(_planar_jacobian, problem, scenarios, values, raw)
+    else:
+        raw, failures = _spatial_runs(problem, scenarios)
+        found = partial(_differences, problem, values, progress)
+    predicted = _seen(problem, raw, values)
+    return Predicted(values=predicted, jacobian=found() if jacobian else None, failures=failures)
 
 
-def _by_duration(problem: Problem, members: Sequence[int]) -> dict[float, list[int]]:
-    """Numbers in `members` of measurements of equal duration."""
+def scaled_jacobian(problem: Problem, values: Values, factor: float = 1.0) -> Float[np.ndarray, "n_data n_unknowns"]:
+    """The Jacobian in standard deviations of the noise, to the coordinates of the unknowns.
+
+    Args:
+        problem: Measurements and unknowns.
+        values: Of the unknowns.
+        factor: How many times the stated noise counts.
+    """
+    jacobian = predict(problem, values, jacobian=True).jacobian
+    assert jacobian is not None
+    return jacobian / (factor * problem.sigma)[:, np.newaxis] * problem.slopes(values)
+
+
+def _seen(problem: Problem, raw: Sequence[Raw], values: np.ndarray) -> np.ndarray:
+    """What was measured of every run."""
+    parts = [measured_values(m, raw[i], problem.nuisance(i, values)) for i, m in enumerate(problem.measurements)]
+    return np.concatenate(parts)
+
+
+def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[float, list[int]]:
+    """Places in `members` of scenarios of equal duration."""
     found: dict[float, list[int]] = {}
     for place, i in enumerate(members):
-        found.setdefault(problem.measurements[i].duration, []).append(place)
+        found.setdefault(scenarios[i].duration, []).append(place)
     return found
 
 
-def _runs(problem: Problem, settings: Sequence[Scenario], starts: Sequence[Start], members: Sequence[int]) -> list[Run]:
-    chosen = [settings[i] for i in members]
-    scenarios = batch_of(
-        [setting.robot for setting in chosen],
-        [setting.gait for setting in chosen],
-        [setting.environment for setting in chosen],
-        [starts[i] for i in members],
-        **problem.options,
-    )
-    return runs_of(scenarios)
-
-
-def _simulated(problem: Problem, settings: Sequence[Scenario], values: Values) -> tuple[list[Raw], dict[str, str]]:
+def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
     """What every measurement's run gives."""
-    starts = starts_of(problem, values)
-    everyone = range(len(settings))
+    everyone = range(len(scenarios))
     raw: list[Raw] = [{} for _ in everyone]
     failures: dict[str, str] = {}
-    for duration, members in _by_duration(problem, everyone).items():
-        runs = _runs(problem, settings, starts, members)
+    for duration, members in _by_duration(scenarios, everyone).items():
+        runs = runs_of([scenarios[i] for i in members])
         weights = np.array([metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs])
-        mine = [raw[i] for i in members]
-        look = partial(_keep, [problem.measurements[i] for i in members], mine)
         found = collected(
             runs,
             weights,
@@ -99,98 +108,139 @@ def _simulated(problem: Problem, settings: Sequence[Scenario], values: Values) -
             SAMPLE_INTERVAL,
             problem.threads,
             None,
-            look=look,
+            look=_keeper(problem, members, [raw[i] for i in members]),
             with_joints=_needs_joints(problem, members),
         )
         for place, i in enumerate(members):
             raw[i] |= {name: found.figures[name][place] for name in UNITS}
             if not found.succeeded[place]:
                 failures[problem.measurements[i].name] = found.status[place]
-                raw[i] |= {name: np.full(np.shape(value), np.nan) for name, value in raw[i].items()}
+                raw[i] = {name: np.full(np.shape(value), np.nan) for name, value in raw[i].items()}
     return raw, failures
 
 
-def _slopes(problem: Problem, settings: Sequence[Scenario], values: Values, raw: Sequence[Raw]) -> np.ndarray:
+def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Values, raw: Sequence[Raw]) -> np.ndarray:
     """The Jacobian, pair by pair of a measurement and an unknown."""
     jacobian = np.zeros((problem.owner.size, len(problem.unknowns)))
-    rows_of = [np.flatnonzero(problem.owner == i) for i in range(len(settings))]
+    data_of = [np.flatnonzero(problem.owner == i) for i in range(len(scenarios))]
     simulated: list[tuple[int, int]] = []
     for i, k in cast("list[tuple[int, int]]", np.argwhere(problem.moves).tolist()):
-        name = problem.unknowns[k].parameter.name
-        if name.startswith("measured."):
-            side = problem.side(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
-            found = seen(problem.measurements[i], raw[i], side)
-            jacobian[rows_of[i], k] = np.imag(found) / STEP
+        if problem.unknowns[k].parameter.name.startswith("measured."):
+            nuisance = problem.nuisance(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
+            jacobian[data_of[i], k] = np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
         else:
             simulated.append((i, k))
-    starts = starts_of(problem, values)
-    every_run = _all_runs(problem, settings, starts)
-    for duration, places in _by_duration(problem, [i for i, _ in simulated]).items():
+    for duration, places in _by_duration(scenarios, [i for i, _ in simulated]).items():
         pairs = [simulated[place] for place in places]
+        members = sorted({i for i, _ in pairs})
+        run_of = dict(zip(members, runs_of([scenarios[i] for i in members]), strict=True))
         mine: list[Raw] = [{} for _ in pairs]
         found = slopes(
-            [every_run[i] for i, _ in pairs],
-            [_number(problem, settings[i], starts[i], i, k, values) for i, k in pairs],
+            [run_of[i] for i, _ in pairs],
+            [_number(problem, scenarios[i], i, k, values) for i, k in pairs],
             duration,
             sample_interval=SAMPLE_INTERVAL,
             threads=problem.threads,
-            look=partial(_keep, [problem.measurements[i] for i, _ in pairs], mine),
-            with_joints=_needs_joints(problem, [i for i, _ in pairs]),
+            look=_keeper(problem, [i for i, _ in pairs], mine),
+            with_joints=_needs_joints(problem, members),
         )
         for place, (i, k) in enumerate(pairs):
             for name in UNITS:
                 mine[place][name] = found.value[name][place] + 1j * STEP * found.slope[name][place]
-            predicted = seen(problem.measurements[i], mine[place], problem.side(i, values))
-            well = np.imag(predicted) / STEP
-            jacobian[rows_of[i], k] = well if found.succeeded[place] else np.nan
+            predicted = measured_values(problem.measurements[i], mine[place], problem.nuisance(i, values))
+            jacobian[data_of[i], k] = np.imag(predicted) / STEP if found.succeeded[place] else np.nan
     return jacobian
 
 
-def _all_runs(problem: Problem, settings: Sequence[Scenario], starts: Sequence[Start]) -> list[Run]:
-    """The run of every measurement; runs of equal robot and water share their plant."""
-    return _runs(problem, settings, starts, range(len(settings)))
-
-
-def _number(problem: Problem, setting: Scenario, start: Start, i: int, k: int, values: Values) -> Number:
+def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> Number:
     """One unknown of one measurement, for `slopes`."""
-    name, value = problem.unknowns[k].parameter.name, float(values[k])
-    if name in SIDE:
+    unknown, value = problem.unknowns[k], float(values[k])
+    name = unknown.parameter.name
+    if name in NUISANCE:
         return Number(
             name=f"{name} of {problem.measurements[i].name}",
-            scenario=setting,
+            scenario=scenario,
             value=value,
-            change=lambda _: setting,
-            start=lambda other: moved_start(start, name, other - value),
+            change=lambda _: scenario,
+            start=lambda other: shifted(scenario.start, name, other - value),
         )
-    return Number(
-        name=name, scenario=setting, value=value, change=partial(_changed, setting, name, problem.unknowns[k].tied)
-    )
-
-
-def _changed(setting: Scenario, name: str, tied: Mapping[str, float], value: float) -> Any:
     # Where the search has come to, what is tied is in proportion already.
-    return changed(setting, with_tied(setting, name, value, tied))
+    change = partial(_changed, scenario, name, unknown.tied)
+    return Number(name=name, scenario=scenario, value=value, change=change)
+
+
+def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: float) -> Scenario:
+    return changed(scenario, with_tied(scenario, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:
     return any(name.startswith("joint_") for i in members for name in problem.measurements[i].series)
 
 
-def _keep(measurements: Sequence[Measurement], raw: Sequence[Raw], runs: Sequence[Run], block: Block) -> None:
-    """Keep of a block's logs what the measurements of its runs have series of."""
-    for lane, at in enumerate(block.index):
-        measurement = measurements[int(at)]
-        if measurement.time is None:
-            continue
-        lay = runs[lane].plant.layout
-        joints = lay.n_bodies - 1
-        first = {"joint_angle": rows.LOG_STATE, "joint_torque": rows.LOG_STATE + 3 * joints}
-        wanted = dict.fromkeys(("heading", *measurement.series))
-        for name in wanted:
-            if name == "heading":
-                values = block.log[:, rows.HEADING - rows.TIME, lane]
-            elif name == "center_of_mass":
-                values = block.center_of_mass[:, :, lane]
-            else:
-                values = block.log[:, first[name] + lay.tail_link : first[name] + joints, lane]
-            raw[int(at)][f"{name} series"] = interpolated(block.time, values, measurement.time)
+def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Callable[[Sequence[Run], Block], None]:
+    """What keeps of a block's logs what the measurements of its runs have series of."""
+    measurements = [problem.measurements[i] for i in members]
+
+    def keep(runs: Sequence[Run], block: Block) -> None:
+        for lane, at in enumerate(block.index):
+            measurement = measurements[int(at)]
+            if measurement.time is None:
+                continue
+            lay = runs[lane].plant.layout
+            joints = lay.n_bodies - 1
+            first = {"joint_angle": rows.LOG_STATE, "joint_torque": rows.LOG_STATE + 3 * joints}
+            for name in dict.fromkeys(("heading", *measurement.series)):
+                if name == "heading":
+                    values = block.log[:, rows.HEADING - rows.TIME, lane]
+                elif name == "center_of_mass":
+                    values = block.center_of_mass[:, :, lane]
+                else:
+                    values = block.log[:, first[name] + lay.tail_link : first[name] + joints, lane]
+                raw[int(at)][f"{name} series"] = interpolated(block.time, values, measurement.time)
+
+    return keep
+
+
+def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
+    """The same by the 3D twin, run by run."""
+    raw: list[Raw] = []
+    failures: dict[str, str] = {}
+    for measurement, scenario in zip(problem.measurements, scenarios, strict=True):
+        trial = swim(scenario)
+        if trial.succeeded:
+            raw.append(_raw_of(trial, measurement))
+        else:
+            failures[measurement.name] = trial.status
+            nothing: Raw = dict.fromkeys(("x", "y", "heading", "heading series", *measurement.figures), np.nan)
+            for name, (values, _) in measurement.series.items():
+                nothing[f"{name} series"] = np.full_like(values, np.nan)
+            raw.append(nothing)
+    return raw, failures
+
+
+def _raw_of(trial: Trial, measurement: Measurement) -> Raw:
+    """What a trial gave, in the plane."""
+    end = trial.center_of_mass[-1]
+    raw: Raw = {"x": end[0], "y": end[1], "heading": trial.heading[-1]}
+    raw |= {name: getattr(trial, name) for name in measurement.figures if name not in raw}
+    if measurement.time is not None:
+        for name in dict.fromkeys(("heading", *measurement.series)):
+            values = getattr(trial, name)
+            values = values[:, :2] if name == "center_of_mass" else values
+            raw[f"{name} series"] = interpolated(trial.time, values, measurement.time)
+    return raw
+
+
+def _differences(problem: Problem, values: Values, progress: Progress | None) -> np.ndarray:
+    """The Jacobian of the 3D twin by central differences."""
+    columns: list[np.ndarray] = []
+    for k, unknown in enumerate(problem.unknowns):
+        step = DIFFERENCE * unknown.slope(float(values[k])) * unknown.size
+        ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
+        moved = np.repeat(values[np.newaxis], 2, axis=0)
+        moved[:, k] = ends
+        behind, ahead = (_seen(problem, _spatial_runs(problem, problem.scenarios_at(at))[0], at) for at in moved)
+        columns.append((ahead - behind) / (ends[1] - ends[0]))
+        if progress is not None:
+            progress((3 + 2 * k) / (1 + 2 * len(problem.unknowns)))
+    return np.stack(columns, axis=1)

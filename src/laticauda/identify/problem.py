@@ -1,4 +1,4 @@
-"""An identification as a value: which measurements, which unknowns, and how the model is run."""
+"""An identification as a value: which measurements, which unknowns, and how they belong together."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,32 +9,31 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import instance
-from laticauda.identify.measurements import Measurement, group_of
-from laticauda.identify.settling import applies, let_the_special_win, settled, split_name, with_tied
-from laticauda.identify.unknowns import SIDE, Settled, Unknown, as_unknowns
+from laticauda.identify.measurement_model import shifted
+from laticauda.identify.measurements import Measurement
+from laticauda.identify.resolution import dependence, known_numbers, resolve, split_name, with_tied
+from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown, Unknown, as_unknowns
 from laticauda.robot import Robot
-from laticauda.scenarios import Scenario, default_water, preset_water
-from laticauda.simulate.numbers import Parameter, changed, parameters
+from laticauda.scenarios import Model, Scenario, model_of
+from laticauda.simulate.numbers import changed
+
+SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
-    """Measurements and unknowns that fit together; made by `problem`."""
+    """Measurements and unknowns that fit together; made by `make_problem`."""
 
     measurements: tuple[Measurement, ...]
     """What was measured."""
-    unknowns: tuple[Settled, ...]
+    unknowns: tuple[ResolvedUnknown, ...]
     """What is looked for."""
-    settings: tuple[Scenario, ...]
+    scenarios: tuple[Scenario, ...]
     """By measurement: what it is simulated with, apart from what is identified."""
     groups: tuple[str, ...]
     """By measurement: the name of its group."""
     moves: Bool[np.ndarray, "n_measurements n_unknowns"]
     """Whether a measurement depends on an unknown."""
-    model: str
-    """planar or spatial."""
-    options: Mapping[str, Any]
-    """How it is run: joints, dt, offset_bandwidth, ramp."""
     threads: int | None
     """How many compute."""
 
@@ -59,6 +58,11 @@ class Problem:
         return np.repeat(np.arange(len(sizes)), sizes)
 
     @property
+    def model(self) -> Model:
+        """By which model all of them are simulated."""
+        return self.scenarios[0].model
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Of the unknowns."""
         return tuple(unknown.name for unknown in self.unknowns)
@@ -68,6 +72,16 @@ class Problem:
         """Where the search begins, as values."""
         return np.array([unknown.start for unknown in self.unknowns])
 
+    @property
+    def sizes(self) -> Float[np.ndarray, " n_unknowns"]:
+        """What is a large change of each coordinate."""
+        return np.array([unknown.size for unknown in self.unknowns])
+
+    @property
+    def of_interest(self) -> list[int]:
+        """Numbers of the unknowns that figures and tables show: all but where single trials began."""
+        return [k for k, one in enumerate(self.unknowns) if not one.parameter.name.startswith("start.")]
+
     def values_of(self, x: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """The values of coordinates."""
         return np.array([unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)])
@@ -76,98 +90,128 @@ class Problem:
         """The coordinates of values."""
         return np.array([unknown.x(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
 
+    def slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
+        """dq/dx of every unknown."""
+        return np.array([unknown.slope(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
+
+    def prior_residuals(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_priors"]:
+        """What the priors add to the residuals."""
+        pairs = [(value, unknown.prior) for value, unknown in zip(values, self.unknowns, strict=True)]
+        return np.array([(value - prior[0]) / prior[1] for value, prior in pairs if prior is not None])
+
+    def prior_slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, "n_priors n_unknowns"]:
+        """The derivatives of those to the coordinates."""
+        found = [
+            np.eye(len(self.unknowns))[k] * unknown.slope(float(values[k])) / unknown.prior[1]
+            for k, unknown in enumerate(self.unknowns)
+            if unknown.prior is not None
+        ]
+        return np.reshape(found, (len(found), len(self.unknowns)))
+
     def part(self, members: Sequence[int]) -> "Problem":
         """The same with some of its measurements only, by number; the unknowns stay, whether seen or not."""
         return replace(
             self,
             measurements=tuple(self.measurements[i] for i in members),
-            settings=tuple(self.settings[i] for i in members),
+            scenarios=tuple(self.scenarios[i] for i in members),
             groups=tuple(self.groups[i] for i in members),
             moves=self.moves[list(members)],
         )
 
-    def apply(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
+    def scenarios_at(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
         """What each measurement is simulated with at these values; what is alike stays one object."""
         made: dict[object, Scenario] = {}
         found: list[Scenario] = []
-        for i, setting in enumerate(self.settings):
-            wanted: dict[str, float] = {}
-            for k, unknown in enumerate(self.unknowns):
-                if self.moves[i, k] and unknown.parameter.name not in SIDE:
-                    wanted |= with_tied(setting, unknown.parameter.name, float(values[k]), unknown.tied)
-            key = id(setting.robot), id(setting.environment), tuple(wanted.items())
+        for i, scenario in enumerate(self.scenarios):
+            start, wanted = scenario.start, dict[str, float]()
+            for unknown, value, moves in zip(self.unknowns, values, self.moves[i], strict=True):
+                name = unknown.parameter.name
+                if moves and name.startswith("start."):
+                    start = shifted(start, name, float(value))
+                elif moves and name not in NUISANCE:
+                    wanted |= with_tied(scenario, name, float(value), unknown.tied)
+            key = id(scenario.robot), id(scenario.environment), tuple(wanted.items())
             if key not in made:
-                made[key] = changed(setting, wanted)
-            found.append(replace(made[key], motion=setting.motion))
+                made[key] = changed(scenario, wanted)
+            body = made[key]
+            found.append(replace(scenario, robot=body.robot, environment=body.environment, start=start))
         return tuple(found)
 
-    def side(self, i: int, values: np.ndarray) -> dict[str, Any]:
-        """The values of `SIDE` for a measurement, as far as they are identified."""
+    def nuisance(self, i: int, values: np.ndarray) -> dict[str, Any]:
+        """The values of `NUISANCE` for a measurement, as far as they are identified."""
         return {
             unknown.parameter.name: values[k]
             for k, unknown in enumerate(self.unknowns)
-            if self.moves[i, k] and unknown.parameter.name in SIDE
+            if self.moves[i, k] and unknown.parameter.name in NUISANCE
         }
 
 
-def problem(
+def make_problem(
     measurements: Sequence[Measurement],
-    robot: Robot | None,
     wanted: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]],
+    robot: Robot | None = None,
     *,
-    model: str = "planar",
-    options: Mapping[str, Any] | None = None,
     threads: int | None = None,
+    **changes: Any,
 ) -> Problem:
-    """Put measurements and unknowns together, and check that they fit.
+    """Bring measurements and unknowns together, and check that they fit.
 
     Args:
         measurements: At least one, no name twice.
-        robot: What swam where a measurement does not say it; None: all say it.
         wanted: What is looked for.
-        model: planar or spatial.
-        options: How it is run.
+        robot: What has to have swum, with or without its fin; None: what the first measurement says.
         threads: How many compute.
+        changes: Of the models of all scenarios, see `laticauda.scenarios.ModelChanges`, and `model`.
 
     Raises:
         ValueError: If they do not.
     """
     given = _checked(measurements)
-    settings = tuple(_setting(measurement, robot) for measurement in given)
-    _check_one_body([measurement.name for measurement in given], [setting.robot for setting in settings], robot)
-    groups = tuple(group_of(m, s.robot) for m, s in zip(given, settings, strict=True))
-    known = _known(settings)
-    scopes = [
-        {measurement.gait.kind, group, measurement.name} for measurement, group in zip(given, groups, strict=True)
-    ]
-    names = [split_name(unknown, scopes, known) for unknown in as_unknowns(wanted)]
-    moves = np.array(
-        [[applies(scope, name, scopes[i], known[i]) for scope, name in names] for i in range(len(given))]
-    ).reshape(len(given), len(names))
-    let_the_special_win(moves, names)
-    found = tuple(
-        settled(unknown, *names[k], settings, known, moves[:, k]) for k, unknown in enumerate(as_unknowns(wanted))
-    )
+    _check_one_body(given, robot or given[0].scenario.robot)
+    model = _common_model(given, **changes)
+    scenarios = tuple(replace(m.scenario, model=model, sample_interval=SAMPLE_INTERVAL) for m in given)
+    groups = tuple(m.group for m in given)
+    known = known_numbers(scenarios)
+    scopes = [{m.scenario.gait.kind, m.group, m.name} for m in given]
+    asked = as_unknowns(wanted)
+    names = [split_name(unknown, scopes, known) for unknown in asked]
+    moves = dependence(names, scopes, known)
     return Problem(
         measurements=given,
-        unknowns=found,
-        settings=settings,
+        unknowns=tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked)),
+        scenarios=scenarios,
         groups=groups,
         moves=moves,
-        model=model,
-        options=dict(options or {}),
         threads=threads,
     )
 
 
-def _known(settings: Sequence[Scenario]) -> list[dict[str, Parameter]]:
-    """The numbers that each measurement has, by name; the same dictionary for what is alike."""
-    made: dict[object, dict[str, Parameter]] = {}
-    for setting in settings:
-        key = id(setting.robot), id(setting.environment)
-        if key not in made:
-            made[key] = parameters(setting, each=True) | SIDE
-    return [made[id(setting.robot), id(setting.environment)] for setting in settings]
+def other_measurements(problem: Problem, measurements: Sequence[Measurement]) -> Problem:
+    """The same unknowns, seen by other measurements, of which no number counts.
+
+    Args:
+        problem: The unknowns.
+        measurements: Whatever their names are; unknowns of single measurements are none of theirs.
+    """
+    model = problem.model
+    scenarios = tuple(replace(m.scenario, model=model, sample_interval=SAMPLE_INTERVAL) for m in measurements)
+    names = [(unknown.scope, unknown.parameter.name) for unknown in problem.unknowns]
+    return replace(
+        problem,
+        measurements=tuple(replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)),
+        scenarios=scenarios,
+        groups=("candidates",) * len(scenarios),
+        moves=dependence(names, [{s.gait.kind} for s in scenarios], known_numbers(scenarios)),
+    )
+
+
+def _common_model(measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any) -> Model:
+    """The model that all measurements are simulated with."""
+    models = [model_of(model or m.scenario.model, **changes) for m in measurements]
+    for measurement, one in zip(measurements, models, strict=True):
+        if one != models[0]:
+            raise ValueError(f"`measurements` must be of one model, got another one in `{measurement.name}`.")
+    return models[0]
 
 
 def _flat(measurement: Measurement) -> np.ndarray:
@@ -178,29 +222,21 @@ def _flat(measurement: Measurement) -> np.ndarray:
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
     if isinstance(measurements, Measurement) or not len(measurements):
         raise ValueError("`measurements` must be a list of at least one Measurement, got none.")
-    seen: set[str] = set()
+    names: set[str] = set()
     for i, measurement in enumerate(measurements):
         instance(f"measurements[{i}]", measurement, Measurement)
-        if measurement.name in seen:
+        if measurement.name in names:
             raise ValueError(f"`measurements` must have different names, got `{measurement.name}` twice.")
-        seen.add(measurement.name)
+        names.add(measurement.name)
     return tuple(measurements)
 
 
-def _setting(measurement: Measurement, robot: Robot | None) -> Scenario:
-    body = measurement.robot or robot
-    if body is None:
-        raise ValueError(f"`robot` must be given, because the measurement `{measurement.name}` does not say what swam.")
-    environment = measurement.environment or preset_water(default_water(measurement.gait))
-    return Scenario(robot=body, motion=measurement.gait, environment=environment)
-
-
-def _check_one_body(names: Sequence[str], robots: Sequence[Robot], robot: Robot | None) -> None:
+def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
     """Refuse trials of another robot: fin, tether and what else is mounted may differ, the body may not."""
-    body = robot or robots[0]
-    for name, other in zip(names, robots, strict=True):
+    for measurement in measurements:
+        other = measurement.scenario.robot
         if other.modules != body.modules or other.joints != body.joints:
             raise ValueError(
-                f"`measurements` must be of one body, with or without fin; `{name}` is of robot `{other.name}`, whose "
-                f"modules or joints are not those of `{body.name}`."
+                f"`measurements` must be of one body, with or without fin; `{measurement.name}` is of robot "
+                f"`{other.name}`, whose modules or joints are not those of `{body.name}`."
             )

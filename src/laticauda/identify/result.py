@@ -12,13 +12,14 @@ from laticauda.errors import one_of
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import Identifiability
 from laticauda.identify.measurements import SERIES
+from laticauda.identify.method import Method
 from laticauda.identify.problem import Problem
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.sensitivities import UNITS
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
+class ParameterEstimate:
     """What is known of one unknown."""
 
     name: str
@@ -43,7 +44,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Search:
+class LocalSearch:
     """One start of the search."""
 
     start: Mapping[str, float]
@@ -84,7 +85,7 @@ class Fit:
 
     problem: Problem
     """Measurements and unknowns."""
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[ParameterEstimate, ...]
     """What is known of every unknown."""
     covariance: Float[np.ndarray, "n_unknowns n_unknowns"]
     """Of the errors of the coordinates, logarithms on a log scale; inf where nothing is known."""
@@ -106,12 +107,12 @@ class Fit:
     """Of the intervals [-]."""
     degrees_of_freedom: float
     """Numbers measured less what is fitted to them [-]."""
-    searches: tuple[Search, ...]
+    searches: tuple[LocalSearch, ...]
     """What each start led to, the best first."""
     warnings: tuple[str, ...]
     """What is to be known about the data."""
 
-    def __getitem__(self, name: str) -> Estimate:
+    def __getitem__(self, name: str) -> ParameterEstimate:
         """The estimate of an unknown by name."""
         names = [estimate.name for estimate in self.estimates]
         return self.estimates[names.index(one_of("name", name, names))]
@@ -122,9 +123,25 @@ class Fit:
         return {estimate.name: estimate.value for estimate in self.estimates}
 
     @property
+    def best(self) -> Float[np.ndarray, " n_unknowns"]:
+        """The same as an array."""
+        return np.array([estimate.value for estimate in self.estimates])
+
+    @property
+    def method(self) -> Method:
+        """How it was made, with one start."""
+        limit = self.identifiability.limit
+        return Method(noise=self.noise, loss=self.loss, n_starts=1, confidence=self.confidence, limit=limit)  # pyright: ignore[reportArgumentType]
+
+    @property
+    def used_noise_factor(self) -> float:
+        """How many times the stated noise the uncertainties take the noise for [-]."""
+        return self.noise_factor if self.noise == "estimated" else 1.0
+
+    @property
     def x(self) -> Float[np.ndarray, " n_unknowns"]:
         """The coordinates of the values."""
-        return self.problem.x_of(np.array(list(self.values.values())))
+        return self.problem.x_of(self.best)
 
     @property
     def n_agreeing(self) -> int:
@@ -202,7 +219,7 @@ class Fit:
             robot: What to change; a fin's numbers are left out if it has none.
             gait_kind: For which gait.
         """
-        return applied(self.problem, self.values, robot, self.problem.settings[0].environment, gait_kind)[0]
+        return applied(self.problem, self.values, robot, self.problem.scenarios[0].environment, gait_kind)[0]
 
     def water(self, water: Water, gait_kind: str) -> Water:
         """A water with what was identified of it.
@@ -211,7 +228,7 @@ class Fit:
             water: What to change.
             gait_kind: For which gait.
         """
-        environment = applied(self.problem, self.values, self.problem.settings[0].robot, water, gait_kind)[1]
+        environment = applied(self.problem, self.values, self.problem.scenarios[0].robot, water, gait_kind)[1]
         assert isinstance(environment, Water)
         return environment
 

@@ -34,17 +34,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.codec import BadKey, decode, encode
-from laticauda.errors import RobotFileError, nearest
+from laticauda.codec import BadKey, check_keys, decode, encode, keys_of, table_of
+from laticauda.errors import RobotFileError
 from laticauda.identify.fitting import fit
 from laticauda.identify.measurements import Measurement, from_table1
 from laticauda.identify.result import Fit
-from laticauda.identify.trial_files import TrialFile, as_measurement, read_trial_file
+from laticauda.identify.trial_files import TrialFile
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
-from laticauda.scenarios import default_water, preset_water
+from laticauda.scenarios import preset_water
 from laticauda.simulate.runner import Progress
 
 KIND = "identification"
@@ -62,8 +62,6 @@ OPTIONS = {
     "confidence": "confidence",
 }
 """Keys of the method, and the arguments of `fit` that they are."""
-UNKNOWN_KEYS = ("name", "start", "lower", "upper", "prior", "scale", "size", "tied")
-
 Table = Mapping[str, Any]
 
 
@@ -137,10 +135,8 @@ def load_task(path: str | Path) -> Task:
     """
     file = Path(path)
     table = read_table(file)
-    try:
+    with keys_of(file, RobotFileError):
         return _task(table, file)
-    except BadKey as error:
-        raise RobotFileError(f"{file}: key `{error.key}`: {error.rule}") from None
 
 
 def task_of_files(
@@ -168,7 +164,7 @@ def task_of_files(
         TrialFileError: If a file cannot be read.
         ValueError: If it lacks what is to count.
     """
-    measurements = [_fixed(as_measurement(file), None, base) for file in files]
+    measurements = [fixed(file.measurement(), None, base) for file in files]
     return Task(
         name=name,
         title=title,
@@ -177,12 +173,12 @@ def task_of_files(
         robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=dict(options or {}),
-        sources=tuple(path for file in files for path in (file.file, file.columns) if path is not None),
+        sources=tuple(path for file in files for path in file.sources),
     )
 
 
 def _task(table: Table, file: Path) -> Task:
-    _known(table, KEYS, "")
+    check_keys(table, KEYS)
     if table.get("kind") != KIND:
         raise BadKey("kind", f'must be "{KIND}" here, got {table.get("kind")!r}')
     name = _text(table, "name", file.stem)
@@ -196,7 +192,7 @@ def _task(table: Table, file: Path) -> Task:
     options: dict[str, Any] = {OPTIONS[key]: table[key] for key in OPTIONS if key in table}
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    trials = [read_trial_file(entry, file.parent, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
+    trials = [_trial_file(entry, file.parent, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
     done = task_of_files(
         trials,
         _unknowns(table),
@@ -206,20 +202,33 @@ def _task(table: Table, file: Path) -> Task:
         base=base,
         options=options,
     )
-    measured = [*done.measurements, *(_fixed(m, links, base) for m in _table1(table))]
+    measured = [*done.measurements, *(fixed(m, links, base) for m in _table1(table))]
     return replace(done, measurements=tuple(measured), sources=(file, *done.sources))
 
 
-def _fixed(measurement: Measurement, links: int | None, base: Parameters | None) -> Measurement:
-    """A measurement with what is fixed about robot and water."""
-    robot, kind = measurement.robot, measurement.gait.kind
-    if robot is not None and links is not None:
-        robot = robot.with_links(links)
-    water = measurement.environment
+def fixed(measurement: Measurement, links: int | None, base: Parameters | None) -> Measurement:
+    """A measurement with what is fixed about robot and water.
+
+    Args:
+        measurement: As it was read.
+        links: How many its robot has instead of its own; None: its own.
+        base: What is fixed; None: what the measurement says.
+    """
+    scenario = measurement.scenario
+    robot, kind = scenario.robot if links is None else scenario.robot.with_links(links), scenario.gait.kind
     if base is not None:
-        robot = None if robot is None else base.robot(robot, kind)
-        water = base.water(kind)
-    return replace(measurement, robot=robot, environment=water or preset_water(default_water(measurement.gait)))
+        scenario = replace(scenario, robot=base.robot(robot, kind), environment=base.water(kind))
+    elif robot is not scenario.robot:
+        scenario = replace(scenario, robot=robot)
+    return replace(measurement, scenario=scenario)
+
+
+def _trial_file(entry: object, folder: Path, at: str) -> TrialFile:
+    """An entry of a task's list of trials; its files lie beside the task's."""
+    table = {"file": entry} if isinstance(entry, str) else table_of(entry, at)
+    found = decode(TrialFile, table, at)
+    columns = None if found.columns is None else str(folder / found.columns)
+    return replace(found, file=str(folder / found.file), columns=columns)
 
 
 def _base(table: Table, name: str) -> Parameters | None:
@@ -227,12 +236,12 @@ def _base(table: Table, name: str) -> Parameters | None:
     base = load_parameters(_text(table, "base", "")) if "base" in table else None
     if "fixed" not in table:
         return base
-    fixed = _table(table["fixed"], "fixed")
-    _known(fixed, ("water", *NAMES), "fixed")
+    given = table_of(table["fixed"], "fixed")
+    check_keys(given, ("water", *NAMES), "fixed")
     usual = preset_water("paper-lateral") if base is None else base.every_gait
-    own = _table(fixed.get("water", {}), "fixed.water")
+    own = table_of(given.get("water", {}), "fixed.water")
     water = decode(Water, {**encode(usual), **own, "name": usual.name}, "fixed.water")
-    changes = read_adjustments({key: fixed[key] for key in NAMES if key in fixed}, "fixed")
+    changes = read_adjustments({key: given[key] for key in NAMES if key in given}, "fixed")
     if base is None:
         return Parameters(name=name, title=name, every_gait=water, changes=changes)
     merged = {key: {**base.changes.get(key, {}), **changes.get(key, {})} for key in {*base.changes, *changes}}
@@ -240,21 +249,10 @@ def _base(table: Table, name: str) -> Parameters | None:
 
 
 def _unknowns(table: Table) -> list[Unknown]:
-    found: list[Unknown] = []
-    for i, entry in enumerate(_list(table, "parameters")):
-        where = f"parameters[{i}]"
-        if isinstance(entry, str):
-            entry = {"name": entry}
-        given = dict(_table(entry, where))
-        _known(given, UNKNOWN_KEYS, where)
-        if "name" not in given:
-            raise BadKey(f"{where}.name", "is missing")
-        if "prior" in given and not (isinstance(given["prior"], list) and len(cast("list[Any]", given["prior"])) == 2):
-            raise BadKey(f"{where}.prior", f"must be a mean and a standard deviation, got {given['prior']!r}")
-        try:
-            found.append(Unknown(**given))
-        except (TypeError, ValueError) as error:
-            raise BadKey(where, str(error)) from None
+    found = [
+        decode(Unknown, {"name": entry} if isinstance(entry, str) else entry, f"parameters[{i}]")
+        for i, entry in enumerate(_list(table, "parameters"))
+    ]
     if not found:
         raise BadKey("parameters", "must name at least one number to identify")
     return found
@@ -263,19 +261,12 @@ def _unknowns(table: Table) -> list[Unknown]:
 def _table1(table: Table) -> tuple[Measurement, ...]:
     if "table1" not in table:
         return ()
-    asked = {} if table["table1"] is True else _table(table["table1"], "table1")
-    _known(asked, ("figure", "sigma", "selected_from"), "table1")
+    asked = {} if table["table1"] is True else table_of(table["table1"], "table1")
+    check_keys(asked, ("figure", "sigma", "selected_from"), "table1")
     try:
         return from_table1(**asked)
     except ValueError as error:
         raise BadKey("table1", str(error)) from None
-
-
-def _known(table: Table, keys: Sequence[str], path: str) -> None:
-    for key in table:
-        if key not in keys:
-            hint = nearest(key, keys) or f"; the keys here are {', '.join(keys)}"
-            raise BadKey(f"{path}.{key}" if path else key, f"is not known{hint}")
 
 
 def _text(table: Table, key: str, otherwise: str) -> str:
@@ -290,9 +281,3 @@ def _list(table: Table, key: str) -> list[Any]:
     if not isinstance(value, list):
         raise BadKey(key, f"must be a list, got {value!r}")
     return cast("list[Any]", value)
-
-
-def _table(value: Any, path: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise BadKey(path, f"must be a table, got {value!r}")
-    return cast("dict[str, Any]", value)

@@ -7,11 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import one_of, whole
-from laticauda.identify import door
-from laticauda.identify.fitting import method_of
-from laticauda.identify.model import predict
+from laticauda.extras import optional_import
+from laticauda.identify.estimates import quantile_of
+from laticauda.identify.least_squares import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
-from laticauda.identify.searching import prior_rows, search
 from laticauda.simulate.runner import Progress
 
 _ROUNDS = 25
@@ -55,17 +54,11 @@ def profile(found: Fit, name: str) -> Profile:
     return Profile(name=name, low=low, high=high)
 
 
-def noise_factor(found: Fit) -> float:
-    """How many times the stated noise a fit takes the noise for."""
-    return found.noise_factor if found.noise == "estimated" else 1.0
-
-
 def _end(found: Fit, k: int, sign: float) -> float | None:
     """One end of the interval."""
-    put, method, x = found.problem, method_of(found), found.x
-    unknown, factor = put.unknowns[k], noise_factor(found)
+    x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
     degrees = found.degrees_of_freedom if found.noise == "estimated" else math.inf
-    quantile = door.two_sided(found.confidence, degrees)
+    quantile = quantile_of(found.confidence, degrees)
     free = np.array([j for j in range(x.size) if j != k], dtype=int)
     deviation = math.sqrt(found.covariance[k, k])
     end = unknown.lower if sign < 0.0 else unknown.upper
@@ -77,7 +70,7 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
         step = min(step, most)
         moved = at.copy()
         moved[k] = x[k] + sign * step
-        at = search(put, method, moved, factor, free).x if free.size else moved
+        at = minimize(found.problem, moved, loss=found.loss, factor=factor, free=free).x if free.size else moved
         cost = _cost(found, at)
         height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
         if abs(height - quantile) <= _CLOSE * quantile:
@@ -104,9 +97,9 @@ def _next(step: float, height: float, quantile: float, inside: float, outside: f
 
 def _cost(found: Fit, x: np.ndarray) -> float:
     """The sum of squares of data and priors."""
-    put, values = found.problem, found.problem.values_of(x)
-    off = (predict(put, values).values - put.observed) / (noise_factor(found) * put.sigma)
-    return door.sum_of(off, found.loss) + door.sum_of(prior_rows(put, values), found.loss)
+    residuals = all_residuals(found.problem, found.problem.values_of(x), found.used_noise_factor)
+    n_data = found.problem.observed.size
+    return cost_of(residuals[:n_data], found.loss) + cost_of(residuals[n_data:], found.loss)
 
 
 def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:
@@ -166,21 +159,31 @@ def posterior(
         D. Foreman-Mackey et al., emcee: The MCMC Hammer, PASP 125 (2013) 306-312.
     """
     whole("n_steps", n_steps, 2)
-    put, n = found.problem, len(found.estimates)
+    problem, n = found.problem, len(found.estimates)
     walkers = max(4 * n, 8) if n_walkers is None else whole("n_walkers", n_walkers, 2 * n + 2)
-    lower = np.array([u.x(u.lower) if math.isfinite(u.lower) else u.lower for u in put.unknowns])
-    upper = np.array([u.x(u.upper) if math.isfinite(u.upper) else u.upper for u in put.unknowns])
+    lower = np.array([u.x(u.lower) if math.isfinite(u.lower) else u.lower for u in problem.unknowns])
+    upper = np.array([u.x(u.upper) if math.isfinite(u.upper) else u.upper for u in problem.unknowns])
 
     def log_probability(points: np.ndarray) -> np.ndarray:
         inside = np.all((points > lower) & (points < upper), axis=1)
         return np.array([log_density(found, x) if fits else -math.inf for x, fits in zip(points, inside, strict=True)])
 
     rng = np.random.default_rng(seed)
-    sizes = np.array([unknown.size for unknown in put.unknowns])
+    sizes = problem.sizes
     spread = np.minimum(np.sqrt(np.diag(found.covariance)), 0.3 * sizes)
     begin = found.x + 0.5 * np.where(spread > 0.0, spread, 1e-3 * sizes) * rng.standard_normal((walkers, n))
     margin = 1e-9 * sizes
     begin = np.clip(begin, lower + margin, upper - margin)
-    chain, acceptance = door.walk(begin, log_probability, n_steps, seed, progress)
+    emcee = optional_import("Identification", "emcee", "identify")
+    sampler = emcee.EnsembleSampler(walkers, n, log_probability, vectorize=True)
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    for step, _ in enumerate(sampler.sample(begin, iterations=n_steps, skip_initial_state_check=True)):
+        if progress is not None:
+            progress((step + 1) / n_steps)
+    chain: np.ndarray = np.asarray(sampler.get_chain())
     kept = chain[n_steps // 2 :].reshape(-1, n)
-    return Posterior(names=put.names, values=np.array([put.values_of(x) for x in kept]), acceptance=acceptance)
+    return Posterior(
+        names=problem.names,
+        values=np.array([problem.values_of(x) for x in kept]),
+        acceptance=float(sampler.acceptance_fraction.mean()),
+    )

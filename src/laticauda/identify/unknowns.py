@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from laticauda.errors import finite, one_of, positive
+from laticauda.errors import BadArgument, finite, one_of, positive, shown
 from laticauda.simulate.numbers import Parameter
 
 SCALES = ("log", "linear")
-SIDE: dict[str, Parameter] = {
+NUISANCE: dict[str, Parameter] = {
     parameter.name: parameter
     for parameter in (
         Parameter(name="measured.heading_offset", unit="rad", title="What the tracker adds to the heading"),
@@ -22,7 +22,7 @@ SIDE: dict[str, Parameter] = {
         Parameter(name="start.velocity", unit="m/s", title="Speed at the begin, along the heading"),
     )
 }
-"""What a measurement brings besides robot and water."""
+"""Nuisance parameters: what a measurement brings besides robot and water."""
 
 _SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
 
@@ -40,7 +40,7 @@ class Unknown:
     """
 
     name: str
-    """As in a sweep, `water.normal_drag`, or of `SIDE`; before it, with a dot, the kind of gait, the group or the
+    """As in a sweep, `water.normal_drag`, or of `NUISANCE`; before it, with a dot, the kind of gait, the group or the
     measurement that it is for, if it is not for all: `eel_like.water.tangential_friction`."""
     start: float | None = None
     """Where the search begins."""
@@ -68,6 +68,8 @@ class Unknown:
         powers = {name: finite(f"tied` of `{self.name}", power) for name, power in self.tied.items()}
         object.__setattr__(self, "tied", MappingProxyType(powers))
         if self.prior is not None:
+            if not isinstance(self.prior, Sequence) or len(self.prior) != 2:  # pyright: ignore[reportUnnecessaryIsInstance, reportUnnecessaryComparison]
+                raise BadArgument("prior", f"must be a mean and a standard deviation, got {shown(self.prior)}")
             mean, sd = self.prior
             pair = finite(f"prior` of `{self.name}", mean), positive(f"sd of the prior` of `{self.name}", sd)
             object.__setattr__(self, "prior", pair)
@@ -85,22 +87,22 @@ class Unknown:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settled:
+class ResolvedUnknown:
     """An unknown with everything filled in, and what the search calls it: x = log q, or q itself."""
 
     name: str
     """In full, with what it is for."""
-    scope: str
+    scope: str = ""
     """The gait, group or measurement that it is for; "" for all."""
     parameter: Parameter
     """Name without the scope, unit and title."""
     start: float
     """Where the search begins."""
-    lower: float
+    lower: float = -math.inf
     """Least value; may be -inf."""
-    upper: float
+    upper: float = math.inf
     """Greatest value; may be inf."""
-    prior: tuple[float, float] | None
+    prior: tuple[float, float] | None = None
     """Mean and standard deviation."""
     is_log: bool
     """Whether x is its logarithm."""
@@ -158,15 +160,3 @@ def size_of(unknown: Unknown, unit: str, start: float) -> float:
         return unknown.size
     spread = unknown.prior[1] if unknown.prior else 0.0
     return max(abs(start), spread) or _SIZES.get(unit, 1.0)
-
-
-def with_prior(unknown: "str | Unknown", mean: float, sd: float) -> Unknown:
-    """An unknown of which something is known before.
-
-    Args:
-        unknown: Or its name.
-        mean: What is expected.
-        sd: Standard deviation around it.
-    """
-    given = unknown if isinstance(unknown, Unknown) else Unknown(name=unknown)
-    return replace(given, prior=(mean, sd))

@@ -1,6 +1,6 @@
 """Can the model predict what it was not fitted to? Refits without one measurement or one group, beside null models."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +9,10 @@ from jaxtyping import Float
 from laticauda.errors import one_of
 from laticauda.gaits import GAIT_WORDS
 from laticauda.identify.fitting import refitted
-from laticauda.identify.model import predict
+from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.result import Fit
-from laticauda.identify.searching import slopes_of
+from laticauda.identify.tasks import Task
+from laticauda.identify.uncertainty import Profile, profile
 from laticauda.simulate.runner import Progress
 from laticauda.trial import null_models
 from laticauda.trial.null_models import Row, left_out, mape
@@ -71,20 +72,20 @@ def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None 
     Raises:
         ValueError: If there is nothing left to fit to.
     """
-    put = found.problem
-    names = [m.name for m in put.measurements] if one_of("by", by, BY) == "measurement" else list(put.groups)
+    problem = found.problem
+    names = [m.name for m in problem.measurements] if one_of("by", by, BY) == "measurement" else list(problem.groups)
     different = list(dict.fromkeys(names))
     if len(different) < 2:
         raise ValueError(f"`by` must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`.")
-    predictions = np.full(put.observed.size, np.nan)
+    predictions = np.full(problem.observed.size, np.nan)
     values: list[np.ndarray] = []
     for number, name in enumerate(different):
         out = [i for i, other in enumerate(names) if other == name]
-        rest = put.part([i for i in range(len(names)) if i not in out])
+        rest = problem.part([i for i in range(len(names)) if i not in out])
         refit = refitted(found, rest)
-        values.append(np.array(list(refit.values.values())))
+        values.append(refit.best)
         if not _lacks(found, out, rest.moves):
-            predictions[np.isin(put.owner, out)] = predict(put.part(out), values[-1]).values
+            predictions[np.isin(problem.owner, out)] = predict(problem.part(out), values[-1]).values
         if progress is not None:
             progress((number + 1) / len(different))
     return LeftOut(by=by, fit=found, predictions=predictions, values=np.array(values))
@@ -92,9 +93,9 @@ def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None 
 
 def _lacks(found: Fit, out: Sequence[int], moves: np.ndarray) -> bool:
     """Whether what was left out depends on an unknown of which nothing else says anything."""
-    put = found.problem
-    without_prior = np.array([unknown.prior is None for unknown in put.unknowns])
-    return bool(np.any(put.moves[list(out)].any(axis=0) & ~moves.any(axis=0) & without_prior))
+    problem = found.problem
+    without_prior = np.array([unknown.prior is None for unknown in problem.unknowns])
+    return bool(np.any(problem.moves[list(out)].any(axis=0) & ~moves.any(axis=0) & without_prior))
 
 
 def linear_leave_one_out(found: Fit) -> Float[np.ndarray, " n_data"]:
@@ -106,14 +107,10 @@ def linear_leave_one_out(found: Fit) -> Float[np.ndarray, " n_data"]:
     Args:
         found: The fit.
     """
-    put = found.problem
-    values = np.array(list(found.values.values()))
-    jacobian = predict(put, values, jacobian=True).jacobian
-    assert jacobian is not None
-    scaled = jacobian / put.sigma[:, np.newaxis]
-    basis, strength, _ = np.linalg.svd(scaled * slopes_of(put, values), full_matrices=False)
+    problem = found.problem
+    basis, strength, _ = np.linalg.svd(scaled_jacobian(problem, found.best), full_matrices=False)
     leverage = np.sum(basis[:, strength > 1e-7 * strength[0]] ** 2, axis=1)
-    return put.observed + (found.predictions - put.observed) / (1.0 - leverage)
+    return problem.observed + (found.predictions - problem.observed) / (1.0 - leverage)
 
 
 def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
@@ -122,17 +119,17 @@ def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
     Args:
         found: The fit.
     """
-    put = found.problem
-    if not any("forward_velocity" in measurement.figures for measurement in put.measurements):
+    problem = found.problem
+    if not any("forward_velocity" in measurement.figures for measurement in problem.measurements):
         return ()
     at = figure_places(found, "forward_velocity")
-    settings = [put.settings[int(i)] for i in put.owner[at]]
-    if any(setting.gait.kind not in GAIT_WORDS for setting in settings):
+    scenarios = [problem.scenarios[int(i)] for i in problem.owner[at]]
+    if any(one.gait.kind not in GAIT_WORDS for one in scenarios):
         return ()
-    rows = [Row(gait=setting.gait, has_fin=setting.robot.caudal_fin is not None) for setting in settings]
+    rows = [Row(gait=one.gait, has_fin=one.robot.caudal_fin is not None) for one in scenarios]
     groups = sorted({row.group for row in rows})
     by_row, by_group = np.arange(len(rows)), np.array([groups.index(row.group) for row in rows])
-    measured = put.observed[at]
+    measured = problem.observed[at]
     result: list[NullModel] = []
     for name in null_models.NULL_MODELS:
         columns, known = null_models.design(name, rows, groups)
@@ -165,11 +162,100 @@ def figure_places(found: Fit, figure: str) -> np.ndarray:
     Raises:
         ValueError: If no measurement has it.
     """
-    put = found.problem
+    problem = found.problem
     places: list[int] = []
-    for i, measurement in enumerate(put.measurements):
+    for i, measurement in enumerate(problem.measurements):
         if figure in measurement.figures:
-            places.append(int(np.argmax(put.owner == i)) + list(measurement.figures).index(figure))
+            places.append(int(np.argmax(problem.owner == i)) + list(measurement.figures).index(figure))
     if not places:
         raise ValueError(f"`figure` must be one that was measured, got {figure!r}.")
     return np.array(places)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Validation:
+    """A fit, and how it does on what it was not fitted to."""
+
+    task: Task
+    """What was asked for."""
+    found: Fit
+    """What was found."""
+    left_out: Float[np.ndarray, " n_data"]
+    """Every number as the others predict it."""
+    is_linearized: bool
+    """Whether that is by the linearized model, without refits."""
+    by_group: LeftOut | None
+    """The same by groups, always with refits; None if the others do not suffice, or it was not asked for."""
+    null_models: tuple[NullModel, ...]
+    """Models without physics on the same speeds."""
+    profiles: tuple[Profile, ...]
+    """Intervals from the likelihood itself, if asked for."""
+
+    def error(self, predictions: Float[np.ndarray, " n_data"] | None, figure: str = "forward_velocity") -> float | None:
+        """Mean error of a figure, in percent; None without such measurements or predictions."""
+        measured = {name for m in self.found.problem.measurements for name in m.figures}
+        if predictions is None or figure not in measured:
+            return None
+        at = figure_places(self.found, figure)
+        observed = self.found.problem.observed[at]
+        if np.any(np.isnan(predictions[at])) or np.any(observed == 0.0):
+            return None
+        return mape(observed, predictions[at])
+
+
+def validate(
+    task: Task,
+    found: Fit,
+    *,
+    exact: bool = False,
+    by_group: bool = True,
+    profiles: bool = False,
+    progress: Callable[[str, float], None] | None = None,
+) -> Validation:
+    """How a fit does on what it was not fitted to.
+
+    Args:
+        task: What was asked for.
+        found: What was found.
+        exact: Whether every measurement is left out by a refit, instead of by the linearized model.
+        by_group: Whether groups are left out, if there are several.
+        profiles: Whether intervals are computed from the likelihood too.
+        progress: Called now and then with what is going on, and the share of it that is finished.
+    """
+
+    def part(what: str) -> Callable[[float], None]:
+        return lambda share: None if progress is None else progress(what, share)
+
+    exact = exact and _suffices(found, [m.name for m in found.problem.measurements])
+    single = (
+        leave_out(found, progress=part("measurements left out")).predictions if exact else linear_leave_one_out(found)
+    )
+    groups = (
+        leave_out(found, "group", progress=part("groups left out"))
+        if by_group and _suffices(found, found.problem.groups)
+        else None
+    )
+    kept: list[Profile] = []
+    shown = found.problem.of_interest if profiles else []
+    for done, k in enumerate(shown):
+        kept.append(profile(found, found.estimates[k].name))
+        if progress is not None:
+            progress("profiles", (done + 1) / len(shown))
+    return Validation(
+        task=task,
+        found=found,
+        left_out=single,
+        is_linearized=not exact,
+        by_group=groups,
+        null_models=compared_with_null_models(found),
+        profiles=tuple(kept),
+    )
+
+
+def _suffices(found: Fit, names: Sequence[str]) -> bool:
+    """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
+    problem = found.problem
+    n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.noise == "estimated")
+    sizes = np.bincount(problem.owner, minlength=len(names))
+    most = max(sum(size for size, other in zip(sizes, names, strict=True) if other == name) for name in names)
+    return len(set(names)) > 1 and problem.observed.size - int(most) >= n_free

@@ -10,7 +10,7 @@ from laticauda.errors import one_of
 from laticauda.identify.fitting import fit
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict
-from laticauda.identify.problem import problem
+from laticauda.identify.problem import make_problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import load_water
@@ -76,21 +76,25 @@ def paper_procedure(
     one_of("model", model, MODELS)
     water = load_water("paper-vortex" if model == "vortex-set" else _PRESETS[one_of("gait_kind", gait_kind, GAITS)])
     placed = [
-        replace(m, environment=water, figures={SPEED: m.figures[SPEED]}, time=None, series={})
+        replace(
+            m,
+            scenario=replace(m.scenario, environment=water),
+            figures={SPEED: m.figures[SPEED]},
+            time=None,
+            series={},
+        )
         for m in measurements
         if SPEED in m.figures
     ]
-    everything = problem(placed, options.pop("robot", None), parameters)
-    fitted = [s.gait.kind == gait_kind and s.robot.caudal_fin is None for s in everything.settings]
+    fitted = [m.scenario.gait.kind == gait_kind and m.scenario.robot.caudal_fin is None for m in placed]
     if not any(fitted) or all(fitted):
         raise ValueError(
             f"`measurements` must hold speeds of gait `{gait_kind}` without fin, and others to predict, got "
             f"{sum(fitted)} of {len(fitted)}."
         )
-    chosen = [replace(m, robot=s.robot) for m, s in zip(placed, everything.settings, strict=True)]
-    found = fit([m for m, mine in zip(chosen, fitted, strict=True) if mine], parameters=parameters, **options)
-    rest = replace(everything, options=found.problem.options, model=found.problem.model)
-    predicted = predict(rest, np.array(list(found.values.values()))).values
+    found = fit([m for m, mine in zip(placed, fitted, strict=True) if mine], parameters=parameters, **options)
+    rest = make_problem(placed, parameters, model=found.problem.model)
+    predicted = predict(rest, found.best).values
     groups = [
         _group(name, [i for i, other in enumerate(rest.groups) if other == name], fitted, rest.observed, predicted)
         for name in dict.fromkeys(rest.groups)

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.extensions import name_of
 from laticauda.files import write
-from laticauda.identify.checking import Checked
 from laticauda.identify.tasks import Task
+from laticauda.identify.validation import Validation
 from laticauda.packaging import __version__
 from laticauda.reports.chapter import Chapter, Pictures, writable_folder, write_chapter
 from laticauda.reports.identify_figures import figures_of
@@ -19,7 +20,7 @@ from laticauda.reports.page import Heading, Paragraph, Part, Picture, Points, Se
 from laticauda.reports.tables import Table
 
 
-def write_identification(done: Checked, folder: str | Path, *, command: str = "") -> list[str]:
+def write_identification(done: Validation, folder: str | Path, *, command: str = "") -> list[str]:
     """Write parameters.toml, fit.json, tables, figures and identify.html.
 
     Args:
@@ -60,7 +61,7 @@ def _keeping(chapter: Chapter, kept: dict[str, tuple[str, bytes]]) -> Chapter:
     return Chapter(section=section, tables=chapter.tables, figures=chapter.figures)
 
 
-def as_dict(done: Checked, command: str = "") -> dict[str, Any]:
+def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
     """Everything that was found, as JSON has it, in SI units.
 
     Args:
@@ -106,8 +107,8 @@ def as_dict(done: Checked, command: str = "") -> dict[str, Any]:
             for s in found.searches
         ],
         "warnings": list(found.warnings),
-        "joints": found.problem.options["joints"],
-        "model": found.problem.model,
+        "joints": name_of(type(found.problem.model.joints)),
+        "model": name_of(type(found.problem.model)),
         "sources": sources_of(done.task),
         "command": command,
         "version": __version__,
@@ -132,12 +133,12 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _introduction(done: Checked, command: str) -> list[Part]:
+def _introduction(done: Validation, command: str) -> list[Part]:
     found, put = done.found, done.found.problem
     parts: list[Part] = [
         Paragraph(text=found.status),
         Paragraph(
-            text=f"By the {put.model} model with {put.options['joints']} joints; the noise is "
+            text=f"By the {name_of(type(put.model))} model with {name_of(type(put.model.joints))} joints; the noise is "
             + (
                 "taken as stated."
                 if found.noise == "known"
@@ -155,7 +156,7 @@ def _introduction(done: Checked, command: str) -> list[Part]:
     return parts
 
 
-def _sections(done: Checked, tables: dict[str, Table], pictures: Pictures) -> list[Section]:
+def _sections(done: Validation, tables: dict[str, Table], pictures: Pictures) -> list[Section]:
     found = done.found
     identified: list[Part] = [
         Paragraph(
@@ -195,7 +196,7 @@ def _sections(done: Checked, tables: dict[str, Table], pictures: Pictures) -> li
     return [*sections, Section(name="starts", title="Where the search began and ended", parts=search)]
 
 
-def _left_out(done: Checked) -> Paragraph:
+def _left_out(done: Validation) -> Paragraph:
     how = "the linearized model, without refits" if done.is_linearized else "a refit to all others"
     words = "A model that interpolates is no model: each measurement predicted by " + how
     words += ", each group by a refit to the other groups" if done.by_group is not None else ""

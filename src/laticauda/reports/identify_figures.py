@@ -7,7 +7,6 @@ import numpy as np
 
 from laticauda.figures import identification as draw
 from laticauda.figures import new_figure, style
-from laticauda.identify.checking import of_interest
 from laticauda.identify.measurements import SERIES
 from laticauda.simulate.sensitivities import UNITS
 
@@ -15,13 +14,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from laticauda.identify import Fit
-    from laticauda.identify.checking import Checked
+    from laticauda.identify.validation import Validation
 
 _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
 _MOST_BARS = 60
 
 
-def figures_of(done: "Checked") -> "Iterator[tuple[str, str, Figure]]":
+def figures_of(done: "Validation") -> "Iterator[tuple[str, str, Figure]]":
     """Name, caption and figure, one after the other.
 
     Args:
@@ -35,7 +34,7 @@ def figures_of(done: "Checked") -> "Iterator[tuple[str, str, Figure]]":
         _residuals(found),
     )
     yield "intervals", "Uncertainty of every parameter as a share of its value.", _intervals(done)
-    if len(of_interest(found)) > 1:
+    if len(found.problem.of_interest) > 1:
         yield "correlations", "Correlations of the parameters' errors.", _correlations(found)
 
 
@@ -121,11 +120,11 @@ def _residuals(found: "Fit") -> "Figure":
     return figure
 
 
-def _intervals(done: "Checked") -> "Figure":
+def _intervals(done: "Validation") -> "Figure":
     found = done.found
     profiles = {one.name: one for one in done.profiles}
     rows: list[draw.Interval] = []
-    shown = of_interest(found)
+    shown = found.problem.of_interest
     names = short_names([found.problem.names[k] for k in shown])
     for estimate, label in zip([found.estimates[k] for k in shown], names, strict=True):
         best = estimate.value or 1.0
@@ -141,7 +140,7 @@ def _intervals(done: "Checked") -> "Figure":
 
 
 def _correlations(found: "Fit") -> "Figure":
-    shown = of_interest(found)
+    shown = found.problem.of_interest
     figure = new_figure(style.DOUBLE_COLUMN, 0.7 + 0.42 * len(shown))
     names = short_names([found.problem.names[k] for k in shown])
     draw.correlations(names, found.correlations[np.ix_(shown, shown)], figure.subplots())

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from laticauda.identify.checking import Checked, of_interest
+from laticauda.identify.validation import Validation
 from laticauda.reports.tables import Cell, Column, Table, in_digits
 
 _PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
 
-def tables_of(done: Checked) -> dict[str, Table]:
+def tables_of(done: Validation) -> dict[str, Table]:
     """All of them by name.
 
     Args:
@@ -18,14 +18,14 @@ def tables_of(done: Checked) -> dict[str, Table]:
     """
     tables = [parameters_table(done), directions_table(done), groups_table(done), residuals_table(done)]
     tables += [starts_table(done), correlations_table(done)]
-    if len(of_interest(done.found)) < len(done.found.estimates):
+    if len(done.found.problem.of_interest) < len(done.found.estimates):
         tables.append(began_table(done))
     if done.error(done.found.predictions) is not None:
         tables.append(errors_table(done))
     return {table.name: table for table in tables}
 
 
-def parameters_table(done: Checked) -> Table:
+def parameters_table(done: Validation) -> Table:
     """Values, uncertainties and what is to be known about them."""
     found = done.found
     profiles = {one.name: one for one in done.profiles}
@@ -42,7 +42,7 @@ def parameters_table(done: Checked) -> Table:
         columns += [Column(name="profile, low", form=".4g"), Column(name="profile, high", form=".4g")]
     columns += [Column(name="prior"), Column(name="range"), Column(name="note", wraps=True)]
     rows: list[tuple[Cell, ...]] = []
-    for k in of_interest(found):
+    for k in found.problem.of_interest:
         unknown, estimate = found.problem.unknowns[k], found.estimates[k]
         low, high = estimate.interval or (None, None)
         value = estimate.value if estimate.is_identified else None
@@ -64,10 +64,10 @@ def parameters_table(done: Checked) -> Table:
     )
 
 
-def began_table(done: Checked) -> Table:
+def began_table(done: Validation) -> Table:
     """Where single trials began, as far as it was identified."""
     found = done.found
-    shown = [k for k in range(len(found.estimates)) if k not in of_interest(found)]
+    shown = [k for k in range(len(found.estimates)) if k not in found.problem.of_interest]
     return Table(
         name="began",
         caption="Where the trials began, to be added to what their files say: identified because a first sample has "
@@ -89,9 +89,9 @@ def _end(value: float) -> str:
     return in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
-def directions_table(done: Checked) -> Table:
+def directions_table(done: Validation) -> Table:
     """What the measurements see of combinations."""
-    shown = of_interest(done.found)
+    shown = done.found.problem.of_interest
     directions = [
         one for one in done.found.identifiability.directions if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
     ]
@@ -110,7 +110,7 @@ def directions_table(done: Checked) -> Table:
     )
 
 
-def residuals_table(done: Checked) -> Table:
+def residuals_table(done: Validation) -> Table:
     """Every measurement beside its prediction."""
     left_out = _left_out(done)
     return Table(
@@ -148,7 +148,7 @@ def residuals_table(done: Checked) -> Table:
     )
 
 
-def _left_out(done: Checked) -> dict[tuple[str, str], float | None]:
+def _left_out(done: Validation) -> dict[tuple[str, str], float | None]:
     """Figures as the others predict them."""
     found: dict[tuple[str, str], float | None] = {}
     at = 0
@@ -161,7 +161,7 @@ def _left_out(done: Checked) -> dict[tuple[str, str], float | None]:
     return found
 
 
-def groups_table(done: Checked) -> Table:
+def groups_table(done: Validation) -> Table:
     """Errors by group."""
     rows: list[tuple[Cell, ...]] = []
     residuals = done.found.residuals
@@ -195,7 +195,7 @@ def groups_table(done: Checked) -> Table:
     )
 
 
-def errors_table(done: Checked) -> Table:
+def errors_table(done: Validation) -> Table:
     """Mean errors of the speeds, fitted and left out, beside null models."""
     n, by_group = len(done.found.estimates), done.by_group
     rows: list[tuple[Cell, ...]] = [
@@ -225,10 +225,10 @@ def errors_table(done: Checked) -> Table:
     )
 
 
-def starts_table(done: Checked) -> Table:
+def starts_table(done: Validation) -> Table:
     """Where every search began and ended."""
     every = done.found.problem.names
-    names = [every[k] for k in of_interest(done.found)]
+    names = [every[k] for k in done.found.problem.of_interest]
     columns = [Column(name="start"), Column(name="sum of squares", form=".5g"), Column(name="ended by itself")]
     columns += [Column(name=f"{name}, {word}", form=".4g") for name in names for word in ("from", "to")]
     return Table(
@@ -247,7 +247,7 @@ def starts_table(done: Checked) -> Table:
     )
 
 
-def correlations_table(done: Checked) -> Table:
+def correlations_table(done: Validation) -> Table:
     """The matrix."""
     names = done.found.problem.names
     return Table(

@@ -1,4 +1,4 @@
-"""What a tracker and a meter would show of a run, and where a run begins."""
+"""The measurement model: what a tracker and a meter would show of a run."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,64 +8,54 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.problem import Problem
 from laticauda.interfaces import Start
 
-SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
-
-Raw = dict[str, Any]
+Run = dict[str, Any]
 """What a run gave, by name of figure or series; complex if it has a derivative."""
-Values = Float[np.ndarray, " n_unknowns"]
 
 
-def seen(measurement: Measurement, raw: Mapping[str, Any], side: Mapping[str, Any]) -> np.ndarray:
+def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: Mapping[str, Any]) -> np.ndarray:
     """What a measurement would show of a run: the tracked point, the tracker's heading, the meter's power.
 
     Args:
         measurement: Says what was measured.
-        raw: What the run gave, as `Raw`.
-        side: Values of `SIDE` by name; what is missing is 0.
+        run: What the run gave.
+        nuisance: Values of `NUISANCE` by name; what is missing is 0.
     """
-    ahead, left = side.get("measured.offset_x", 0.0), side.get("measured.offset_y", 0.0)
-    turned, more = side.get("measured.heading_offset", 0.0), side.get("measured.power_offset", 0.0)
+    ahead, left = nuisance.get("measured.offset_x", 0.0), nuisance.get("measured.offset_y", 0.0)
+    turned, more = nuisance.get("measured.heading_offset", 0.0), nuisance.get("measured.power_offset", 0.0)
     figures: list[Any] = []
     for name in measurement.figures:
-        value: Any = raw[name]
+        value: Any = run[name]
         if name == "heading":
             value = value + turned
         elif name == "mean_power":
             value = value + more
         elif name == "x":
-            value = value + ahead * np.cos(raw["heading"]) - left * np.sin(raw["heading"])
+            value = value + ahead * np.cos(run["heading"]) - left * np.sin(run["heading"])
         elif name == "y":
-            value = value + ahead * np.sin(raw["heading"]) + left * np.cos(raw["heading"])
+            value = value + ahead * np.sin(run["heading"]) + left * np.cos(run["heading"])
         figures.append(value)
     parts = [np.array(figures)]
     for name in measurement.series:
-        value = raw[f"{name} series"]
+        value = run[f"{name} series"]
         if name == "heading":
             value = value + turned
         elif name == "center_of_mass" and (ahead != 0.0 or left != 0.0):
-            c, s = np.cos(raw["heading series"]), np.sin(raw["heading series"])
+            c, s = np.cos(run["heading series"]), np.sin(run["heading series"])
             value = value + np.stack((ahead * c - left * s, ahead * s + left * c), axis=1)
         parts.append(np.ravel(value))
     return np.concatenate(parts)
 
 
-def starts_of(problem: Problem, values: Values) -> list[Start]:
-    """Where every trial begins."""
-    found: list[Start] = []
-    for i, measurement in enumerate(problem.measurements):
-        side, begin = problem.side(i, values), measurement.start
-        for name in ("start.x", "start.y", "start.heading", "start.velocity"):
-            if name in side:
-                begin = moved_start(begin, name, float(side[name]))
-        found.append(begin)
-    return found
+def shifted(start: Start, name: str, value: float) -> Start:
+    """A start with one number added: identified starts are what is to be added to the stated ones.
 
-
-def moved_start(start: Start, name: str, value: float) -> Start:
-    """A start with one number added: identified starts are what is to be added to the stated ones."""
+    Args:
+        start: As it is stated.
+        name: Of the number: start.x, start.y, start.heading or start.velocity.
+        value: What is added.
+    """
     x, y = start.center_of_mass
     if name == "start.heading":
         return replace(start, heading=start.heading + value)

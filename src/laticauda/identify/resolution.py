@@ -1,14 +1,15 @@
-"""Names of unknowns looked up in the measurements, and everything filled in that was left open."""
+"""Unknowns resolved: names looked up in the measurements, and everything filled in that was left open."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Bool
 
 from laticauda.errors import nearest
-from laticauda.identify.unknowns import SIDE, Settled, Unknown, size_of
+from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown, Unknown, size_of
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, changed, look_up, value_of
+from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
 
 RANGE = 100.0  # a number on a log scale may be so many times its start, or its start so many times it
 _HALVINGS = 60
@@ -42,18 +43,42 @@ def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> 
         look_up(name, every, "parameters")
     except ValueError as err:
         hint = str(err).partition("; the nearest are ")[2]
-        side = nearest(name, tuple(SIDE))
+        side = nearest(name, tuple(NUISANCE))
         words = f"; the nearest are {hint}" if hint else side or "."
         raise ValueError(f"`parameters` must name numbers {whose}, got {name!r}{words}") from None
 
 
-def applies(scope: str, name: str, scopes: set[str], known: Mapping[str, Parameter]) -> bool:
-    """Whether an unknown is one of a measurement's numbers."""
-    return name in known and (not scope or scope in scopes)
+def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
+    """The numbers that each scenario has, by name; the same dictionary for what is alike."""
+    made: dict[object, dict[str, Parameter]] = {}
+    keys = [(id(scenario.robot), id(scenario.environment)) for scenario in scenarios]
+    for key, scenario in zip(keys, scenarios, strict=True):
+        if key not in made:
+            made[key] = parameters(scenario, each=True) | NUISANCE
+    return [made[key] for key in keys]
 
 
-def let_the_special_win(moves: np.ndarray, split: Sequence[tuple[str, str]]) -> None:
-    """Where a number is looked for in general and for some, the general one leaves those alone."""
+def dependence(
+    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
+) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
+    """Which measurements depend on which unknowns.
+
+    Where a number is looked for in general and for some, the general one leaves those alone.
+
+    Args:
+        split: By unknown, its scope and its name without that.
+        scopes: By measurement, what it may be called.
+        known: By measurement, the numbers that it has.
+
+    Raises:
+        ValueError: If two unknowns are the same number of a measurement.
+    """
+    moves = np.array(
+        [
+            [name in numbers and (not scope or scope in mine) for scope, name in split]
+            for mine, numbers in zip(scopes, known, strict=True)
+        ]
+    ).reshape(len(known), len(split))
     for k, (scope, name) in enumerate(split):
         for j, (other_scope, other) in enumerate(split):
             if j != k and other == name and scope and not other_scope:
@@ -67,21 +92,22 @@ def let_the_special_win(moves: np.ndarray, split: Sequence[tuple[str, str]]) -> 
                 f"`parameters` must say once per measurement what `{name}` is for, got both `{scope}` and "
                 f"`{split[twice[0]][0]}`."
             )
+    return moves
 
 
-def settled(
+def resolve(
     unknown: Unknown,
     scope: str,
     name: str,
-    settings: Sequence[Scenario],
+    scenarios: Sequence[Scenario],
     known: Sequence[Mapping[str, Parameter]],
     applies: np.ndarray,
-) -> Settled:
+) -> ResolvedUnknown:
     """An unknown with everything filled in."""
     if not applies.any():
         raise ValueError(f"`parameters` must leave something to `{unknown.name}`: more special ones take all of it.")
     first = int(np.argmax(applies))
-    setting, parameter = settings[first], known[first][name]
+    scenario, parameter = scenarios[first], known[first][name]
     if name.startswith("gait."):
         raise ValueError(
             f"`parameters` must not be of the gait, which is what was asked for, got `{unknown.name}`; what the joints "
@@ -89,24 +115,24 @@ def settled(
         )
     if parameter.is_whole:
         raise ValueError(f"`parameters` must be numbers that may change a little, got `{unknown.name}`, a count.")
-    _check_tied(unknown, name, settings, known, applies)
+    _check_tied(unknown, name, scenarios, known, applies)
     start = unknown.start
     if start is None:
-        start = 0.0 if name in SIDE else value_of(name, setting, argument="parameters")
+        start = 0.0 if name in NUISANCE else value_of(name, scenario, argument="parameters")
         start = start if unknown.lower is None else max(start, unknown.lower)
         start = start if unknown.upper is None else min(start, unknown.upper)
-    is_allowed = _rule(name, setting, unknown.tied)
+    is_allowed = _rule(name, scenario, unknown.tied)
     for end, value in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
         if value is not None:
             is_allowed(value, f"`{end}` of `{unknown.name}` must be in the range of the field, got {value:g}")
-    may_be_less = name in SIDE or _is_fine(is_allowed, -1e-9 * max(1.0, abs(start)))
+    may_be_less = name in NUISANCE or _is_allowed(is_allowed, -1e-9 * max(1.0, abs(start)))
     is_log = unknown.scale == "log" if unknown.scale else start > 0.0 and not may_be_less
     if is_log and start <= 0.0:
         raise ValueError(f"`start` of `{unknown.name}` must be > 0 on a log scale, got {start:g}.")
     low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
     lower = _end(is_allowed, start, low) if unknown.lower is None else unknown.lower
     upper = _end(is_allowed, start, high) if unknown.upper is None else unknown.upper
-    return Settled(
+    return ResolvedUnknown(
         name=unknown.name,
         scope=scope,
         parameter=parameter,
@@ -120,26 +146,26 @@ def settled(
     )
 
 
-def with_tied(setting: Scenario, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
+def with_tied(scenario: Scenario, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
     """The value of an unknown, and of all that follow it.
 
     Args:
-        setting: What the measurement has without the identification.
+        scenario: What the measurement has without the identification.
         name: Of the unknown, without its scope.
         value: Of it.
         tied: Powers of what follows it, by name.
     """
     if not tied:
         return {name: value}
-    factor = value / value_of(name, setting)
-    others = {other: value_of(other, setting) * factor**power for other, power in tied.items()}
+    factor = value / value_of(name, scenario)
+    others = {other: value_of(other, scenario) * factor**power for other, power in tied.items()}
     return {name: value, **others}
 
 
 def _check_tied(
     unknown: Unknown,
     name: str,
-    settings: Sequence[Scenario],
+    scenarios: Sequence[Scenario],
     known: Sequence[Mapping[str, Parameter]],
     applies: np.ndarray,
 ) -> None:
@@ -147,30 +173,30 @@ def _check_tied(
     if not unknown.tied:
         return
     where = f"`tied` of `{unknown.name}`"
-    for setting, numbers, is_one in zip(settings, known, applies, strict=True):
+    for scenario, numbers, is_one in zip(scenarios, known, applies, strict=True):
         if not is_one:
             continue
         for other in unknown.tied:
-            if other not in numbers or other == name or other in SIDE or numbers[other].is_whole:
+            if other not in numbers or other == name or other in NUISANCE or numbers[other].is_whole:
                 raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
-        if name in SIDE or value_of(name, setting, argument="parameters") <= 0.0:
+        if name in NUISANCE or value_of(name, scenario, argument="parameters") <= 0.0:
             raise ValueError(f"{where} must follow a number that is greater than 0.")
 
 
-def _rule(name: str, setting: Scenario, tied: Mapping[str, float]) -> Callable[[float, str], None]:
+def _rule(name: str, scenario: Scenario, tied: Mapping[str, float]) -> Callable[[float, str], None]:
     """What raises a ValueError if a value is out of the range of its field."""
 
     def check(value: float, words: str) -> None:
-        if name not in SIDE:
+        if name not in NUISANCE:
             try:
-                changed(setting, with_tied(setting, name, value, tied))
+                changed(scenario, with_tied(scenario, name, value, tied))
             except (ValueError, ArithmeticError) as err:
                 raise ValueError(f"{words}: {err}") from None
 
     return check
 
 
-def _is_fine(check: Callable[[float, str], None], value: float) -> bool:
+def _is_allowed(check: Callable[[float, str], None], value: float) -> bool:
     try:
         check(value, "")
     except ValueError:
@@ -181,10 +207,10 @@ def _is_fine(check: Callable[[float, str], None], value: float) -> bool:
 def _end(check: Callable[[float, str], None], inside: float, end: float) -> float:
     """The farthest value towards `end` that the field allows."""
     reach = math.copysign(1e6 * max(1.0, abs(inside)), end) if math.isinf(end) else end
-    if _is_fine(check, reach):
+    if _is_allowed(check, reach):
         return end
     good, bad = inside, reach
     for _ in range(_HALVINGS):
         middle = 0.5 * (good + bad)
-        good, bad = (middle, bad) if _is_fine(check, middle) else (good, middle)
+        good, bad = (middle, bad) if _is_allowed(check, middle) else (good, middle)
     return good
