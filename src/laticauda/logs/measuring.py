@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from importlib.metadata import version
-from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
 
 from laticauda import kinematics
-from laticauda.errors import TrialFileError
 from laticauda.logs import flat
-from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap, load_column_map
+from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
 from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
 from laticauda.logs.smoothing import rate
-from laticauda.logs.tables import Table, read_table
+from laticauda.logs.tables import Table
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
@@ -30,41 +27,26 @@ SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
 LARGEST_BEND = math.pi  # [rad]
 
 
-def load_measured(path: str | Path, columns: str | Path | ColumnMap) -> Trial:
+def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
     """Make a trial of somebody's log.
 
-    The log is CSV, TSV, Parquet, .mat, C3D, or what Qualisys Track Manager exports as TSV. What was not measured is
-    listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles are taken as they are;
-    their rates are the slopes of cubic fits over `smoothing`. Work is that of the measured torques, electrical work
-    that of the measured power above idle (4).
+    What was not measured is listed in the trial's `not_measured`, and figures that need it refuse. Positions and angles
+    are taken as they are; their rates are the slopes of cubic fits over `smoothing`. Work is that of the measured
+    torques, electrical work that of the measured power above idle (4).
 
     Args:
-        path: The log; its ending says what it is.
-        columns: The column map, or its file.
+        table: The log.
+        given: What its columns are.
+        source: What it is called.
 
     Raises:
-        TrialFileError: If a file cannot be read, a column is missing, time does not increase, values are missing over
-            too long a time, or units cannot be what is said; the message has the file, the column and the value.
-        MissingExtra: If the format needs a package that is not installed.
-
-    Example:
-        See the how-to "Bring your own measurements".
+        ValueError: If a column is missing, time does not increase, values are missing over too long a time, or units
+            cannot be what is said; the message has the column and the value.
     """
-    path = Path(path)
-    given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
-    table = read_table(path, given.separator, given.decimal)
-    try:
-        trial = _trial(table, given)
-    except ValueError as error:
-        raise TrialFileError(f"Cannot load {path}: {error}") from error
-    known = cast(Experiment, trial.scenario)
-    notes = {"model": "measured", "source": path.name, "smoothing": given.smoothing, **known.notes}
-    return dataclasses.replace(trial, scenario=dataclasses.replace(known, notes=notes))
-
-
-def _trial(table: Table, given: ColumnMap) -> Trial:
+    known: dict[str, Any] = {"robot": given.robot, "gait": given.gait, "environment": given.environment}
+    notes = {"model": "measured", "source": source, "smoothing": given.smoothing}
     if given.center_of_mass is None and given.body is None and given.ends is None:
-        return _own_table(table, given)
+        return _own_table(table, Experiment(**known, notes=notes))
     time, rows = _time(table, given)
     log = Log(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
     chain = given.robot.planar()
@@ -81,7 +63,7 @@ def _trial(table: Table, given: ColumnMap) -> Trial:
         **arrays,
         electrical_work=None if given.power is None else _electrical_work(log),
         signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
-        scenario=_experiment(given, filled_samples=int(np.count_nonzero(log.lost))),
+        scenario=Experiment(**known, notes={**notes, "filled_samples": int(np.count_nonzero(log.lost))}),
         version=version("laticauda"),
         not_measured=missing,
         status=_status(log),
@@ -199,7 +181,7 @@ def _status(log: Log) -> str:
 # ---- tables that laticauda wrote -----------------------------------------------------------------------------------
 
 
-def _own_table(table: Table, given: ColumnMap) -> Trial:
+def _own_table(table: Table, known: Experiment) -> Trial:
     """The trial whose CSV file laticauda wrote: every number as it is, with the robot and gait of the map."""
     plain = {name.split(" [")[0]: values for name, values in table.columns.items() if not isinstance(values, str)}
     if "center_of_mass_x" not in plain:
@@ -214,10 +196,6 @@ def _own_table(table: Table, given: ColumnMap) -> Trial:
         work=work,
         electrical_work=plain.get(ELECTRICAL),
         signals={name.removeprefix("signal_"): one for name, one in plain.items() if name.startswith("signal_")},
-        scenario=_experiment(given),
+        scenario=known,
         version=version("laticauda"),
     )
-
-
-def _experiment(given: ColumnMap, **notes: int) -> Experiment:
-    return Experiment(robot=given.robot, gait=given.gait, environment=given.environment, notes=notes)

@@ -1,4 +1,4 @@
-"""Tables of somebody's log: columns of numbers by name, from any file that has some."""
+"""Tables of somebody's log: columns of numbers by name, and those of a text with separators."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from laticauda.errors import TrialFileError, nearest
+from laticauda.errors import nearest
 from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
@@ -49,51 +48,6 @@ class Table:
         return next((len(one) for one in self.columns.values() if not isinstance(one, str)), 0)
 
 
-def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> Table:
-    """Read a file of columns: CSV, TSV, QTM's TSV, C3D, Parquet, .mat.
-
-    Args:
-        path: The file; its ending says what it is, and its first line whether a table is QTM's.
-        separator: Between the cells of a text; found by itself if None.
-        decimal: Point or comma, in a text.
-
-    Raises:
-        TrialFileError: If it cannot be read, or makes no sense.
-        MissingExtra: If it needs a package that is not installed.
-    """
-    try:
-        ending = path.suffix.lower()
-        if ending == ".c3d":
-            from laticauda.logs.c3d import read_c3d
-
-            return read_c3d(path)
-        if ending == ".parquet":
-            from laticauda.logs.parquet import parquet_columns
-
-            return Table(columns=parquet_columns(path))
-        if ending == ".mat":
-            from laticauda.logs.matlab import mat_columns
-
-            return Table(columns=mat_columns(path))
-        content = path.read_bytes()
-    except OSError as error:
-        raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
-    try:
-        lines = content.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        lines = content.decode("latin-1").splitlines() if b"\x00" not in content else []
-    if not lines:
-        raise TrialFileError(f"Cannot load {path}: it is no text of columns, or it is empty.")
-    try:
-        if lines[0].startswith("NO_OF_FRAMES"):
-            from laticauda.logs.qtm_tsv import qtm_table
-
-            return qtm_table(lines)
-        return _csv_table(lines, separator, decimal)
-    except ValueError as error:
-        raise TrialFileError(f"Cannot load {path}: {error}") from error
-
-
 def numbers(name: str, cells: Sequence[str], first_row: int, decimal: str = ".") -> Samples | str:
     """A column of cells as numbers, or the sentence that says which cell is none.
 
@@ -116,8 +70,17 @@ def numbers(name: str, cells: Sequence[str], first_row: int, decimal: str = ".")
     return found
 
 
-def _csv_table(lines: list[str], separator: str | None, decimal: str) -> Table:
-    """A text whose first row, comments apart, has the names of the columns."""
+def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Table:
+    """The columns of a text whose first row, comments apart, has their names.
+
+    Args:
+        lines: Of the text.
+        separator: Between cells; found by itself if None.
+        decimal: Point or comma.
+
+    Raises:
+        ValueError: If it makes no sense.
+    """
     rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
     if len(rows) < 2:
         raise ValueError("it must have a row of names and a row of numbers at least.")
