@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from laticauda.estimation import Estimate, JointSample, KinematicEstimator, KinematicState, Mount, PoseSample
-from laticauda.operate.safety.modules import Modules, unheard, updated
+from laticauda.operate.safety.modules import Modules, no_reports, updated
 from laticauda.protocol import CanMessage, Heartbeat, JointState
 from laticauda.quantities import option, value
 from laticauda.robot import Robot
@@ -61,7 +61,7 @@ class PassiveObserver:
 
     def init(self, now: float) -> ObserverState:
         """Before any message and frame, at the time `now` [s]."""
-        return ObserverState(modules=unheard(self.robot.n_joints), posture=self.kinematics.init(), begun=now)
+        return ObserverState(modules=no_reports(self.robot.n_joints), posture=self.kinematics.init(), begun=now)
 
     def step(
         self,

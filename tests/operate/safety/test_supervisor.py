@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from laticauda.operate.safety.limits import LimitMonitor, Reports
-from laticauda.operate.safety.modules import unheard
+from laticauda.operate.safety.modules import no_reports
 from laticauda.operate.safety.rules import ACTIONS, BY_EVENT, RULES
 from laticauda.operate.safety.supervisor import Supervisor, SupervisorState, safety_table
 from laticauda.operate.safety.transitions import REQUESTS, STATES
@@ -193,7 +193,7 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
     beats = beats or (WELL, replace(WELL, node=2))
     numbers = {name: np.array([0.0, measured.get(name, 0.0)]) for name in ("angle", "rate", "current", "torque")}
     times = np.full(2, now)
-    modules = replace(unheard(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
+    modules = replace(no_reports(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
     references = np.zeros(2)
     return Reports(
         now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0

@@ -12,9 +12,7 @@ from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import LaticaudaError
-from laticauda.kinematics import link_centers
 from laticauda.quantities import quantity, value
-from laticauda.robot import Robot
 
 Places = tuple[tuple[float, float, float, float], ...]
 
@@ -70,18 +68,6 @@ def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) 
     yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
     mean = math.atan2(float(np.mean(np.sin(yaw))), float(np.mean(np.cos(yaw))))
     return wrap_to_pi(mean - heading)
-
-
-def marker_from_center(robot: Robot, link: int, heading: float) -> Float[np.ndarray, " 2"]:
-    """Where the middle of a link of the straight robot lies from its center of mass: what the geometry says [m].
-
-    Args:
-        robot: As the planar model has it.
-        link: 0 = tail.
-        heading: Of the straight robot [rad].
-    """
-    straight = np.full(robot.planar().n_links, heading)
-    return link_centers(robot.planar(), np.zeros(2), straight)[link]
 
 
 class ClockState(NamedTuple):
@@ -141,19 +127,10 @@ class MeanCurrent:
     """Sum [A]."""
     count: int = 0
     """Number of readings [-]."""
-    lowest: float = math.inf
-    """[A]."""
-    highest: float = -math.inf
-    """[A]."""
 
     def step(self, current: float) -> "MeanCurrent":
         """With one more reading of a `current` [A]."""
-        return MeanCurrent(
-            total=self.total + current,
-            count=self.count + 1,
-            lowest=min(self.lowest, current),
-            highest=max(self.highest, current),
-        )
+        return MeanCurrent(total=self.total + current, count=self.count + 1)
 
     @property
     def mean(self) -> float | None:

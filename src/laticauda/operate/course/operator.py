@@ -19,7 +19,7 @@ from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import LimitMonitor, Reports
-from laticauda.operate.safety.modules import unheard
+from laticauda.operate.safety.modules import no_reports
 from laticauda.operate.safety.rules import BY_EVENT, cause_of
 from laticauda.operate.safety.supervisor import Entry, Supervisor
 from laticauda.operate.safety.transitions import phase_after, phase_with
@@ -91,7 +91,7 @@ class Operator:
         return OperatorState(
             supervisor=self.supervisor.init(),
             limits=self.limits.init(n),
-            modules=unheard(n),
+            modules=no_reports(n),
             estimator=self.estimator.init(),
             reference=self.reference_source.init(),
             prepared=Prepared(),

@@ -59,7 +59,7 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
     """Until every module, the motion capture and the power meter have been heard."""
     modules, connection = state.modules, operation.connection
     missing: list[str] = []
-    if not modules.is_heard:
+    if not modules.have_reported:
         silent = [
             str(k + 1)
             for k, beat in enumerate(modules.heartbeat)
@@ -76,7 +76,7 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
     if connection.meter_port and state.reading is None:
         missing.append(f"the power meter at {connection.meter_port} says nothing: check that it is on and connected")
     if not missing:
-        return _done(state, now, "heard", f"{modules.n} modules and the motion capture are heard")
+        return _done(state, now, "connected", f"{modules.n} modules and the motion capture are heard")
     if _gone(state, now) > CONNECT_TIME:
         return _given_up(state, now, _sentence("; ".join(missing)))
     return state, ()

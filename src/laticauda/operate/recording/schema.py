@@ -3,6 +3,7 @@
 Everything that may be missing is nan; what is of variable length comes last, behind its length.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, get_args
@@ -37,13 +38,16 @@ class Schema:
         """An entry of this kind as numbers."""
         n = entry.angle.size if isinstance(entry, JointSample) else 0
         n = entry.joint_angle.size if isinstance(entry, Estimate) else n
-        parts: list[Any] = []
+        flat: list[float] = []  # quicker than arrays, for so few numbers
         for name, size in self.fields:
             value = n if name == "n" else getattr(entry, name)
-            if name == "status":
-                value = _STATUS.index(value)
-            parts.append(np.full(_count(size, n), np.nan) if value is None else np.ravel(value))
-        return np.concatenate(parts, dtype=np.float64)
+            if value is None:
+                flat += [math.nan] * _count(size, n)
+            elif size == 0:
+                flat.append(_STATUS.index(value) if name == "status" else value)
+            else:
+                flat += value.ravel().tolist()
+        return np.array(flat, dtype=np.float64)
 
     def unpack(self, topic: str, numbers: Sequence[float] | Numbers) -> Any:
         """The entry again.

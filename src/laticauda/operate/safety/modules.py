@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.protocol import CanMessage, CommandReply, Heartbeat, JointState, NodeState
+from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 
 MOVING = (NodeState.ACTIVE, NodeState.HOLD)
 """States in which the motor of a module is on."""
@@ -40,8 +40,6 @@ class Modules:
     """The last one of each."""
     heartbeat_time: Numbers
     """When it came; minus infinity before the first [s]."""
-    refused: tuple[CommandReply, ...] = ()
-    """Orders that were refused in the messages taken last."""
 
     @property
     def n(self) -> int:
@@ -49,7 +47,7 @@ class Modules:
         return len(self.heartbeat)
 
     @property
-    def is_heard(self) -> bool:
+    def have_reported(self) -> bool:
         """Whether every module has sent a heartbeat and an angle."""
         return None not in self.heartbeat and bool(np.isfinite(self.angle).all())
 
@@ -79,8 +77,8 @@ class Modules:
         return tuple(int(k) + 1 for k in np.flatnonzero(now - self.heartbeat_time > timeout))
 
 
-def unheard(n: int) -> Modules:
-    """Nothing heard yet.
+def no_reports(n: int) -> Modules:
+    """Before any message.
 
     Args:
         n: How many modules there are.
@@ -107,7 +105,6 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
     n = modules.n
     values = {name: getattr(modules, name).copy() for name in ("angle", "rate", "current", "torque", "angle_time")}
     beats, beat_times = list(modules.heartbeat), modules.heartbeat_time.copy()
-    refused: list[CommandReply] = []
     for time, message in messages:
         if isinstance(message, JointState) and message.node <= n:
             k = message.node - 1
@@ -117,9 +114,7 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
         elif isinstance(message, Heartbeat) and message.node <= n:
             beats[message.node - 1] = message
             beat_times[message.node - 1] = time
-        elif isinstance(message, CommandReply) and message.node <= n and message.result:
-            refused.append(message)
-    return replace(modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times, refused=tuple(refused))
+    return replace(modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times)
 
 
 def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ class Transition(NamedTuple):
 
 
 TRANSITIONS: tuple[Transition, ...] = (
-    Transition("connecting", "idle", "heard", "checking", "idle"),
+    Transition("connecting", "idle", "connected", "checking", "idle"),
     Transition("checking", "idle", "well", "calibrating", "idle"),
     Transition("calibrating", "idle", "calibrated", "idle_current", "idle"),
     Transition("idle_current", "idle", "measured", "settling", "idle"),
