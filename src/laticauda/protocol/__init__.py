@@ -20,6 +20,7 @@ from laticauda.protocol.messages import (
     NodeCommand,
     NodeState,
     Order,
+    ProtocolError,
     References,
     Result,
     Sync,
@@ -27,7 +28,6 @@ from laticauda.protocol.messages import (
 )
 from laticauda.protocol.meter import MeterIdentity, MeterReading
 from laticauda.protocol.qtm import BodyPose, MocapFrame
-from laticauda.protocol.messages import ProtocolError
 
 __all__ = [
     "EVERY_NODE",
