@@ -69,13 +69,6 @@ def mapping(name: str, value: object) -> Mapping[str, object]:
     return {_key(name, key): item for key, item in items.items()}
 
 
-def instance(name: str, value: object, *kinds: type) -> None:
-    """Refuse a value of another kind."""
-    if not isinstance(value, kinds):
-        wanted = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
-        raise ValueError(f"`{name}` must be of kind {wanted}, got {type(value).__name__}.")
-
-
 def state_array(name: str, value: object) -> AnyArray:
     """`value` as a read-only array of its own kind of number, in the machine's byte order."""
     array = np.asarray(value)

@@ -4,6 +4,7 @@ import dataclasses
 import datetime
 from collections.abc import Mapping
 
+from laticauda.errors import flag, instance, text
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
 from laticauda.scenarios import Experiment, Scenario, settings_of
@@ -90,10 +91,10 @@ class Contents:
 
     def __post_init__(self) -> None:
         """Check everything and freeze every array, once."""
-        arrays.instance("scenario", self.scenario, Scenario, Experiment)
-        arrays.instance("succeeded", self.succeeded, bool)
+        instance("scenario", self.scenario, Scenario, Experiment)
+        flag("succeeded", self.succeeded)
         for name in ("version", "created", "status"):
-            arrays.instance(name, getattr(self, name), str)
+            text(name, getattr(self, name))
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED))
