@@ -40,7 +40,7 @@ class Schema:
         n = entry.joint_angle.size if isinstance(entry, Estimate) else n
         flat: list[float] = []  # quicker than arrays, for so few numbers
         for name, size in self.fields:
-            value = n if name == "n" else getattr(entry, name)
+            value: Any = n if name == "n" else getattr(entry, name)
             if value is None:
                 flat += [math.nan] * _count(size, n)
             elif size == 0:
