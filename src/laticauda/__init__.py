@@ -59,6 +59,8 @@ if TYPE_CHECKING:
         Planar as Planar,
         Scenario as Scenario,
         Spatial as Spatial,
+        load_scenario as load_scenario,
+        save_scenario as save_scenario,
         scenario as scenario,
     )
     from laticauda.simulate import (

@@ -267,7 +267,7 @@ def _member(find: Callable[[Any], type], value: object, at: str, default: object
         with arguments_of(at):
             found = find(word)
     except BadKey:
-        if _keeps_unknown.get() and isinstance(word, str) and isinstance(base, type):
+        if _keeps_unknown.get() and isinstance(word, str) and hasattr(base, "stand_in"):
             return cast("type[Extensible]", base).stand_in(word, table)
         raise
     return _object(found, table, at)

@@ -40,7 +40,7 @@ def test_follow_plans_ahead_in_a_current_within_a_power(run):
     found = json.loads(done.out)
     assert abs(found["path_following"]["last_third_error"]) < 0.02
     assert found["mean_power"] < 13.0
-    assert found["settings"]["guidance"] == "ModelPredictive"
+    assert found["settings"]["controller"] == "model-predictive"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.actuation.laws import JointLaw
+from laticauda.actuation.laws import PD, JointLaw, Servo
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.trial import FIGURES
 
@@ -279,3 +279,19 @@ def test_single_coefficients_replace_those_of_a_parameter_file(run, folder):
     found = json.loads(run("swim --duration 1 --parameters mine.toml --normal-drag 2 --json").out)
     assert found["environment"] == "mine with normal_drag 2"
     assert (found["coefficients"]["tangential_friction"], found["coefficients"]["normal_drag"]) == (0.2, 2.0)
+
+
+def test_a_scenario_is_a_file_that_options_change(run):
+    first = run("swim --duration 2 --joints pd --heading-deg 10 --save-scenario run.toml --save first.nc")
+    assert first.status == 0
+    assert lc.load_scenario("run.toml") == replace(lc.load_trial("first.nc").scenario, model=lc.Planar(joints=PD()))
+    assert run("swim run.toml --save again.nc").status == 0
+    np.testing.assert_array_equal(lc.load_trial("again.nc").center_of_mass, lc.load_trial("first.nc").center_of_mass)
+    options = "--amplitude-deg 20 --normal-drag 1.5 --joints servo --n-links 5 --duration 1"
+    assert run(f"swim run.toml {options} --save other.nc").status == 0
+    other = lc.load_trial("other.nc").scenario
+    assert (math.degrees(other.motion.amplitude), other.environment.normal_drag) == (pytest.approx(20.0), 1.5)
+    assert (other.robot.n_links, other.model.joints, other.duration) == (5, Servo(), 1.0)
+    assert run("swim none.toml").status == 2
+    refused = run("swim run.toml --pitch-amplitude-deg 3")
+    assert (refused.status, "--pitch-amplitude-deg must not be given" in refused.err) == (2, True)

@@ -164,9 +164,9 @@ def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("scenario", "name = 3", r"Cannot load .*run\.nc: scenario: key `name`: is not known"),
+        ("scenario", 'kind = "scenario"\nname = 3', r"Cannot load .*run\.nc: scenario: key `name`: is not known"),
         ("scenario", "=", r"Cannot load .*run\.nc: "),
-        ("scenario", 'kind = "walk"', r"scenario: key `kind`: must be one of `scenario`, `experiment`, got 'walk'"),
+        ("scenario", 'kind = "walk"', r'scenario: key `kind`: must be one of "scenario", "experiment"'),
         ("scenario", 'kind = "experiment"\nnotes = 3', r"scenario: key `robot`: is missing"),
         ("link_force", '["lift"]', "it has no `link_force_lift`"),
         ("state", '{"gone": {"dtype": "<f8"}}', "it has no `bytes`"),

@@ -1,7 +1,7 @@
 """Groups of options that commands share: what swims, how, where, and by which model."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
@@ -88,6 +88,20 @@ class GaitFlags:
             pitch=self._pitch(frequency, phase_shift),
             fin=self._fin(frequency),
         )
+
+    def changed(self, gait: "Gait") -> "Gait":
+        """Another gait with what was asked for of this one.
+
+        Args:
+            gait: Of a scenario.
+        """
+        fields = {"amplitude_deg": "amplitude", "frequency_deg_s": "frequency", "phase_shift_deg": "phase_shift"}
+        fields["offset_deg"] = "offset"
+        asked = given(self)
+        for name in asked:
+            if name not in fields:
+                raise ValueError(f"`{name}` must not be given with a scenario's gait: write it into the scenario.")
+        return replace(gait, **{fields[name]: math.radians(angle) for name, angle in asked.items()})
 
     def _pitch(self, frequency: float, phase_shift: float) -> "Wave | None":
         """The second wave; None if no option asks for one."""

@@ -2,10 +2,12 @@
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
-from laticauda.cli.flags import File, Number, Switch, default
+import tyro
+
+from laticauda.cli.flags import File, Number, Switch, changed, default
 from laticauda.cli.groups import (
     Coefficients,
     EnvironmentFlags,
@@ -21,6 +23,7 @@ from laticauda.cli.view import check_film, write_film
 from laticauda.robot import Environment
 
 if TYPE_CHECKING:
+    from laticauda.scenarios import Model, Scenario
     from laticauda.trial import Trial
 
 DURATION = 30.0  # [s]
@@ -55,6 +58,8 @@ class OutputFlags:
     """Print one JSON object in SI units instead of the table."""
     save: File = None
     """Write the trial to this netCDF file (.nc)."""
+    save_scenario: File = None
+    """Write what was run, with all its numbers, to this TOML file, from which it can be run again."""
     plot: File = None
     """Draw path, speed, joint angles and torques into this picture (.png or .pdf)."""
     video: File = None
@@ -69,6 +74,10 @@ class Swim:
     --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
     """
 
+    scenario: Annotated[
+        str | None, tyro.conf.Positional, tyro.conf.arg(metavar="SCENARIO", help_behavior_hint="(default: none)")
+    ] = None
+    """A TOML file that says all; other options change it."""
     robot: RobotFlags = field(default_factory=RobotFlags)
     gait: GaitFlags = field(default_factory=GaitFlags)
     environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
@@ -81,6 +90,7 @@ class Swim:
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
         check_output("save", self.output.save, (".nc",))
+        check_output("save_scenario", self.output.save_scenario, (".toml",))
         check_output("plot", self.output.plot, PICTURES)
         check_film(self.output.video)
         trial, origin = self._swim() if self.run.resume is None else self._go_on(self.run.resume)
@@ -97,23 +107,62 @@ class Swim:
 
     def _swim(self) -> tuple["Trial", str]:
         """The run, and where its coefficients are from."""
-        from laticauda.interfaces import Start
+        from laticauda.scenarios import save_scenario
         from laticauda.simulate import swim
+
+        chosen, origin = self._chosen() if self.scenario is None else self._changed(self.scenario)
+        if self.output.save_scenario is not None:
+            save_scenario(chosen, self.output.save_scenario)
+        trial = swim(
+            chosen,
+            link_forces=self.run.link_forces,
+            progress=announced(chosen.environment, chosen.duration, model=chosen.model),
+        )
+        return trial, origin
+
+    def _chosen(self) -> tuple["Scenario", str]:
+        """The scenario that the options say."""
+        from laticauda.interfaces import Start
+        from laticauda.scenarios import scenario
 
         gait = self.gait.chosen()
         environment, origin = self.environment.chosen(gait, self.coefficients)
-        robot = self.environment.equipped(self.robot.chosen(), gait)
-        trial = swim(
-            robot,
+        chosen = scenario(
+            self.environment.equipped(self.robot.chosen(), gait),
             gait,
             environment=environment,
             start=Start(heading=radians(self.run.heading_deg, 0.0)),
-            link_forces=self.run.link_forces,
-            progress=announced(environment, model=self.model.model, **self._clock()),
             **self.environment.model_settings(self.model),
             **self._clock(),
         )
-        return trial, origin
+        return chosen, origin
+
+    def _changed(self, path: str) -> tuple["Scenario", str]:
+        """The scenario of a file, with what other options say."""
+        from laticauda.gaits import Gait
+        from laticauda.interfaces import Start
+        from laticauda.scenarios import load_scenario, model_of
+
+        base, origin = load_scenario(path), f"as {path} says"
+        parts: dict[str, Any] = {name: one for name, one in given(self.run).items() if name in CLOCK}
+        if given(self.gait):
+            if not isinstance(base.motion, Gait):
+                raise ValueError(f"`{next(iter(given(self.gait)))}` must not be given: `scenario` has a controller.")
+            parts["motion"] = self.gait.changed(base.motion)
+        gait = parts.get("motion", base.gait)
+        if given(self.environment):
+            parts["environment"], origin = self.environment.chosen(gait, self.coefficients)
+        elif given(self.coefficients):
+            parts["environment"] = changed(base.environment, self.coefficients)
+        if given(self.robot) or self.environment.parameters is not None:
+            robot = self.robot.chosen() if given(self.robot) else base.robot
+            parts["robot"] = self.environment.equipped(robot, gait)
+        settings = self.environment.model_settings(self.model)
+        if settings:
+            parts["model"] = model_of(settings.pop("model", base.model), **settings)
+        if self.run.heading_deg is not None:
+            parts["start"] = Start(heading=radians(self.run.heading_deg, 0.0))
+        return replace(base, **parts), origin
 
     def _go_on(self, path: str) -> tuple["Trial", str]:
         """The stored run and its continuation as one, and where its coefficients are from."""
@@ -129,7 +178,7 @@ class Swim:
             plant(first.scenario),
             first,
             link_forces=first.link_force is not None,
-            progress=announced(first.environment, model=str(first.settings.get("model")), **self._clock()),
+            progress=announced(first.environment, model=first.scenario.model, **self._clock()),
             **self._clock(),
         )
         return joined(first, second), f"as stored in {path}"
@@ -147,7 +196,7 @@ class Swim:
 
 
 def announced(
-    environment: Environment, duration: float, *, model: str | None = None, **_: object
+    environment: Environment, duration: float, *, model: "Model | str | None" = None, **_: object
 ) -> Callable[[float], None]:
     """Say that kernels will be compiled, if so, and return what shows the progress of the run.
 

@@ -6,6 +6,7 @@ from laticauda.scenarios.coding import run_from_table, run_from_toml, run_to_tom
 from laticauda.scenarios.experiment import Experiment
 from laticauda.scenarios.models import MODELS, Model, Planar, Spatial, settings_of
 from laticauda.scenarios.scenario import Scenario
+from laticauda.scenarios.scenario_files import load_scenario, save_scenario, scenario_from_table
 
 __all__ = [
     "MODELS",
@@ -20,13 +21,16 @@ __all__ = [
     "Scenario",
     "Spatial",
     "default_water",
+    "load_scenario",
     "model_of",
     "named_after",
     "preset_water",
     "run_from_table",
     "run_from_toml",
     "run_to_toml",
+    "save_scenario",
     "scenario",
+    "scenario_from_table",
     "settings_of",
     "unknown_in",
 ]

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, cast
 
-from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped
-from laticauda.errors import RobotFileError, one_of
+from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped, take_kind
+from laticauda.errors import RobotFileError
 from laticauda.extensions import Unknown, name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Controller
@@ -33,7 +33,7 @@ def run_to_toml(run: Scenario | Experiment) -> str:
     """
     import tomli_w
 
-    table: Table = {"kind": name_of(type(run))}
+    table = stamped(name_of(type(run)), {})
     for field in fields(run):
         value, hint = getattr(run, field.name), hints_of(type(run))[field.name]
         if isinstance(value, Robot | Water | Ground):
@@ -66,8 +66,7 @@ def run_from_table(table: Table) -> Scenario | Experiment:
         table: As a TOML reader gives it.
     """
     table = dict(table)
-    with arguments_of(""):
-        kind = KINDS[one_of("kind", table.pop("kind", "scenario"), tuple(KINDS))]
+    kind = KINDS[take_kind(table, *KINDS)]
     hints = hints_of(kind)
     motion = {"gait", "controller"} if kind is Scenario else set[str]()
     check_keys(table, [*(name for name in hints if name != "motion"), *motion])
@@ -75,13 +74,11 @@ def run_from_table(table: Table) -> Scenario | Experiment:
         if name not in table:
             raise BadKey(name, f"is missing; every {kind.__name__} needs it")
     with keeping_unknown(), arguments_of(""):
-        values: Table = {}
+        values: Table = {"motion": motion_of(table)} if motion else {}
         for name, given in table.items():
             if name in ("robot", "environment"):
                 values[name] = _described(given)
-            elif name in motion:
-                values["motion"] = _motion(name, given)
-            else:
+            elif name not in motion:
                 values[name] = decode(hints[name], given, name, kind.__dataclass_fields__[name].default)
         return kind(**values)
 
@@ -109,10 +106,21 @@ def _stored(controller: Controller[Any]) -> Any:
     return {"kind": name_of(type(controller)), "gait": encode(cast(Any, controller).gait)}
 
 
-def _motion(name: str, given: Any) -> Gait | Controller[Any]:
-    if name == "gait":
-        return decode(Gait, given, "gait")
-    controller: Any = decode(cast(Any, Controller), given, "controller")
+def motion_of(table: Mapping[str, Any]) -> Gait | Controller[Any]:
+    """The gait or the controller that a table says; a controller that nobody here defines is kept with its gait.
+
+    Args:
+        table: Of a scenario.
+
+    Raises:
+        BadKey: If there is none, or it is wrong.
+    """
+    if ("gait" in table) == ("controller" in table):
+        raise BadKey("gait", "must be given, or `controller`, and not both")
+    if "gait" in table:
+        return decode(Gait, table["gait"], "gait")
+    with keeping_unknown():
+        controller: Any = decode(cast(Any, Controller), table["controller"], "controller")
     if isinstance(controller, Unknown):
         vars(controller)["gait"] = decode(Gait, controller.table.get("gait"), "controller.gait")
     return cast("Controller[Any]", controller)
@@ -121,6 +129,8 @@ def _motion(name: str, given: Any) -> Gait | Controller[Any]:
 def _described(given: Any) -> Any:
     import tomli_w
 
+    if is_dataclass(given):
+        return given
     try:
         return from_toml(tomli_w.dumps(given))
     except RobotFileError as error:

@@ -10,7 +10,7 @@ from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.quantities import option, value
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios.models import Model
+from laticauda.scenarios.models import Model, settings_of
 
 
 @value
@@ -35,6 +35,11 @@ class Experiment:
             raise BadArgument("notes", f"must map names to values, got {type(self.notes).__name__}")
         notes = {name: _plain(name, note) for name, note in self.notes.items() if note is not None}
         object.__setattr__(self, "notes", notes)
+
+    @property
+    def settings(self) -> Mapping[str, str | float | bool | None]:
+        """The model and the notes in texts and numbers, for people."""
+        return {**({} if self.model is None else settings_of(self.model)), **self.notes}
 
     @property
     def lacks(self) -> str:

@@ -1,13 +1,15 @@
 """A scenario: everything that decides a run."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from laticauda.errors import instance
+from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios.models import Model, Planar
+from laticauda.scenarios.models import Model, Planar, settings_of
 
 
 @value
@@ -47,3 +49,16 @@ class Scenario:
     def controller(self) -> Controller[Any]:
         """The controller; for a gait one that holds it."""
         return OpenLoop(command=Command(gait=self.motion)) if isinstance(self.motion, Gait) else self.motion
+
+    @property
+    def settings(self) -> Mapping[str, str | float | bool | None]:
+        """What the controller and the model are, in texts and numbers, for people."""
+        found: dict[str, Any] = {}
+        if not isinstance(self.motion, Gait):
+            steered: Any = self.motion
+            found["controller"] = name_of(self.motion.__class__)
+            for name in getattr(steered, "__dataclass_fields__", ()):
+                one: Any = getattr(steered, name)
+                if name != "gait":
+                    found[name] = one if isinstance(one, str | float | int) else repr(one)
+        return {**found, **settings_of(self.model)}

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from laticauda.errors import flag, instance, text
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
-from laticauda.scenarios import Experiment, Scenario, settings_of
+from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, Forces, Joints, Links, Plane, Samples, Setting, Work
 
@@ -116,9 +116,8 @@ class Contents:
 
     @property
     def settings(self) -> Mapping[str, Setting]:
-        """How the run was made, in texts and numbers: the model's, and what is known of an experiment."""
-        notes: Mapping[str, Setting] = self.scenario.notes if isinstance(self.scenario, Experiment) else {}
-        return {**({} if self.scenario.model is None else settings_of(self.scenario.model)), **notes}
+        """How the run was made, in texts and numbers: controller and model, or what is known of an experiment."""
+        return self.scenario.settings
 
     def _clean(self) -> dict[str, object]:
         """Arrays and mappings as they are kept."""

@@ -1,0 +1,99 @@
+"""Scenarios as TOML files that people write, in names where names will do.
+
+    kind = "scenario"
+    robot = "mamba"              # a preset or a file, or a table; `n_links` beside it
+    water = "paper-lateral"      # likewise; or `ground`, or `parameters`; left out: the paper's for the gait
+    duration = 20.0
+
+    [gait]                       # or [controller]
+    amplitude_deg = 30
+    frequency_deg_s = 130
+    phase_shift_deg = 40
+
+    [model]
+    kind = "spatial"
+    joints = "servo"
+
+A water or ground may be a table that changes a few numbers of another one: ``extends = "paper-eel"``.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from laticauda import files
+from laticauda.codec import BadKey, Table, arguments_of, keys_of
+from laticauda.errors import RobotFileError
+from laticauda.gaits import Gait
+from laticauda.robot import load_robot
+from laticauda.scenarios.choice import Choice
+from laticauda.scenarios.coding import motion_of, run_from_table, run_to_toml
+from laticauda.scenarios.scenario import Scenario
+
+NAMES = ("robot", "n_links", "water", "ground", "parameters")
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """The scenario in a file.
+
+    Args:
+        path: Of the TOML file; paths in it are relative to its folder.
+
+    Raises:
+        RobotFileError: If it cannot be read, or anything in it is wrong; the message has the file, the key, the rule
+            and the value.
+    """
+    with keys_of(path, RobotFileError):
+        return scenario_from_table(files.read_toml(path, RobotFileError), Path(path).parent)
+
+
+def save_scenario(scenario: Scenario, path: str | Path) -> None:
+    """Write a scenario with all its numbers, for `load_scenario`.
+
+    Args:
+        scenario: What to write.
+        path: Of the TOML file; one that is there is replaced.
+
+    Raises:
+        StorageFailed: If it cannot be written.
+    """
+    files.write(path, run_to_toml(scenario))
+
+
+def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
+    """The scenario that a table of a file or a message says.
+
+    Args:
+        table: As a TOML or JSON reader gives it.
+        folder: Where relative paths in it start; None for the working directory.
+
+    Raises:
+        BadKey: If a key is unknown, missing or out of range.
+    """
+    table = dict(table)
+    motion = motion_of(table)
+    gait = motion if isinstance(motion, Gait) else motion.gait
+    named = {name: table[name] for name in NAMES if name in table and not isinstance(table[name], Mapping)}
+    for name, one in named.items():
+        if isinstance(one, str) and one.endswith(".toml") and folder is not None:
+            named[name] = str(folder / one)
+    with arguments_of(""):
+        chosen = Choice(**named).resolved(gait, load_robot)
+    if not isinstance(table.get("robot"), Mapping):
+        table["robot"] = chosen.robot
+    places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
+    if len(places) > 1:
+        raise BadKey(places[1], f"must not be given beside `{places[0]}`")
+    where = {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
+    table.setdefault("environment", chosen.environment if where is None else where)
+    for name in NAMES[1:]:
+        table.pop(name, None)
+    model: Any = table.get("model", {})
+    model = {"kind": model} if isinstance(model, str) else dict(model)
+    if "parameters" in named:
+        model.setdefault("joints", chosen.model.joints)
+    table["model"] = {"kind": "planar", **model}
+    found = run_from_table(table)
+    if not isinstance(found, Scenario):
+        raise BadKey("kind", 'must be "scenario" here')
+    return found
