@@ -10,13 +10,13 @@ from dataclasses import replace
 from math import degrees, radians
 
 import laticauda as lc
-from laticauda.control import ModelPredictive, OffsetSteps, fit_averaged
+from laticauda.control import ModelPredictive
+from laticauda.studies import averaged_model
 from laticauda.trial import following
 
 gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(90), phase_shift=radians(40))
 robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
-turns = [OffsetSteps(gait=replace(gait, frequency=radians(f))) for f in (60, 80, 100, 120)]
-model = fit_averaged([lc.run(lc.plant(robot, water), each, each.duration) for each in turns])
+model = averaged_model(lc.plant(robot, water), gait, (radians(60), radians(120)))  # from four trials of its own
 
 limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}
 plans = ModelPredictive(gait=gait, path=lc.StraightLine(), model=model, speed=0.12, **limits)

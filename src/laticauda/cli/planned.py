@@ -1,7 +1,7 @@
-"""`laticauda follow --guidance model-predictive`: what is planned for, and the trials that the model is fitted to."""
+"""`laticauda follow --guidance model-predictive`: what is planned for."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from laticauda.cli.flags import Ends, Number, default
@@ -10,9 +10,6 @@ if TYPE_CHECKING:
     from laticauda.control import ModelPredictive, Path
     from laticauda.gaits import Gait
     from laticauda.interfaces import Plant
-
-N_TRIALS = 4
-AROUND = 1.0 / 3.0  # the trials' frequencies go so far below and above the gait's, where no limits are given [-]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,14 +34,11 @@ class PlanFlags:
             body: The robot in its water.
             settings: Further fields of `ModelPredictive`.
         """
-        from laticauda.control import ModelPredictive, OffsetSteps, fit_averaged
-        from laticauda.simulate import run
+        from laticauda.control import ModelPredictive
+        from laticauda.studies import averaged_model
 
         limits = self._limits()
-        low, high = limits or ((1.0 - AROUND) * gait.frequency, (1.0 + AROUND) * gait.frequency)
-        frequencies = [low + (high - low) * k / (N_TRIALS - 1) for k in range(N_TRIALS)]
-        turns = [OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
-        model = fit_averaged([run(body, each, each.duration) for each in turns])
+        model = averaged_model(body, gait, limits)
         return ModelPredictive(
             gait=gait,
             path=path,

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.measurements import Measurement
-from laticauda.interfaces import Start
+from laticauda.interfaces import Resumed, Start
 
 Run = dict[str, Any]
 """What a run gave, by name of figure or series; complex if it has a derivative."""
@@ -48,7 +48,7 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
     return np.concatenate(parts)
 
 
-def shifted(start: Start, name: str, value: float) -> Start:
+def shifted(start: Start | Resumed, name: str, value: float) -> Start:
     """A start with one number added: identified starts are what is to be added to the stated ones.
 
     Args:
@@ -56,6 +56,7 @@ def shifted(start: Start, name: str, value: float) -> Start:
         name: Of the number: start.x, start.y, start.heading or start.velocity.
         value: What is added.
     """
+    assert isinstance(start, Start)  # as measurements check
     x, y = start.center_of_mass
     if name == "start.heading":
         return replace(start, heading=start.heading + value)

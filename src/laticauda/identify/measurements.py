@@ -60,6 +60,7 @@ class Measurement:
             raise ValueError(f"`name` must be a text that is not empty, got {self.name!r}.")
         instance("scenario", self.scenario, Scenario)
         instance("scenario.motion", self.scenario.motion, Gait)
+        instance("scenario.start", self.scenario.start, Start)
         checked: dict[str, Any] = {
             "group": self.group or _usual_group(self.scenario),
             "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),

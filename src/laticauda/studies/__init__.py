@@ -1,5 +1,6 @@
 """Many trials: sweeps and searches, and what they say together."""
 
+from laticauda.studies.averaged import averaged_model
 from laticauda.studies.front import Front, hypervolume, unbeaten
 from laticauda.studies.optimization import OBJECTIVES, SPEED_POWER, Optimization
 from laticauda.studies.optimize import optimize
@@ -16,6 +17,7 @@ __all__ = [
     "Rows",
     "Samples",
     "Sweep",
+    "averaged_model",
     "best",
     "count_failed",
     "hypervolume",
