@@ -1,11 +1,13 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.cosim import Session
-from laticauda.cosim.setup import FIRST_GAIT
+from laticauda.cosim.setup import FIRST_GAIT, read_setup
+from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
 from laticauda.simulate import plant
 
@@ -153,7 +155,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("run", {"dt": 1e-7}, "in one request for 9 links and steps of 1e-07 s, got 30."),
         ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `chain`, `mamba`"),
         ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
-        ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be <= 200 on a server, got 1000000."),
+        ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be between 1 and 200, got 1000000."),
         ("reset", {"coefficients": {"drag": 1}}, "`drag` must be a table, got 1"),
         ("reset", {"coefficients": {"normal_drag": -1}}, "`normal_drag` must be >= 0, got -1."),
         ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
@@ -201,3 +203,10 @@ def test_an_answer_repeats_the_requests_id_also_with_an_error(ask):
 def test_an_answer_that_would_be_too_long_is_refused(ask, monkeypatch):
     monkeypatch.setattr("laticauda.cosim.messages.MOST_NUMBERS", 100)
     assert ask("run", series=["time"])["error"] == "`series` must hold 100 numbers or fewer in one answer, got 601."
+
+
+def test_numbers_of_the_drag_law_may_be_given_one_by_one_also_under_their_older_names():
+    law = PolynomialDrag(reference_speed=0.7)
+    for given in ({"reference_speed": 0.7}, {"drag": {"reference_speed": 0.7}}):
+        setup = read_setup({"water": "paper-lateral", "coefficients": given}, {})
+        assert setup.plant.environment == replace(lc.load_water("paper-lateral"), drag=law)

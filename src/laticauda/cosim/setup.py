@@ -3,30 +3,28 @@
 import dataclasses
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
 
-from laticauda.codec import BadKey, decode, encode
+from laticauda.codec import BadKey, decode, encode, merged, with_new_names
 from laticauda.cosim.messages import Message, known, numbers, table
-from laticauda.errors import one_of, positive, whole, within
+from laticauda.errors import BadArgument, one_of, within
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command, Plant, Start
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import (
     Environment,
     Robot,
     Water,
     ground_names,
-    load_ground,
-    load_parameters,
     load_robot,
-    load_water,
     parameter_names,
     robot_names,
     water_names,
 )
-from laticauda.scenarios import default_water
+from laticauda.scenarios import Choice
 from laticauda.simulate import plant
 
 # Mamba's first trial of the paper.
@@ -36,102 +34,59 @@ HELD = ("gait", "offset", "pitch_offset", "references", "enabled", "current")
 """Fields that `step` and `set` change."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Setup:
+@value
+class Setup(Choice):
     """What `reset` and `run` make a world from. Robots, waters and so on are named, never read from a client's path.
 
     Raises:
         ValueError: If a field is out of its range.
     """
 
-    robot: str = "mamba"
-    """A preset, or one of the server's own robots [-]."""
-    n_links: int | None = None
-    """Links to have instead of the robot's, for robots whose links are all alike [-]."""
-    water: str | None = None
-    """A preset; None: the paper's for the gait [-]."""
-    ground: str | None = None
-    """A preset: crawl on land instead [-]."""
-    parameters: str | None = None
-    """A preset: numbers for robot and water by gait, instead of a water [-]."""
-    coefficients: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
-    """Fields of the water that are to be replaced, each in its unit."""
-    model: str = "planar"
-    """planar or spatial [-]."""
-    joints: str | None = None
-    """prescribed, pd or servo; None: that of the parameters, else prescribed [-]."""
-    dt: float | None = None
-    """Largest time step; None: a converged one [s]."""
-    ramp: float | None = None
-    """Duration of the smooth start; None: 1 s for prescribed joints, else none [s]."""
-    offset_bandwidth: float = 10.0
-    """Of the reference generator's filters [rad/s]."""
-    center_of_mass: tuple[float, float] = (0.0, 0.0)
-    """Where it starts, straight and at rest [m]."""
-    heading: float = 0.0
-    """The same [rad]."""
-    sample_interval: float = 0.05
-    """Between two samples of the log [s]."""
-    command: Command = dataclasses.field(default_factory=lambda: Command(gait=FIRST_GAIT))
-    """What is asked of it at first: in messages `gait`, `offset`, `pitch_offset`, `references`, `enabled`."""
-    own_robots: Mapping[str, Robot] = dataclasses.field(default_factory=dict[str, Robot])
-    """Robots that the server was started with, by name; no field of a message."""
+    n_links: int | None = quantity("", "Links to have instead, if all are alike", ge=1, le=MOST_LINKS, default=None)
+    coefficients: Mapping[str, Any] = option("Fields of the water to replace", default_factory=dict[str, Any])
+    dt: float | None = quantity("s", "Largest time step; None: a converged one", gt=0.0, default=None)
+    ramp: float | None = quantity("s", "Of the start; None: 1 s for prescribed joints, else none", ge=0.0, default=None)
+    offset_bandwidth: float = quantity("rad/s", "Of the reference generator's filters", gt=0.0, default=10.0)
+    center_of_mass: tuple[float, float] = quantity("m", "Where it starts, straight and at rest", default=(0.0, 0.0))
+    heading: float = quantity("rad", "The same", default=0.0)
+    sample_interval: float = quantity("s", "Between two samples of the log", gt=0.0, default=0.05)
+    command: Command = option("What is asked of it at first", default=Command(gait=FIRST_GAIT))
+    own_robots: Mapping[str, Robot] = option("Robots of the server, by name", default_factory=dict[str, Robot])
 
     def __post_init__(self) -> None:
-        """Check what nobody behind us does."""
+        """Refuse paths, and what does not go together."""
+        super().__post_init__()
         for name, names in (("water", water_names()), ("ground", ground_names()), ("parameters", parameter_names())):
             if getattr(self, name) is not None:
                 one_of(name, getattr(self, name), names)
         one_of("robot", self.robot, (*robot_names(), *self.own_robots))
-        if self.n_links is not None and whole("n_links", self.n_links, 1) > MOST_LINKS:
-            raise ValueError(f"`n_links` must be <= {MOST_LINKS} on a server, got {self.n_links}.")
-        if self.parameters is not None and (self.water is not None or self.ground is not None):
-            raise ValueError("`parameters` must not be given with `water` or `ground`: they say what the water is.")
-        if self.ground is not None and (self.water is not None or self.coefficients):
-            raise ValueError("`ground` must not be given with `water`, `coefficients` or `current`.")
-        positive("sample_interval", self.sample_interval, "s")
-        positive("offset_bandwidth", self.offset_bandwidth, "rad/s")
+        if self.ground is not None and self.coefficients:
+            raise BadArgument("ground", "must not be given with `coefficients` or `current`")
 
     @property
     def start(self) -> Start:
         """Where it begins."""
         return Start(center_of_mass=self.center_of_mass, heading=self.heading)
 
-    @property
-    def environment(self) -> Environment:
-        """Where it moves."""
-        kind = self.command.gait.kind
-        if self.ground is not None:
-            return load_ground(self.ground)
-        if self.parameters is not None:
-            water = load_parameters(self.parameters).water(kind)
-        else:
-            water = load_water(self.water or default_water(self.command.gait))
-        try:
-            return decode(Water, {**encode(water), **self.coefficients})
-        except BadKey as error:
-            raise ValueError(f"`{error.key}` {error.rule}.") from None
-
     @cached_property
     def plant(self) -> Plant[Any]:
         """What can be stepped."""
-        own = self.own_robots.get(self.robot)
-        robot = load_robot(self.robot, self.n_links) if own is None else own
-        if own is not None and self.n_links is not None:
-            robot = own.with_links(self.n_links)
-        joints = self.joints
-        if self.parameters is not None:
-            chosen = load_parameters(self.parameters)
-            robot, joints = chosen.robot(robot, self.command.gait.kind), joints or chosen.joints
-        return plant(
-            robot,
-            self.environment,
-            model=self.model,
-            joints=joints or "prescribed",
-            dt=None if self.dt is None else positive("dt", self.dt, "s"),
-            ramp=self.ramp,
-            offset_bandwidth=self.offset_bandwidth,
-        )
+        chosen = self.resolved(self.command.gait, self._robot)
+        model = replace(chosen.model, dt=self.dt, ramp=self.ramp, offset_bandwidth=self.offset_bandwidth)
+        return plant(chosen.robot, self._with_coefficients(chosen.environment), model)
+
+    def _robot(self, name: str, n_links: int | None) -> Robot:
+        robot = self.own_robots[name] if name in self.own_robots else load_robot(name)
+        return robot if n_links is None else robot.with_links(n_links)
+
+    def _with_coefficients(self, environment: Environment) -> Environment:
+        if not self.coefficients:
+            return environment
+        changes = with_new_names(Water, dict(self.coefficients))
+        try:
+            return decode(Water, merged(encode(environment), changes, by_kind=True))
+        except BadKey as error:
+            raise BadArgument(error.key, error.rule) from None
 
 
 _OWN = ("coefficients", "command", "own_robots")
