@@ -12,10 +12,9 @@ from laticauda.paper import (
     DriftSettings,
     TurningSettings,
     run_beyond,
-    write_beyond_netcdf,
 )
-from laticauda.paper.beyond_dataset import beyond_dataset
 from laticauda.paper.curved import curved_run
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.drift import drift_laws, drift_run
 from laticauda.paper.swimmers import swimmers
 from laticauda.paper.turning import turning_curve
@@ -171,10 +170,10 @@ def test_settings_out_of_their_range_are_refused(make, message):
 
 
 def test_the_file_holds_what_was_found(study, tmp_path):
-    write_beyond_netcdf(study, tmp_path / "beyond.nc")
+    to_dataset(study).to_netcdf(tmp_path / "beyond.nc")
     with xarray.open_dataset(tmp_path / "beyond.nc") as stored:
         stored.load()
-    assert stored.equals(beyond_dataset(study))
+    assert stored.equals(to_dataset(study))
     assert np.array_equal(stored.turning_radius, [curve.radius for curve in study.turning])
     law = stored.drift_error.sel(drift_law="integral line of sight")
     assert np.array_equal(law, study.drift[1].error.value)

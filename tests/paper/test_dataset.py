@@ -1,11 +1,11 @@
 import numpy as np
 import xarray
 
-from laticauda.paper import to_dataset, write_netcdf
+from laticauda.paper import to_dataset
 
 
 def test_the_file_holds_what_the_study_found(study, tmp_path):
-    write_netcdf(study, tmp_path / "efficiency.nc")
+    to_dataset(study).to_netcdf(tmp_path / "efficiency.nc")
     with xarray.open_dataset(tmp_path / "efficiency.nc") as stored:
         stored.load()
     assert stored.equals(to_dataset(study))

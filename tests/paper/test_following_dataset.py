@@ -3,23 +3,23 @@ from dataclasses import replace
 import numpy as np
 import xarray
 
-from laticauda.paper import path_following_settings, run_path_following, write_following_netcdf
-from laticauda.paper.following_dataset import following_dataset
+from laticauda.paper import path_following_settings, run_path_following
+from laticauda.paper.datasets import to_dataset
 from laticauda.trial import following as figures
 
 
 def test_the_file_holds_what_the_study_found(following, tmp_path):
-    write_following_netcdf(following, tmp_path / "path_following.nc")
+    to_dataset(following).to_netcdf(tmp_path / "path_following.nc")
     with xarray.open_dataset(tmp_path / "path_following.nc") as stored:
         stored.load()
-    assert stored.equals(following_dataset(following))
+    assert stored.equals(to_dataset(following))
     assert stored.sizes["case"] == 13  # the held-out trial is the last
     assert stored.attrs["chosen_way"] == "prescribed joints, 10 rad/s, raw heading"
     assert stored.attrs["joints"] == "prescribed"
 
 
 def test_figures_are_found_by_case_and_way(following):
-    dataset = following_dataset(following)
+    dataset = to_dataset(following)
     for case in following.cases:
         row = dataset.sel(case=f"{case.group.name}, case {case.measured.case}")
         for run in (*case.band, case.cycle_mean):
@@ -35,7 +35,7 @@ def test_series_are_those_of_the_chosen_runs_and_nan_behind_their_ends():
     groups = (replace(settings.groups[1], figures=(15, 16)),)
     short = replace(settings, duration=15.0, distance=0.5, joint_laws=("prescribed",), groups=groups)
     study = run_path_following(short)
-    dataset = following_dataset(study)
+    dataset = to_dataset(study)
     trials = [*(case.trial for case in study.cases), study.held_out.trial]
     assert len({trial.time.size for trial in trials}) > 1
     for i, trial in enumerate(trials):
@@ -47,6 +47,6 @@ def test_series_are_those_of_the_chosen_runs_and_nan_behind_their_ends():
 
 
 def test_every_number_has_a_unit_or_is_a_count(following):
-    dataset = following_dataset(following)
+    dataset = to_dataset(following)
     bare = [name for name in dataset.variables if "units" not in dataset[name].attrs]
     assert set(bare) == {"case", "way", "paper_figure"}

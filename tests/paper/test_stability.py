@@ -5,9 +5,9 @@ import pytest
 import xarray
 
 import laticauda as lc
-from laticauda.paper import BEHAVIORS, Loops, StabilitySettings, run_stability, write_stability_netcdf
+from laticauda.paper import BEHAVIORS, Loops, StabilitySettings, run_stability
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.stability import behavior
-from laticauda.paper.stability_dataset import stability_dataset
 from laticauda.paper.swimmers import swimmers
 from laticauda.trial.following import mean_error
 
@@ -120,10 +120,10 @@ def test_settings_out_of_their_range_are_refused(changed, message):
 
 
 def test_the_file_holds_the_maps(study, tmp_path):
-    write_stability_netcdf(study, tmp_path / "stability.nc")
+    to_dataset(study).to_netcdf(tmp_path / "stability.nc")
     with xarray.open_dataset(tmp_path / "stability.nc") as stored:
         stored.load()
-    assert stored.equals(stability_dataset(study))
+    assert stored.equals(to_dataset(study))
     name = "lateral undulation, without fin"
     assert np.array_equal(stored.rms_cycle_mean.sel(swimmer=name), study.maps[0].cycle_mean.rms)
     assert (

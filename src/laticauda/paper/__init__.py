@@ -9,20 +9,12 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.paper.beyond import BeyondSettings as BeyondSettings, run_beyond as run_beyond
-    from laticauda.paper.beyond_dataset import (
-        beyond_dataset as beyond_dataset,
-        write_beyond_netcdf as write_beyond_netcdf,
-    )
     from laticauda.paper.claims.judge import Claim as Claim
     from laticauda.paper.curved import CurvedSettings as CurvedSettings
-    from laticauda.paper.dataset import to_dataset as to_dataset, write_netcdf as write_netcdf
+    from laticauda.paper.datasets import to_dataset as to_dataset
     from laticauda.paper.drift import DriftSettings as DriftSettings
     from laticauda.paper.efficiency import EfficiencyStudy as EfficiencyStudy, run_efficiency as run_efficiency
     from laticauda.paper.figures.convergence import ConvergenceCurve as ConvergenceCurve, convergence as convergence
-    from laticauda.paper.following_dataset import (
-        following_dataset as following_dataset,
-        write_following_netcdf as write_following_netcdf,
-    )
     from laticauda.paper.following_settings import path_following_settings as path_following_settings
     from laticauda.paper.links import LinksSettings as LinksSettings, run_links as run_links
     from laticauda.paper.measured import (
@@ -56,10 +48,6 @@ if TYPE_CHECKING:
         Loops as Loops,
         StabilitySettings as StabilitySettings,
         run_stability as run_stability,
-    )
-    from laticauda.paper.stability_dataset import (
-        stability_dataset as stability_dataset,
-        write_stability_netcdf as write_stability_netcdf,
     )
     from laticauda.paper.table1 import fin_gains as fin_gains, maxima as maxima
     from laticauda.paper.table2 import (

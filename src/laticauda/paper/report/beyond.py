@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.paper.beyond import BeyondStudy
-from laticauda.paper.beyond_dataset import beyond_dataset
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.report.chapter import Chapter
 from laticauda.paper.turning import TurningCurve
 
@@ -43,7 +43,7 @@ def beyond_chapter(study: BeyondStudy) -> Chapter:
         },
         n_figures=3,
         figures=lambda: beyond_figures(study),
-        data={"beyond.nc": lambda: beyond_dataset(study)},
+        data={"beyond.nc": lambda: to_dataset(study)},
     )
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.paper.dataset import to_dataset
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.efficiency import EfficiencyStudy, SweepResult
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.chapter import Chapter

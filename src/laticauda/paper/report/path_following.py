@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.following_dataset import following_dataset
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.following_run import FollowingRun
 from laticauda.paper.path_following import FollowingCase, HeldOutRun, PathFollowingStudy
 from laticauda.paper.report.chapter import Chapter
@@ -41,7 +41,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         tables=path_following_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
-        data={"path_following.nc": lambda: following_dataset(study)},
+        data={"path_following.nc": lambda: to_dataset(study)},
     )
 
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from laticauda.paper.datasets import to_dataset
 from laticauda.paper.report.chapter import Chapter
 from laticauda.paper.stability import SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
-from laticauda.paper.stability_dataset import stability_dataset
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ def stability_chapter(study: StabilityStudy) -> Chapter:
         tables={"stability-boundary": DataFrame(_boundary(study)), "stability": DataFrame(_points(study))},
         n_figures=1,
         figures=lambda: stability_figures(study),
-        data={"stability.nc": lambda: stability_dataset(study)},
+        data={"stability.nc": lambda: to_dataset(study)},
     )
 
 
