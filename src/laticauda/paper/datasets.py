@@ -35,7 +35,7 @@ RUN_FIGURES = {
     "mechanical_power": POWER,
     "joules_per_meter": ("J/m", "mechanical power / forward velocity"),
     "last_third_rms": ("m", "root mean square of the cycle-mean error over the last third"),
-    "last_third_largest": ("m", "largest cycle-mean error to either side over the last third"),
+    "last_third_largest": ("m", "largest cycle-mean error over the last third"),
     "offset_swing": ("rad", "amplitude of the offset asked for over the last third"),
 }
 SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {

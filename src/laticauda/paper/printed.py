@@ -2,17 +2,20 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from laticauda.cli.tables import aligned, number
 
 if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
-    from laticauda.paper.following_settings import FollowingGroup
     from laticauda.paper.path_following import PathFollowingStudy
     from laticauda.paper.report.reproduce import Reproduction
-    from laticauda.paper.settings import Group
+    from laticauda.paper.scores import Score
+    from laticauda.paper.table2 import Prediction
+
+HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
+"""The gaits as short as a terminal likes them."""
 
 
 def as_json(done: "Reproduction") -> str:
@@ -22,13 +25,17 @@ def as_json(done: "Reproduction") -> str:
         done: What was run and written.
     """
     from laticauda.packaging import __version__
+    from laticauda.paper.scores import scores
+    from laticauda.paper.table2 import following_scores
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}
-    if results.efficiency is not None:
-        found["efficiency"] = _efficiency_errors(results.efficiency)
-    if results.path_following is not None:
-        found["path_following"] = _following_errors(results.path_following)
+    if (study := results.efficiency) is not None:
+        errors = _errors(study, scores(study), "numbers_fitted", "leave_one_out", "leave_one_group_out")
+        found["efficiency"] = {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
+    if (study := results.path_following) is not None:
+        errors = _errors(study, following_scores(study), "numbers_fitted_to_table1")
+        found["path_following"] = {"settings": study.how, "errors": errors, "trials": _trials(study)}
     found |= {
         "claims": Counter(claim.verdict for claim in results.claims),
         "output": str(done.folder),
@@ -44,63 +51,50 @@ def as_text(done: "Reproduction") -> str:
     Args:
         done: What was run and written.
     """
+    from laticauda.paper.scores import scores
+    from laticauda.paper.table2 import following_scores
+
     results = done.results
     parts: list[str] = []
-    if results.efficiency is not None:
-        parts += _efficiency_text(results.efficiency)
-    if results.path_following is not None:
-        parts += _following_text(results.path_following)
+    if (study := results.efficiency) is not None:
+        parts += [
+            f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
+            "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:",
+            _table(study, scores(study), "leave_one_out"),
+        ]
+    if (study := results.path_following) is not None:
+        limit = study.settings.accepted_error
+        held = sum(case.run.last_third_rms is not None and case.run.last_third_rms < limit for case in study.cases)
+        parts += [
+            f"Path following, {study.how['joints']} joints, offset bandwidth {study.how['offset_bandwidth']:g} rad/s: "
+            f"{held} of {len(study.cases)} trials keep the mean\nerror under {100 * limit:g} cm in their last third. "
+            "Mean error of the forward velocity over the paper's Table 2 [%]:",
+            _table(study, following_scores(study)),
+        ]
     verdicts = Counter(claim.verdict for claim in results.claims)
-    counted = ", ".join(f"{verdict} {count}" for verdict, count in verdicts.items())
-    parts.append(f"The paper's claims: {counted}.")
+    parts.append(f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}.")
     parts.append(f"{len(done.files)} files in {done.folder}; open {done.folder / 'report.html'}")
     return "\n\n".join(parts)
 
 
-def _efficiency_errors(study: "EfficiencyStudy") -> dict[str, Any]:
-    from laticauda.paper.scores import scores
-
+def _errors(
+    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score | Prediction]", fitted: str, *more: str
+) -> dict[str, Any]:
+    """By predictor: how many numbers are fitted, and its errors."""
     groups = [group.name for group in study.settings.groups]
-    errors = {
+    return {
         score.name: {
-            "numbers_fitted": score.n_fitted,
+            fitted: score.n_fitted,
             "mape_percent": score.overall,
             "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
-            "leave_one_out_percent": score.leave_one_out,
-            "leave_one_group_out_percent": score.leave_one_group_out,
+            **{f"{name}_percent": getattr(score, name) for name in more},
         }
-        for score in scores(study)
+        for score in found
     }
-    return {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
 
 
-def _efficiency_text(study: "EfficiencyStudy") -> Iterator[str]:
-    from laticauda.paper.scores import scores
-
-    yield (
-        f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
-        "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:"
-    )
-    rows = [["", "all rows", *map(_head, study.settings.groups), "rows left out"]]
-    for score in scores(study):
-        left_out = "-" if score.leave_one_out is None else number(score.leave_one_out)
-        rows.append([_predictor(score.name, score.n_fitted), *_shares(score.overall, score.by_group), left_out])
-    yield aligned(rows, right=range(1, len(rows[0])))
-
-
-def _following_errors(study: "PathFollowingStudy") -> dict[str, Any]:
-    from laticauda.paper.table2 import following_scores
-
-    groups = [group.name for group in study.settings.groups]
-    errors = {
-        score.name: {
-            "numbers_fitted_to_table1": score.n_fitted,
-            "mape_percent": score.overall,
-            "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
-        }
-        for score in following_scores(study)
-    }
-    trials = [
+def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
+    return [
         {
             "group": case.group.name,
             "case": case.measured.case,
@@ -111,34 +105,16 @@ def _following_errors(study: "PathFollowingStudy") -> dict[str, Any]:
         }
         for case in study.cases
     ]
-    return {"settings": study.how, "errors": errors, "trials": trials}
 
 
-def _following_text(study: "PathFollowingStudy") -> Iterator[str]:
-    from laticauda.paper.table2 import following_scores
-
-    limit = study.settings.accepted_error
-    held = sum(case.run.last_third_rms is not None and case.run.last_third_rms < limit for case in study.cases)
-    yield (
-        f"Path following, {study.how['joints']} joints, offset bandwidth {study.how['offset_bandwidth']:g} rad/s: "
-        f"{held} of {len(study.cases)} trials keep the mean\nerror under {100 * limit:g} cm in their last third. "
-        "Mean error of the forward velocity over the paper's Table 2 [%]:"
-    )
-    rows = [["", "all rows", *map(_head, study.settings.groups)]]
-    for score in following_scores(study):
-        rows.append([_predictor(score.name, score.n_fitted), *_shares(score.overall, score.by_group)])
-    yield aligned(rows, right=range(1, len(rows[0])))
-
-
-def _head(group: "Group | FollowingGroup") -> str:
-    """A group's name as short as a terminal likes it."""
-    gait = {"lateral_undulation": "lateral", "eel_like": "eel-like"}[group.gait]
-    return f"{gait}, fin" if group.has_fin else gait
-
-
-def _predictor(name: str, n_fitted: int | None) -> str:
-    return name if n_fitted is None else f"null model: {name}"
-
-
-def _shares(overall: float, by_group: Sequence[float]) -> list[str]:
-    return [number(overall), *map(number, by_group)]
+def _table(
+    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score | Prediction]", left_out: str = ""
+) -> str:
+    """Errors by predictor, a line each."""
+    heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]
+    rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
+    for score in found:
+        name = score.name if score.n_fitted is None else f"null model: {score.name}"
+        values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
+        rows.append([name, *("-" if value is None else number(value) for value in values)])
+    return aligned(rows, right=range(1, len(rows[0])))
