@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.control import PathFollowing
 from laticauda.trial import Trial, following
 from laticauda.trial.cycles import TRANSIENT
 
@@ -77,11 +78,13 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
         last = error[middle - time[0] >= 2.0 / 3.0 * trial.duration]
         rms, largest = float(np.sqrt(np.mean(last**2))), float(np.max(np.abs(last)))
     how: Any = trial.settings
+    controller: Any = getattr(trial.scenario, "motion", None)  # a measured trial has none
+    assert isinstance(controller, PathFollowing)
     progress = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
     return FollowingRun(
         joints=str(how["joints"]),
         offset_bandwidth=float(how["offset_bandwidth"]),
-        heading_estimate=str(how["heading_estimate"]),
+        heading_estimate=controller.heading_estimate,
         dt=float(how["dt"]),
         ramp=float(how["ramp"]),
         reached="distance" if progress >= distance else "time",
