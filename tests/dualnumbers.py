@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from laticauda.actuation import laws as joint_laws
 from laticauda.fluid import laws
 from laticauda.planar import rows
 
@@ -80,6 +81,12 @@ def _by_numbers(formula, record, n_first):
     return call
 
 
+def _driven(code, motion, drive, numbers):
+    """The built-in joint laws."""
+    law = {joint_laws.PD_DRIVEN: joint_laws.PD(), joint_laws.SERVO_DRIVEN: joint_laws.Servo()}.get(code)
+    return (0.0, 0.0, 0.0) if law is None else law(*motion, joint_laws.Drive(*drive))
+
+
 def python_kernels(law=None):
     """The templates, not compiled."""
     same = lambda function: function  # noqa: E731
@@ -99,13 +106,14 @@ def python_kernels(law=None):
         "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
         "in_rows": _by_numbers,
         "rows_from": lambda first, count: lambda S: tuple(S[first : first + count]),
+        "actuator_of": lambda own: _driven,
         "plate": laws.plate,
         "Element": laws.Element,
         "MOTION": laws.MOTION,
         "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
-    names = {"WIDTH": 1, "law": (law or laws.PolynomialDrag()).formula}
+    names = {"WIDTH": 1, "joint_law": None, "law": (law or laws.PolynomialDrag()).formula}
     for template in ("loads", "recursion", "drives", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
         source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)

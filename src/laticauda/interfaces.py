@@ -8,6 +8,7 @@ from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.errors import finite
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
@@ -46,12 +47,12 @@ class Command:
     """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
     are on. For joints driven by pd control or servos [-]."""
 
-    def check_held(self, n_joints: int, joints: str) -> None:
+    def check_held(self, n_joints: int, joints: JointLaw) -> None:
         """Refuse references and switches that do not fit a plant.
 
         Args:
             n_joints: How many joints the plant drives.
-            joints: How: prescribed, pd or servo.
+            joints: By what law.
 
         Raises:
             ValueError: If there are not as many as joints, a reference is no finite number, or the joints are
@@ -61,7 +62,7 @@ class Command:
             values = getattr(self, name)
             if values is None:
                 continue
-            if joints == "prescribed":
+            if joints.prescribed:
                 raise ValueError(
                     f"`{name}` must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
                     f"`servo` joints can, got {len(values)} of them."

@@ -8,6 +8,7 @@ from dualnumbers import Dual, python_kernels
 from numba import njit
 
 import laticauda as lc
+from laticauda.actuation import JointLaw
 from laticauda.compiling import compiled, in_lanes, lane_types, lanes
 from laticauda.interfaces import Command, Start
 from laticauda.planar import functions, rows  # noqa: F401 - functions teaches lanes their sines
@@ -112,7 +113,7 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
         body, modules=body.modules[:4], joints=body.joints[:3], tether=Tether(drag=1.0), pectoral_fins=(plate,)
     )
     water = replace(load_water("paper-eel"), added_mass_form="kirchhoff", trailing_edge="elongated", current=(0.1, 0.0))
-    plant = PlanarPlant(robot=robot, environment=water, joints=joints)
+    plant = PlanarPlant(robot=robot, environment=water, joints=JointLaw.of(joints))
     command = Command(gait=GAIT)
     S = plant.rows(plant.init(Start(), command), command)
     # Lane k moves every eighth row, so that all parameters are perturbed, but not all at once.

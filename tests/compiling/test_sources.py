@@ -8,7 +8,12 @@ from laticauda.compiling.sources import PACKAGE, closure, digest_of
 from laticauda.planar import specialize
 
 PLANAR = tuple(f"laticauda.planar.{name}" for name in (*specialize.TEMPLATES, "specialize"))
-MADE_OF = [PLANAR, ("laticauda.spatial.stepping",), ("laticauda.mujoco_water.loads",), ("laticauda.cosim.fmu.entry",)]
+MADE_OF = [
+    PLANAR,
+    ("laticauda.spatial.drives", "laticauda.spatial.stepping"),
+    ("laticauda.mujoco_water.loads",),
+    ("laticauda.cosim.fmu.entry",),
+]
 SWIM = """
 import laticauda as lc
 gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)

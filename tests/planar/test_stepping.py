@@ -9,6 +9,7 @@ from numba.core.runtime import rtsys
 from scipy.integrate import solve_ivp
 
 import laticauda as lc
+from laticauda.actuation import PD
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
@@ -176,7 +177,7 @@ def test_skin_stiffness_loads_the_actuators():
 
 def test_the_time_loop_does_not_allocate():
     robot, water = load_robot("mamba"), load_water("paper-lateral")
-    a = layout(robot, water, joints="pd")
+    a = layout(robot, water, joints=PD())
 
     def allocations(steps):
         S = a.template.copy()

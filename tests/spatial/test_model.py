@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.actuation import Servo
 from laticauda.interfaces import Command, OpenLoop, Plant, Start
 from laticauda.simulate import plant, resume, run
 from laticauda.spatial.model import SpatialPlant
@@ -119,7 +120,7 @@ def test_the_physical_robot_swims_upright_from_any_roll():
 
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
-    body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints="servo")
+    body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints=Servo())
     command = Command(gait=replace(GAIT, amplitude=0.0))
     _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
     assert failure is None

@@ -1,5 +1,5 @@
-"""How joints are driven: the torque that a joint law delivers, and the electrical power that it takes."""
+"""Actuators: joint laws as values, their torques as scalar functions, and the power that their motors draw."""
 
-from laticauda.actuation.laws import motor_power, pd, servo
+from laticauda.actuation.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, pd, servo
 
-__all__ = ["motor_power", "pd", "servo"]
+__all__ = ["PD", "Drive", "JointLaw", "Prescribed", "Servo", "motor_power", "pd", "servo"]

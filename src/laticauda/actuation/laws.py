@@ -1,40 +1,199 @@
 """Joint laws: what torque an actuator delivers, and how stiffly it depends on the joint's angle and rate.
 
-Each law returns the torque and the two slopes K_p = -du/dphi and K_d = -du/dphi' that an implicit time step needs. A
-torque u > 0 turns the head side of the joint to the left against the tail side. The skin around the joint is not in it.
+A law is a frozen value below `JointLaw`: its fields are numbers of its own, its `__call__` is the formula, which the
+kernels of both models compile (`laticauda.formulas`). It returns the torque and the two slopes K_p = -du/dphi and
+K_d = -du/dphi' that an implicit time step needs. A torque u > 0 turns the head side of the joint to the left against
+the tail side. The skin around the joint is not in it.
 
-They are plain scalar functions; the kernels compile them. The annotations say float; complex numbers work too, for
-complex-step derivatives, and lanes, for many trials at once; so conditions look at the real part only, and choices come
-from `where`.
+The annotations say float; complex numbers work too, for complex-step derivatives, and lanes, for many trials at once;
+so conditions look at the real part only, and choices come from `where`.
 """
+
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from laticauda.errors import one_of
 from laticauda.extensions import Extensible
+from laticauda.formulas import Formula, Law
 from laticauda.quantities import value
 from laticauda.scalars import where
 
 # Rate over which dry friction changes its sign; small against the rates of swimming, about 1 rad/s [rad/s].
 SLIDING_RATE = 0.05
 
+MOTION = 5
+"""Numbers that a law gets before the drive: phi, phi', phi_ref, phi_ref', phi_ref''."""
 
-class JointLaw(Extensible, group="joint_laws"):
-    """How a joint follows its reference."""
+LOCKED, PRESCRIBED, PASSIVE, PD_DRIVEN, SERVO_DRIVEN, OWN_DRIVEN = range(6)
+"""How kernels tell joints apart; from PASSIVE on the torque is known, and before it the acceleration."""
+FIRST_FREE = PASSIVE
+
+
+class Drive(NamedTuple):
+    """What a law knows of the joint's `laticauda.robot.Actuator`; gains and stall torque of one switched off are 0."""
+
+    proportional_gain: float
+    """k_p [N m/rad]."""
+    derivative_gain: float
+    """k_d [N m s/rad]."""
+    servo_gain: float
+    """Duty per angle error [1/rad]."""
+    stall_torque: float
+    """u_stall [N m]."""
+    no_load_speed: float
+    """phi'_0 [rad/s]."""
+    friction_torque: float
+    """u_c [N m]."""
+    viscous_friction: float
+    """b [N m s/rad]."""
+
+
+class JointLaw(Law, Extensible, group="joint_laws"):
+    """Base of how joints follow their references."""
+
+    prescribed: ClassVar[bool] = False
+    """Whether joints are where the reference is, whatever torque that takes."""
+    powered: ClassVar[bool] = False
+    """Whether the motors' electrical power is always asked for."""
+    dt: ClassVar[float | None] = 0.002
+    """Step at which it is converged [s]; None: that of the model's own integrator."""
+    ramp: ClassVar[float] = 0.0
+    """Usual duration of the smooth start [s]."""
+    remedy: ClassVar[str] = "a smaller `dt`, or a softer joint law"
+    """What to try if a run blows up."""
+
+    def __call__(
+        self,
+        angle: float,
+        rate: float,
+        reference: float,
+        reference_rate: float,
+        reference_acceleration: float,
+        drive: Drive,
+    ) -> tuple[float, float, float]:
+        """Torque of one joint, and its slopes.
+
+        Args:
+            angle: phi [rad].
+            rate: phi' [rad/s].
+            reference: phi_ref [rad].
+            reference_rate: phi_ref' [rad/s].
+            reference_acceleration: phi_ref'' [rad/s^2].
+            drive: Numbers of the joint's actuator.
+
+        Returns:
+            u [N m], K_p = -du/dphi [N m/rad], K_d = -du/dphi' [N m s/rad].
+        """
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """Refuse a law that kernels cannot compile.
+
+        Raises:
+            ValueError: With the reason.
+        """
+        if self.own is not None:
+            from laticauda.compiling.formulas import check  # Numba is slow to import
+
+            check(self, Drive, (0.1, -0.2, 0.3, 0.4, 0.5, *[1.0] * len(Drive._fields)), "u, K_p and K_d")
+
+    @property
+    def code(self) -> int:
+        """How kernels tell it apart."""
+        codes: dict[type, int] = {Prescribed: PRESCRIBED, PD: PD_DRIVEN, Servo: SERVO_DRIVEN}
+        return codes.get(type(self), OWN_DRIVEN)
+
+    @property
+    def own(self) -> Formula | None:
+        """The formula that kernels are compiled for; None: one that they all have."""
+        return self.formula if self.code == OWN_DRIVEN else None
+
+    @classmethod
+    def of(cls, given: "JointLaw | str") -> "JointLaw":
+        """A law, which may be given by its name.
+
+        Raises:
+            ValueError: If there is none of that name.
+        """
+        if isinstance(given, str):
+            return cls.named(one_of("joints", given, cls.names()))()
+        return given
 
 
 @value
 class Prescribed(JointLaw):
-    """Exactly, whatever torque it takes."""
+    """Exactly, whatever torque it takes; `Actuator.tracking` says how much of its reference a joint does."""
+
+    prescribed: ClassVar[bool] = True
+    dt: ClassVar[float | None] = None
+    ramp: ClassVar[float] = 1.0
+    remedy: ClassVar[str] = "a smaller `dt`, smaller drag coefficients, or a slower gait"
+
+    @property
+    def words(self) -> str:
+        """As an FMU's description has it."""
+        return "prescribed joints"
 
 
 @value
 class PD(JointLaw):
     """By the law of the published simulations, see `pd`."""
 
+    remedy: ClassVar[str] = "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`"
+
+    def __call__(
+        self,
+        angle: float,
+        rate: float,
+        reference: float,
+        reference_rate: float,
+        reference_acceleration: float,
+        drive: Drive,
+    ) -> tuple[float, float, float]:
+        """See `pd`."""
+        motion = angle, rate, reference, reference_rate, reference_acceleration
+        return pd(*motion, drive.proportional_gain, drive.derivative_gain)
+
+    @property
+    def words(self) -> str:
+        """As an FMU's description has it."""
+        return "pd-controlled joints"
+
 
 @value
 class Servo(JointLaw):
     """As the real robot's hobby servos do, see `servo`."""
+
+    powered: ClassVar[bool] = True
+    remedy: ClassVar[str] = "a smaller `dt`, or a lower `servo_gain` and `friction_torque`"
+
+    def __call__(
+        self,
+        angle: float,
+        rate: float,
+        reference: float,
+        reference_rate: float,
+        reference_acceleration: float,
+        drive: Drive,
+    ) -> tuple[float, float, float]:
+        """See `servo`."""
+        torque, slope_p, slope_d, _ = servo(
+            angle,
+            rate,
+            reference,
+            drive.servo_gain,
+            drive.stall_torque,
+            drive.no_load_speed,
+            drive.friction_torque,
+            drive.viscous_friction,
+        )
+        return torque, slope_p, slope_d
+
+    @property
+    def words(self) -> str:
+        """As an FMU's description has it."""
+        return "servos in the joints"
 
 
 def pd(

@@ -12,7 +12,7 @@ from laticauda.identify.problem import Problem
 from laticauda.identify.resolution import with_tied
 from laticauda.robot import Environment, Parameters, Robot, Water
 from laticauda.robot.adjustments import OF_ROBOT
-from laticauda.robot.parameters import GAITS, JOINT_LAWS
+from laticauda.robot.parameters import GAITS
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed, parameters
 
@@ -62,7 +62,7 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Pa
     return Parameters(
         name=name,
         title=title,
-        joints=joints if joints in JOINT_LAWS else None,
+        joints=joints if joints in JointLaw.names() else None,
         every_gait=common,
         own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
         changes=changes,

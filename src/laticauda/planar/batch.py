@@ -152,9 +152,10 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     for i, run in enumerate(runs):
         plant = run.plant
         if id(plant) not in of_plant:
-            law = type(plant.law), getattr(plant.law, "function", None)
+            law = type(plant.law), getattr(plant.law, "function", None), type(plant.joints)
             if law not in of_law:
-                of_law[law] = digest_of(plant.law.formula)
+                own = plant.joints.own
+                of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)}"
             of_plant[id(plant)] = _kind(plant, interval, of_law[law])
         kinds.setdefault(of_plant[id(plant)], []).append(i)
     return kinds.values()
@@ -164,7 +165,7 @@ def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """What runs side by side must have in common: the chain's shape, the laws, the step."""
     a: Layout = plant.layout
     shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
-    return shape, plant.joints, plant.steps_in(interval), law_digest
+    return shape, plant.steps_in(interval), law_digest
 
 
 def _march(

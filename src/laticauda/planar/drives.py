@@ -10,8 +10,11 @@ A template (see `specialize`): `S` is the flat array of `rows`; the scalar laws 
 from typing import no_type_check
 
 from laticauda.actuation import laws
+from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
+from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.lanes import any_lane, magnitude
+from laticauda.compiling.templates import bindings
 from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
@@ -21,9 +24,10 @@ filter_acceleration = compiled(reference.filter_acceleration)
 smooth_start = compiled(reference.smooth_start)
 ramped = compiled(reference.ramped)
 joint_reference = compiled(reference.joint_reference)
-pd = compiled(laws.pd)
-servo = compiled(laws.servo)
 motor_power = compiled(laws.motor_power)
+_own = bindings(__name__)["joint_law"]
+by_law = actuator_of(_own)
+law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
 @kernel
@@ -212,33 +216,17 @@ def skin(S, b):
 @no_type_check
 def actuator(S, b, law):
     """Torque of the joint's actuator, and its slopes."""
-    angle, rate = S[b + ANGLE], S[b + RATE]
-    if law == PD:
-        torque, slope_p, slope_d = pd(
-            angle,
-            rate,
-            S[b + REFERENCE],
-            S[b + REFERENCE_1],
-            S[b + REFERENCE_2],
-            S[b + GAIN],
-            S[b + RATE_GAIN],
-        )
-    elif law == SERVO:
-        torque, slope_p, slope_d, _ = servo(
-            angle,
-            rate,
-            S[b + REFERENCE],
-            S[b + GAIN],
-            S[b + STALL_TORQUE],
-            S[b + NO_LOAD_SPEED],
-            S[b + FRICTION_TORQUE],
-            S[b + VISCOUS_FRICTION],
-        )
-    else:
-        torque = 0.0 * angle
-        slope_p = 0.0 * angle
-        slope_d = 0.0 * angle
-    return torque, slope_p, slope_d
+    motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
+    drive = (
+        S[b + PROPORTIONAL_GAIN],
+        S[b + DERIVATIVE_GAIN],
+        S[b + SERVO_GAIN],
+        S[b + STALL_TORQUE],
+        S[b + NO_LOAD_SPEED],
+        S[b + FRICTION_TORQUE],
+        S[b + VISCOUS_FRICTION],
+    )
+    return by_law(law, motion, drive, law_numbers(S))
 
 
 @kernel

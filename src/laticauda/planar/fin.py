@@ -21,7 +21,7 @@ class FinBody:
     strips: Coefficients
     """What of it feels the water; positions are those from the piece's tail end."""
     law: int
-    """Joint law of the hinge at its head end (`rows.LOCKED` ... `rows.PASSIVE`)."""
+    """Joint law of the hinge at its head end (`actuation.laws.LOCKED` and so on)."""
     joint: Joint | None
     """What drives that hinge."""
     hinge: Hinge | None

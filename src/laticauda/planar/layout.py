@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from jaxtyping import Float, Int
 
+from laticauda.actuation.laws import Drive, JointLaw, Prescribed
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.planar import rows
 from laticauda.planar.fin import FinBody, fin_bodies
@@ -25,8 +26,6 @@ from laticauda.robot import (
 )
 
 Thing = TypeVar("Thing")
-
-JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,7 +77,7 @@ def layout(
     robot: Robot,
     environment: Environment,
     *,
-    joints: str = "prescribed",
+    joints: JointLaw | None = None,
     fin_as_links: bool = False,
     coefficients: Coefficients | None = None,
 ) -> Layout:
@@ -87,7 +86,7 @@ def layout(
     Args:
         robot: All joints turn about the vertical axis (see `Robot.planar`).
         environment: The water it swims in or the ground it crawls on.
-        joints: prescribed, pd or servo: how the driven joints follow the gait.
+        joints: How the driven joints follow the gait; None: they are prescribed.
         fin_as_links: Keep the strips of a rigid fin as links with locked joints instead of folding them into the tail
             link; the accelerations are the same.
         coefficients: `link_coefficients` of the two, if they are known already.
@@ -95,6 +94,7 @@ def layout(
     Returns:
         The layout, straight and at rest at the origin.
     """
+    joints = joints or Prescribed()
     coefficients = coefficients or link_coefficients(robot, environment)
     links, pieces = _links_and_fin(robot, coefficients, joints, fin_as_links=fin_as_links)
     fin = [_fin_body(piece, coefficients) for piece in pieces]
@@ -105,7 +105,7 @@ def layout(
     first_plate = np.array([0, *accumulate(len(p) for p in plates)])
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
-    _write_environment(S, environment, robot, folded=not fin)
+    _write_environment(S, environment, robot, joints, folded=not fin)
     records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
     strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
     _write_bodies(records, bodies, environment)
@@ -140,7 +140,7 @@ def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
 
 
 def _links_and_fin(
-    robot: Robot, coefficients: Coefficients, joints: str, *, fin_as_links: bool
+    robot: Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
 ) -> tuple[list[_Body], list[FinBody]]:
     """Bodies of the links, and the pieces of a fin that moves on its own; a rigid one is folded into the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
@@ -150,7 +150,7 @@ def _links_and_fin(
     ]
     pieces: list[FinBody] = []
     if robot.caudal_fin is not None and coefficients.fin is not None:
-        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=JOINT_LAWS[joints], as_links=fin_as_links)
+        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=joints.code, as_links=fin_as_links)
         if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
             _fold(links[0], pieces.pop())
     return links, pieces
@@ -171,12 +171,14 @@ def _fold(tail: _Body, piece: FinBody) -> None:
     tail.strips = replace(piece.strips, position=piece.strips.position - piece.length)
 
 
-def _write_environment(S: np.ndarray, environment: Environment, robot: Robot, *, folded: bool) -> None:
+def _write_environment(
+    S: np.ndarray, environment: Environment, robot: Robot, joints: JointLaw, *, folded: bool
+) -> None:
     S[rows.OWN_VELOCITY] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.ACTIVE_POWER] = robot.active_power or 0.0
-    numbers = law_of(environment).numbers
-    S[rows.LAW : rows.LAW + len(numbers)] = numbers
+    for first, numbers in ((rows.LAW, law_of(environment).numbers), (rows.JOINT_LAW, joints.numbers)):
+        S[first : first + len(numbers)] = numbers
     if isinstance(environment, Ground):
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
@@ -267,14 +269,14 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
 
 
 def _write_joints(
-    records: np.ndarray, robot: Robot, pieces: Sequence[FinBody], joints: str
+    records: np.ndarray, robot: Robot, pieces: Sequence[FinBody], joints: JointLaw
 ) -> Int[np.ndarray, " n_bodies"]:
     """Numbers of the joint at the tail end of every body; returns their laws."""
     n_fin, has_power = len(pieces), has_power_model(robot, joints)
     for joint in _distinct(robot.joints):
         alike = [n_fin + 1 + i for i, other in enumerate(robot.joints) if other is joint]
         records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = _joint_numbers(joint, joints, has_power=has_power)
-    law = np.full(len(records), JOINT_LAWS[joints])
+    law = np.full(len(records), joints.code)
     law[0] = rows.LOCKED
     for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
         law[n_fin - i] = piece.law
@@ -295,26 +297,21 @@ def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> t
     )
 
 
-def _write_hinge(record: np.ndarray, piece: FinBody, drive: str, *, has_power: bool) -> None:
+def _write_hinge(record: np.ndarray, piece: FinBody, law: JointLaw, *, has_power: bool) -> None:
     if piece.joint is not None:
-        numbers = _joint_numbers(piece.joint, drive, has_power=has_power)
+        numbers = _joint_numbers(piece.joint, law, has_power=has_power)
         record[rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
     elif piece.hinge is not None:
         record[[rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
 
 
-def _joint_numbers(joint: Joint, drive: str, *, has_power: bool) -> tuple[float, ...]:
+def _joint_numbers(joint: Joint, law: JointLaw, *, has_power: bool) -> tuple[float, ...]:
     """The rows from ENVELOPE to STALL_POWER."""
     actuator = joint.actuator
     return (
-        actuator.tracking if drive == "prescribed" else 1.0,
+        actuator.tracking if law.prescribed else 1.0,
         joint.stiffness,
         joint.damping,
-        actuator.proportional_gain if drive == "pd" else actuator.servo_gain,
-        actuator.derivative_gain,
-        actuator.stall_torque,
-        actuator.no_load_speed,
-        actuator.friction_torque,
-        actuator.viscous_friction,
+        *(getattr(actuator, name) for name in Drive._fields),
         actuator.stall_power if has_power else 0.0,
     )

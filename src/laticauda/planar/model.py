@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.actuation.laws import JointLaw
-from laticauda.errors import not_negative, one_of, positive, within
+from laticauda.actuation.laws import JointLaw, Prescribed
+from laticauda.errors import instance, not_negative, positive, within
 from laticauda.fluid.laws import DragLaw
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.planar import rows
-from laticauda.planar.layout import JOINT_LAWS, Layout, layout
+from laticauda.planar.layout import Layout, layout
 from laticauda.planar.specialize import specialize
 from laticauda.robot import Environment, Robot, check_fits, has_power_model, law_of
 from laticauda.scenarios import Planar
@@ -25,7 +25,7 @@ FORCES = ("drag", "added_mass", "effector")
 # Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to
 # 1e-4 (ROS2), an elastic fin behind prescribed joints to 1e-5 (ROS2). `benchmarks/convergence.py` prints them.
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
-DEFAULT_DT = {"prescribed": 0.05, "pd": 0.002, "servo": 0.002}
+USUAL_DT = 0.05  # of prescribed joints
 ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: the phase, the filtered values and their rates.
 GENERATOR = slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME)
@@ -40,7 +40,7 @@ class PlanarState:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PlanarPlant:
-    """A robot in the plane: n links, joints prescribed, or driven by pd control or servos.
+    """A robot in the plane: n links, joints prescribed or driven by a law.
 
     Raises:
         ValueError: If a setting is out of its range, or robot and environment do not fit together.
@@ -50,8 +50,8 @@ class PlanarPlant:
     """What swims; modules with pitch joints are reduced to the plane."""
     environment: Environment
     """The water it swims in or the ground it crawls on."""
-    joints: str = "prescribed"
-    """prescribed, pd or servo."""
+    joints: JointLaw = Prescribed()
+    """How they follow their references."""
     dt: float | None = None
     """Largest time step; None takes a converged one [s]."""
     offset_bandwidth: float = 10.0
@@ -63,7 +63,7 @@ class PlanarPlant:
 
     def __post_init__(self) -> None:
         """Check every setting once and fill in what was left open."""
-        one_of("joints", self.joints, tuple(JOINT_LAWS))
+        instance("joints", self.joints, JointLaw)
         check_fits(self.robot, self.environment)
         object.__setattr__(self, "robot", self.robot.planar())
         if self.dt is None:
@@ -71,17 +71,17 @@ class PlanarPlant:
             object.__setattr__(self, "dt", min(self._default_dt, limit))
         object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
-        ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
+        ramp = self.joints.ramp if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
 
     @property
     def is_implicit(self) -> bool:
         """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
-        return self.joints != "prescribed" or self._has_hinges
+        return not self.joints.prescribed or self._has_hinges
 
     @property
     def _default_dt(self) -> float:
-        return min(DEFAULT_DT[self.joints], ELASTIC_DT if self._has_hinges else math.inf)
+        return min(self.joints.dt or USUAL_DT, ELASTIC_DT if self._has_hinges else math.inf)
 
     @property
     def _has_hinges(self) -> bool:
@@ -90,8 +90,7 @@ class PlanarPlant:
     @property
     def settings(self) -> Planar:
         """How the plant was made."""
-        own: Any = {name: getattr(self, name) for name in Planar.__dataclass_fields__}
-        return Planar(**own | {"joints": JointLaw.named(self.joints)()})
+        return Planar(**{name: getattr(self, name) for name in Planar.__dataclass_fields__})
 
     @cached_property
     def coefficients(self) -> Coefficients:
@@ -116,7 +115,7 @@ class PlanarPlant:
 
     def kernels_of(self, width: int) -> Any:
         """The same for `width` trials side by side."""
-        return specialize(width, self.law)
+        return specialize(width, self.law, self.joints)
 
     @property
     def law(self) -> DragLaw:
@@ -248,19 +247,14 @@ class PlanarPlant:
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
             off = np.logical_not(command.enabled)
-            joints[off, rows.GAIN : rows.STALL_TORQUE + 1] = 0.0
+            joints[off, rows.PROPORTIONAL_GAIN : rows.STALL_TORQUE + 1] = 0.0
             joints[off, rows.STALL_POWER] = 0.0
 
     def what_went_wrong(self, time: float) -> str:
         """The sentence that a run ends with that diverged at `time` [s]."""
-        remedy = {
-            "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
-            "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
-            "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
-        }[self.joints]
         return (
             f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
-            f"beyond all bounds); try {remedy}."
+            f"beyond all bounds); try {self.joints.remedy}."
         )
 
     def _named(self, samples: np.ndarray) -> Log:
@@ -310,7 +304,7 @@ class PlanarPlant:
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         done = samples[:, rows.LOG_STATE + 2 * joints + fin : rows.LOG_STATE + 3 * joints]
         share = np.array([joint.actuator.tracking for joint in self.robot.joints])
-        if self.joints != "prescribed" or np.all(share == 1.0):
+        if not self.joints.prescribed or np.all(share == 1.0):
             return done
         offset = samples[:, _at(rows.OFFSET_NOW), np.newaxis]
         return offset + (done - offset) / share

@@ -5,6 +5,10 @@ lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`
 record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin.
 """
 
+from laticauda.actuation.laws import FIRST_FREE as FIRST_FREE
+from laticauda.actuation.laws import LOCKED as LOCKED
+from laticauda.actuation.laws import PASSIVE as PASSIVE
+from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
 from laticauda.formulas import MOST_NUMBERS
 
 # --- Header: parameters -------------------------------------------------------------------------------------------
@@ -89,7 +93,8 @@ from laticauda.formulas import MOST_NUMBERS
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
 ) = range(75)
 LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
-HEADER_ROWS = LAW + MOST_NUMBERS
+JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own
+HEADER_ROWS = JOINT_LAW + MOST_NUMBERS
 
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
@@ -120,8 +125,9 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     ENVELOPE,  # g, times the share that a prescribed joint does of it
     STIFFNESS,  # skin or hinge [N m/rad]
     DAMPING,  # [N m s/rad]
-    GAIN,  # of the joint law (actuation.laws): k_p [N m/rad] of pd, duty per angle error [1/rad] of a servo
-    RATE_GAIN,  # k_d of pd [N m s/rad]
+    PROPORTIONAL_GAIN,  # the drive, in the order of actuation.laws.Drive: k_p [N m/rad]
+    DERIVATIVE_GAIN,  # k_d [N m s/rad]
+    SERVO_GAIN,  # duty per angle error [1/rad]
     STALL_TORQUE,  # of the motor [N m]
     NO_LOAD_SPEED,  # [rad/s]
     FRICTION_TORQUE,  # [N m]
@@ -169,7 +175,7 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(71)
+) = range(72)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)
@@ -186,7 +192,3 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     PLATE_DRAG,
     PLATE_ROWS,
 ) = range(9)
-
-# --- Joint laws; from FIRST_FREE on the torque is known, and before it the acceleration ---
-LOCKED, PRESCRIBED, PD, SERVO, PASSIVE = range(5)
-FIRST_FREE = PD

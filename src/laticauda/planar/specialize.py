@@ -1,6 +1,6 @@
-"""Compile the kernels for a lane width and a drag law.
+"""Compile the kernels for a lane width, a drag law and a joint law.
 
-`loads`, `recursion`, `drives` and `stepping` are templates: each reads `WIDTH`, the law's formula and the templates
+`loads`, `recursion`, `drives` and `stepping` are templates: each reads `WIDTH`, the laws' formulas and the templates
 before it from here while it is loaded, and `specialize` loads them once per combination. A specialization's name
 carries a digest of all sources it is made of and of the law's own code, so compiled code on disk is found again by the
 next process and is never stale: an edited law, or an edited kernel, has another name and compiles anew. The numbers of
@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import PROCESSOR, Target, compiling_for, templates
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.sources import is_kept, sources_digest
@@ -23,25 +24,29 @@ _one_at_a_time = threading.Lock()
 _specialized: dict[tuple[str, Target], ModuleType] = {}
 
 
-def specialize(width: int = 1, law: DragLaw | None = None, target: Target | None = None) -> ModuleType:
-    """The stepping kernels for `width` lanes and one drag law.
+def specialize(
+    width: int = 1, law: DragLaw | None = None, joints: JointLaw | None = None, target: Target | None = None
+) -> ModuleType:
+    """The stepping kernels for `width` lanes, one drag law and one joint law.
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
         law: Whose formula is compiled; what it calls counts as part of it, its numbers do not. None: the polynomial.
+        joints: Whose formula is compiled beside the built-in ones, if it is none of them.
         target: What to compile for; None for this machine's processor.
 
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
     formula, target = (law or PolynomialDrag()).formula, target or PROCESSOR
+    own = None if joints is None else joints.own
     with _one_at_a_time:
         sources = sources_digest(__name__, *(f"laticauda.planar.{template}" for template in TEMPLATES))
         other = "" if target is PROCESSOR else id(target)
-        made_of = f"{width} {digest_of(formula)} {sources} {other}"
+        made_of = f"{width} {digest_of(formula)} {own and digest_of(own)} {sources} {other}"
         key = hashlib.sha256(made_of.encode()).hexdigest()[:16]
         if (key, target) not in _specialized:
-            names: dict[str, Any] = {"WIDTH": width, "law": formula}
+            names: dict[str, Any] = {"WIDTH": width, "law": formula, "joint_law": own}
             with compiling_for(target):
                 for template in TEMPLATES:
                     names[template] = templates.load(Path(__file__).parent / f"{template}.py", key, names)
@@ -52,6 +57,6 @@ def specialize(width: int = 1, law: DragLaw | None = None, target: Target | None
         return _specialized[key, target]
 
 
-def is_compiled(width: int = 1, law: DragLaw | None = None) -> bool:
+def is_compiled(width: int = 1, law: DragLaw | None = None, joints: JointLaw | None = None) -> bool:
     """Whether the machine code for this combination is at hand or on disk; if not, the first run takes seconds."""
-    return is_kept(specialize(width, law).run)
+    return is_kept(specialize(width, law, joints).run)

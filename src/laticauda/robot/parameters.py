@@ -23,8 +23,9 @@ range is refused with its key.
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.codec import (
     BadKey,
     Table,
@@ -51,7 +52,6 @@ from laticauda.robot.robot import Robot
 KIND = "parameters"
 GAITS = ("lateral_undulation", "eel_like")
 """Kinds of gait that may have numbers of their own."""
-JOINT_LAWS = ("prescribed", "pd", "servo")
 
 
 def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
@@ -79,9 +79,7 @@ class Parameters:
 
     name: str = option("What files and stored trials call them; the waters are called after them", check=label)
     title: str = option("What a legend says", check=label)
-    joints: Literal["prescribed", "pd", "servo"] | None = option(
-        "The joint law that they go with; None: any", default=None
-    )
+    joints: str | None = option("The joint law that they go with; None: any", default=None)
     every_gait: Water = option("For the gaits that have no water of their own")
     own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
     changes: Adjustments = option(
@@ -96,6 +94,8 @@ class Parameters:
     )
 
     def __post_init__(self) -> None:
+        if self.joints is not None:
+            one_of("joints", self.joints, JointLaw.names())
         for gait, water in self.own.items():
             one_of("own", gait, GAITS)
             instance(f"own[{gait}]", water, Water)

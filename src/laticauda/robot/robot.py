@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from typing import TypeVar
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, label, whole
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
@@ -127,14 +128,14 @@ class Robot:
         return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
 
 
-def has_power_model(robot: Robot, joints: str) -> bool:
+def has_power_model(robot: Robot, joints: JointLaw) -> bool:
     """Whether a run has an electrical power, which `mean_power` then is: with servos, or if the robot says so.
 
     Args:
         robot: What swims; with an `active_power`, it has one under any joint law.
-        joints: prescribed, pd or servo.
+        joints: How its joints follow their references.
     """
-    return joints == "servo" or robot.active_power is not None
+    return joints.powered or robot.active_power is not None
 
 
 def _moved(effector: Effector, reduction: Reduction) -> Effector:

@@ -109,9 +109,8 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         if name in {field.name for field in fields(Spatial)}:
             raise ValueError(f"`{name}` must be left out unless `model` is `spatial`, got {given!r}.")
         raise TypeError(f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}.")
-    joints = changes.get("joints")
-    if isinstance(joints, str):
-        changes["joints"] = JointLaw.named(one_of("joints", joints, JointLaw.names()))()
+    if "joints" in changes:
+        changes["joints"] = JointLaw.of(changes["joints"])
     return replace(base, **changes) if changes else base
 
 

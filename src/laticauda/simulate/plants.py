@@ -3,7 +3,6 @@
 from typing import Any, Unpack, cast
 
 from laticauda.errors import instance
-from laticauda.extensions import name_of
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
@@ -47,7 +46,8 @@ def plant(
 
 def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
     law_of(environment).check()
-    settings: dict[str, Any] = {**vars(model), "joints": name_of(type(model.joints))}
+    model.joints.check()
+    settings: dict[str, Any] = dict(vars(model))
     if isinstance(model, Planar):
         from laticauda.planar.model import PlanarPlant
 
@@ -72,10 +72,10 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
     model = model_of(model or "planar")
     if isinstance(model, Spatial):
         from laticauda.extras import load_mujoco
-        from laticauda.spatial.stepping import is_compiled as is_spatial_compiled
+        from laticauda.spatial.specialize import is_compiled as is_spatial_compiled
 
         load_mujoco()
-        return not is_spatial_compiled()
+        return not is_spatial_compiled(model.joints)
     from laticauda.planar.specialize import is_compiled
 
-    return not is_compiled(law=law_of(environment))
+    return not is_compiled(law=law_of(environment), joints=model.joints)

@@ -1,7 +1,7 @@
 """How the joints of a robot in MuJoCo are driven: the reference generator, the joint laws, and the work they do.
 
 The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C command, J joints, R
-the reference with its two derivatives, U torques; what stands where is in `rows`.
+the reference with its two derivatives, U torques; what stands where is in `rows`. A template (see `specialize`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -13,7 +13,10 @@ import numpy as np
 
 from laticauda import scalars
 from laticauda.actuation import laws
+from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
+from laticauda.compiling.formulas import rows_from
+from laticauda.compiling.templates import bindings
 from laticauda.gaits import reference
 from laticauda.spatial.rows import *
 
@@ -23,9 +26,11 @@ smooth_start = compiled(reference.smooth_start)
 ramped = compiled(reference.ramped)
 joint_reference = compiled(reference.joint_reference)
 magnitude = compiled(scalars.magnitude)
-pd = compiled(laws.pd)
-servo = compiled(laws.servo)
 motor_power = compiled(laws.motor_power)
+_own = bindings(__name__)["joint_law"]
+by_law = actuator_of(_own)
+drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
+law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
 @kernel
@@ -90,15 +95,10 @@ def set_wave(X, C, w, ramp, wave, J, R):
 
 @kernel
 @no_type_check
-def actuator(J, i, angle, rate, R):
+def actuator(C, J, i, angle, rate, R):
     """Torque of a free joint's actuator, and its slopes."""
-    if J[i, LAW] == PASSIVE:
-        return 0.0, 0.0, 0.0
-    if J[i, LAW] == PD:
-        return pd(angle, rate, R[0, i], R[1, i], R[2, i], J[i, GAIN], J[i, RATE_GAIN])
-    motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
-    torque, slope_p, slope_d, _ = servo(angle, rate, R[0, i], J[i, GAIN], motor[0], motor[1], motor[2], motor[3])
-    return torque, slope_p, slope_d
+    motion = angle, rate, R[0, i], R[1, i], R[2, i]
+    return by_law(J[i, LAW], motion, drive_of(J[i]), law_numbers(C))
 
 
 @kernel

@@ -11,8 +11,9 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import mujoco_water as water
-from laticauda.actuation.laws import JointLaw
+from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
+from laticauda.extensions import name_of
 from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
@@ -20,12 +21,12 @@ from laticauda.mujoco_water import ground
 from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows
-from laticauda.spatial.twin import FORCES, JOINT_LAWS, Twin
+from laticauda.spatial.twin import FORCES, Twin
 
 LEAST_DT = 1e-6  # s
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
-DEFAULT_DT = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}
+USUAL_DT = 0.01  # of prescribed joints
 ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: both waves' phase, filtered values and their rates.
 GENERATOR = (slice(rows.PHASE, rows.OFFSET_RATE + 1), slice(rows.PITCH, rows.FIN))
@@ -40,7 +41,7 @@ class SpatialState:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpatialPlant:
-    """A robot in MuJoCo: its modules in three dimensions, joints prescribed, or driven by pd control or servos.
+    """A robot in MuJoCo: its modules in three dimensions, joints prescribed or driven by a law.
 
     Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.
 
@@ -53,8 +54,8 @@ class SpatialPlant:
     """What swims, all of its modules."""
     environment: Environment
     """The water it swims in, or the ground: a free root lies on it with its weight, a planar one slides along."""
-    joints: str = "prescribed"
-    """prescribed, pd or servo."""
+    joints: JointLaw = Prescribed()
+    """How they follow their references."""
     dt: float | None = None
     """Largest time step; None takes a converged one [s]."""
     offset_bandwidth: float = 10.0
@@ -75,7 +76,7 @@ class SpatialPlant:
 
     def __post_init__(self) -> None:
         """Check every setting once and fill in what was left open."""
-        one_of("joints", self.joints, tuple(JOINT_LAWS))
+        instance("joints", self.joints, JointLaw)
         one_of("root", self.root, mjcf.ROOTS)
         check_fits(self.robot, self.environment)
         instance("shore", self.shore, Ground, type(None))
@@ -89,7 +90,7 @@ class SpatialPlant:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
         object.__setattr__(self, "ballast_depth", finite("ballast_depth", self.ballast_depth, "m"))
-        ramp = (1.0 if self.joints == "prescribed" else 0.0) if self.ramp is None else self.ramp
+        ramp = self.joints.ramp if self.ramp is None else self.ramp
         object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
         if self.dt is None:
             with warnings.catch_warnings():
@@ -101,18 +102,17 @@ class SpatialPlant:
                 limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
             if self.is_implicit:
                 limit = min(limit, ELASTIC_DT)
-            object.__setattr__(self, "dt", min(DEFAULT_DT[self.joints], limit))
+            object.__setattr__(self, "dt", min(self.joints.dt or USUAL_DT, limit))
 
     @property
     def is_implicit(self) -> bool:
         """Whether any joint is free, so that steps are linearly implicit (`laticauda.spatial.stepping`)."""
-        return self.joints != "prescribed" or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
+        return not self.joints.prescribed or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
 
     @property
     def settings(self) -> Spatial:
         """How the plant was made."""
-        own: Any = {name: getattr(self, name) for name in Spatial.__dataclass_fields__}
-        return Spatial(**own | {"joints": JointLaw.named(self.joints)()})
+        return Spatial(**{name: getattr(self, name) for name in Spatial.__dataclass_fields__})
 
     @property
     def land(self) -> Ground | None:
@@ -196,7 +196,7 @@ class SpatialPlant:
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):
                 samples = self._look(state)
-            return state, self._log(samples), _what_went_wrong(when, self.joints, self.dt)
+            return state, self._log(samples), _what_went_wrong(when, self.joints.remedy, self.dt)
         log = self._log(samples)
         if link_forces:
             log |= self._link_forces(begin, command, n_intervals, every, dt)
@@ -240,6 +240,8 @@ class SpatialPlant:
         """The command and the joints' parameters for the kernel; None: the joints are let go."""
         asked = np.zeros(rows.COMMAND_ROWS)
         asked[rows.BANDWIDTH], asked[rows.RAMP] = self.offset_bandwidth, self.ramp
+        numbers = self.joints.numbers
+        asked[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
@@ -269,7 +271,7 @@ class SpatialPlant:
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
             off = np.logical_not(command.enabled)
-            joints[off, rows.GAIN : rows.STALL_TORQUE + 1] = 0.0
+            joints[off, rows.PROPORTIONAL_GAIN : rows.STALL_TORQUE + 1] = 0.0
             joints[off, rows.STALL_POWER] = 0.0
 
     def _check(self, command: Command) -> None:
@@ -342,7 +344,7 @@ class SpatialPlant:
     def _asked_for(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
         """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
         share = np.array([joint.actuator.tracking for joint in self.robot.joints])
-        if self.joints != "prescribed" or np.all(share == 1.0):
+        if not self.joints.prescribed or np.all(share == 1.0):
             return done
         first, second = rows.OFFSET_NOW, rows.SECOND + rows.OFFSET_NOW
         offset = samples[:, [second if joint.axis == "pitch" else first for joint in self.robot.joints]]
@@ -359,13 +361,8 @@ def _at_rest(state: SpatialState) -> SpatialState:
     return SpatialState(values=values)
 
 
-def _what_went_wrong(time: float, joints: str, dt: float) -> str:
+def _what_went_wrong(time: float, remedy: str, dt: float) -> str:
     """The sentence that a failed run ends with."""
-    remedy = {
-        "prescribed": "a smaller `dt`, smaller drag coefficients, or a slower gait",
-        "pd": "a smaller `dt`, or lower `proportional_gain` and `derivative_gain`",
-        "servo": "a smaller `dt`, or a lower `servo_gain` and `friction_torque`",
-    }[joints]
     return (
         f"The run diverged at t = {time:.3g} s with dt = {dt:g} s (a position, angle, rate or torque went beyond all "
         f"bounds); try {remedy}."

@@ -3,6 +3,10 @@
 A state is one flat array: the rows below, then qpos, qvel and the links' angles.
 """
 
+from laticauda.actuation.laws import PASSIVE as PASSIVE
+from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
+from laticauda.formulas import MOST_NUMBERS
+
 # --- Rows of a state
 (
     TIME,
@@ -38,12 +42,13 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
     RAMP,
     IS_LED,
     ACTIVE_POWER,  # of the electronics [W]
-    COMMAND_ROWS,
+    JOINT_LAW,  # the numbers of the joint law, if it is one of somebody's own
 ) = (
     *range(6),
     10,
     *range(15, 20),
 )
+COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 
 # --- Whole numbers that the kernels need
 (
@@ -68,7 +73,6 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
     AT_CVEL,
     SETUP_SIZE,
 ) = range(20)
-PRESCRIBED, PD, SERVO, PASSIVE = range(4)
 
 # --- One row of joint parameters: the law, the gait's envelope, which wave moves it, the skin, the motor
 (
@@ -77,15 +81,16 @@ PRESCRIBED, PD, SERVO, PASSIVE = range(4)
     WAVE,
     STIFFNESS,
     DAMPING,
-    GAIN,  # the rest as in `planar.rows`
-    RATE_GAIN,
+    PROPORTIONAL_GAIN,  # the rest as in `planar.rows`
+    DERIVATIVE_GAIN,
+    SERVO_GAIN,
     STALL_TORQUE,
     NO_LOAD_SPEED,
     FRICTION_TORQUE,
     VISCOUS_FRICTION,
     STALL_POWER,
     JOINT_SIZE,
-) = range(13)
+) = range(14)
 YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the

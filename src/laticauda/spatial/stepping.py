@@ -9,7 +9,8 @@ those of the planar model, so that both bodies share their orders:
 - Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `planar.stepping`): linearly implicit in the
   joint law, in M + A.
 
-What stands where in the arrays is in `rows`; what moves the joints in `drives`; what is logged in `sampling`.
+What stands where in the arrays is in `rows`; what moves the joints in `drives`; what is logged in `sampling`. A
+template (see `specialize`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -22,12 +23,16 @@ from numba import njit
 
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.sources import is_kept, named_after, sources_digest
+from laticauda.compiling.sources import named_after
+from laticauda.compiling.templates import bindings
 from laticauda.mujoco_water.native import forward_skip, integrate_positions
 from laticauda.mujoco_water.vectors import field
-from laticauda.spatial.drives import actuator, advance_reference, count_work, set_reference
 from laticauda.spatial.rows import *
 from laticauda.spatial.sampling import follow_links, write_sample
+
+_drives = bindings(__name__)["drives"]
+actuator, count_work = _drives.actuator, _drives.count_work
+advance_reference, set_reference = _drives.advance_reference, _drives.set_reference
 
 GAMMA = 1.0 - 0.5**0.5
 HOLD = 1e8  # kg m^2
@@ -77,14 +82,14 @@ def any_prescribed(J):
 
 @kernel
 @no_type_check
-def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
+def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
     """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
             continue
         rate = qvel[nv + i]
-        torque, slope_p, slope_d = actuator(J, i, qpos[nq + i], rate, R)
+        torque, slope_p, slope_d = actuator(C, J, i, qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
         U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
@@ -94,14 +99,14 @@ def first_stage(N, qpos, qvel, J, R, hold, U, K, gamma_dt):
 
 @kernel
 @no_type_check
-def second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt):
+def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
     """The same for the second stage, for a = k2 + 2 k1."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
     put_on_reference(N, qpos, qvel, J, R, hold)
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
             continue
-        torque, _, _ = actuator(J, i, qpos[nq + i], qvel[nv + i], R)
+        torque, _, _ = actuator(C, J, i, qpos[nq + i], qvel[nv + i], R)
         rest = qvel[nv + i] - 2.0 * slope[nv + i]
         hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
 
@@ -162,7 +167,7 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     for i in range(n):
         qvel[i] = v0[i] + dt * first[i]
     advance_reference(X, C, J, R, dt)
-    second_stage(N, qpos, qvel, J, R, hold, K, first, slope, gamma_dt)
+    second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt)
     evaluate(N)
     for i in range(n):
         second = qacc[i] - 2.0 * first[i]
@@ -209,10 +214,10 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
         if C[IS_LED] == 0.0:
             evaluate(N)
         elif N[IS_IMPLICIT] == 0 or two_ways:
-            first_stage(N, qpos, qvel, J, R, hold, U, K, 0.0)
+            first_stage(N, qpos, qvel, C, J, R, hold, U, K, 0.0)
             evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
         else:
-            first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+            first_stage(N, qpos, qvel, C, J, R, hold, U, K, GAMMA * dt)
             evaluate(N)
         follow_links(N, order, qpos, links)
         count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
@@ -227,7 +232,7 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
             finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt)
         else:
             if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
-                first_stage(N, qpos, qvel, J, R, hold, U, K, GAMMA * dt)
+                first_stage(N, qpos, qvel, C, J, R, hold, U, K, GAMMA * dt)
                 evaluate(N)
             finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt)
     state[STATE_ROWS : STATE_ROWS + n_q] = qpos
@@ -235,14 +240,9 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     return written
 
 
-run: Any = njit(cache=True, **OPTIONS)(named_after(sources_digest(__name__), _run))
+run: Any = njit(cache=True, **OPTIONS)(named_after(__name__[__name__.rindex("_") + 1 :], _run))
 """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 
 Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
 goes on from the powers at the start of the call.
 """
-
-
-def is_compiled() -> bool:
-    """Whether the machine code is at hand or on disk; if not, the first run takes some ten seconds."""
-    return is_kept(run)

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda import mujoco_water as water
+from laticauda.actuation.laws import Drive, JointLaw
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Ground, Joint, Robot, has_power_model
-from laticauda.spatial import mjcf, rows, scene, stepping
+from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
+from laticauda.spatial.specialize import specialize
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
 if TYPE_CHECKING:
     from laticauda.spatial.model import SpatialPlant
 
-JOINT_LAWS = {"prescribed": rows.PRESCRIBED, "pd": rows.PD, "servo": rows.SERVO}
 FORCES = ("drag", "added_mass", "effector")
 
 
@@ -48,7 +49,7 @@ class Twin:
                 body = spec.body(f"module_{i}")
                 body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
         self.model = water.compiled(spec)
-        if plant.joints == "prescribed":  # they go where the gait says; a stop would only push the rest of the body
+        if plant.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
             self.model.jnt_limited[:] = 0
         if plant.dt is not None:
             self.model.opt.timestep = plant.dt
@@ -67,6 +68,7 @@ class Twin:
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
         self._setup = self._numbers(plant)
+        self._stepping = specialize(plant.joints)
 
     def _attach(self, plant: "SpatialPlant") -> water.Water:
         environment = plant.environment
@@ -128,7 +130,7 @@ class Twin:
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
             robot = (self._mass, self._order, self._hold)
-            return int(stepping.run(self._setup, values, *asked, *robot, steps, dt, every, log))
+            return int(self._stepping.run(self._setup, values, *asked, *robot, steps, dt, every, log))
 
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
@@ -141,14 +143,14 @@ class Twin:
         return total
 
 
-def _joint_rows(robot: Robot, drive: str) -> list[np.ndarray]:
+def _joint_rows(robot: Robot, law: JointLaw) -> list[np.ndarray]:
     """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
     waves = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
-    has_power = has_power_model(robot, drive)
-    found = [_joint_row(joint, drive, waves[joint.axis], has_power=has_power) for joint in robot.joints]
+    has_power = has_power_model(robot, law)
+    found = [_joint_row(joint, law, waves[joint.axis], has_power=has_power) for joint in robot.joints]
     fin = robot.caudal_fin
     if fin is not None and fin.joint is not None:
-        found.append(_joint_row(fin.joint, drive, rows.FIN_WAVE, has_power=has_power))
+        found.append(_joint_row(fin.joint, law, rows.FIN_WAVE, has_power=has_power))
     for hinge in fin.hinges if fin is not None else ():
         row = np.zeros(rows.JOINT_SIZE)
         row[[rows.LAW, rows.WAVE]] = rows.PASSIVE, rows.NO_WAVE
@@ -157,15 +159,11 @@ def _joint_rows(robot: Robot, drive: str) -> list[np.ndarray]:
     return found
 
 
-def _joint_row(joint: Joint, drive: str, wave: int, *, has_power: bool) -> np.ndarray:
+def _joint_row(joint: Joint, law: JointLaw, wave: int, *, has_power: bool) -> np.ndarray:
     row, actuator = np.zeros(rows.JOINT_SIZE), joint.actuator
-    row[[rows.LAW, rows.WAVE]] = JOINT_LAWS[drive], wave
-    row[rows.ENVELOPE] = actuator.tracking if drive == "prescribed" else 1.0
+    row[[rows.LAW, rows.WAVE]] = law.code, wave
+    row[rows.ENVELOPE] = actuator.tracking if law.prescribed else 1.0
     row[rows.STIFFNESS], row[rows.DAMPING] = joint.stiffness, joint.damping
-    row[rows.GAIN] = actuator.proportional_gain if drive == "pd" else actuator.servo_gain
-    row[rows.RATE_GAIN] = actuator.derivative_gain
-    row[rows.STALL_TORQUE], row[rows.NO_LOAD_SPEED] = actuator.stall_torque, actuator.no_load_speed
-    row[rows.FRICTION_TORQUE] = actuator.friction_torque
-    row[rows.VISCOUS_FRICTION] = actuator.viscous_friction
+    row[rows.PROPORTIONAL_GAIN : rows.STALL_POWER] = [getattr(actuator, name) for name in Drive._fields]
     row[rows.STALL_POWER] = actuator.stall_power if has_power else 0.0
     return row

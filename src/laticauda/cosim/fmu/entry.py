@@ -25,6 +25,7 @@ from numba.core.errors import NumbaError
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import PROCESSOR, Target, compiling_for
 from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
@@ -85,11 +86,12 @@ _MATHS = {
 _MATHS |= {"hypot", "log", "log10", "log1p", "log2", "memcpy", "memset", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
 
 
-def object_code(law: DragLaw) -> bytes:
+def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     """The object file with the function `NAME`, from the disk if it was made before.
 
     Args:
         law: Loads on one element.
+        joints: How its joints follow their references.
 
     Raises:
         ValueError: If this machine's processor is of another family, or the law needs more than numbers.
@@ -97,12 +99,12 @@ def object_code(law: DragLaw) -> bytes:
     if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
         here = f"{sys.platform} on {platform.machine()}"
         raise ValueError(f"`fmu` must be made on Linux on an x86-64 processor, for which it will be, got {here}.")
-    kept = _kept(law)
+    kept = _kept(law, joints)
     try:
         return kept.read_bytes()
     except OSError:
         pass
-    code = _compiled(law)
+    code = _compiled(law, joints)
     try:  # another process may do the same at this moment
         kept.parent.mkdir(parents=True, exist_ok=True)
         write(kept, code)
@@ -111,31 +113,32 @@ def object_code(law: DragLaw) -> bytes:
     return code
 
 
-def is_compiled(law: DragLaw) -> bool:
+def is_compiled(law: DragLaw, joints: JointLaw) -> bool:
     """Whether the object file is on the disk; making it takes seconds.
 
     Args:
         law: Loads on one element.
+        joints: How its joints follow their references.
     """
-    return _kept(law).exists()
+    return _kept(law, joints).exists()
 
 
-def _kept(law: DragLaw) -> Path:
+def _kept(law: DragLaw, joints: JointLaw) -> Path:
     """Where the object file of a law is kept: beside what Numba keeps, under a name that says what it was made from."""
-    run = specialize(1, law).run  # not compiled by being looked at; its module's name tells sources and law
+    run = specialize(1, law, joints).run  # not compiled by being looked at; its module's name tells sources and law
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
     return Path(run.stats.cache_path) / f"fmu-{digest.hexdigest()[:24]}.o"
 
 
-def _compiled(law: DragLaw) -> bytes:
+def _compiled(law: DragLaw, joints: JointLaw) -> bytes:
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
         with compiling_for(_target()):  # the law alone first, which takes no time
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
-        move = _move(specialize(1, law, _target()).run)
+        move = _move(specialize(1, law, joints, _target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())

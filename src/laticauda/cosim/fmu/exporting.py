@@ -6,11 +6,13 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
 from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tables_in_c
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.errors import instance, one_of
+from laticauda.extensions import name_of
 from laticauda.files import write
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
@@ -29,7 +31,7 @@ def export_fmu(
     gait: Gait,
     *,
     water: Water | None = None,
-    joints: str = "prescribed",
+    joints: JointLaw | str = "prescribed",
     inputs: str = "gait",
     fmi: str = "2.0",
     start: Start | None = None,
@@ -80,7 +82,7 @@ def export_fmu(
         ramp=ramp,
     )
     assert isinstance(body, PlanarPlant)
-    if inputs == "references" and joints == "prescribed":
+    if inputs == "references" and body.joints.prescribed:
         raise ValueError(
             "`inputs` must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, "
             "got 'references'."
@@ -92,15 +94,16 @@ def export_fmu(
     return tables.variables
 
 
-def needs_compiling(water: Water) -> bool:
+def needs_compiling(water: Water, joints: JointLaw | str = "prescribed") -> bool:
     """Whether the next FMU for this water will have to compile the kernels, which takes seconds.
 
     Args:
         water: Where it will swim.
+        joints: How its joints will follow their references.
     """
     from laticauda.cosim.fmu.entry import is_compiled
 
-    return not is_compiled(water.drag)
+    return not is_compiled(water.drag, JointLaw.of(joints))
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
@@ -108,7 +111,7 @@ def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str
     c_compiler()  # before the kernels, which take seconds
     from laticauda.cosim.fmu.entry import object_code
 
-    code = object_code(body.law)
+    code = object_code(body.law, body.joints)
     words = Description(
         identifier=_identifier(file.stem),
         robot=_in_words(body),
@@ -140,10 +143,9 @@ def _guid(digits: str) -> str:
 def _in_words(body: PlanarPlant) -> str:
     robot = body.robot
     fin = "" if robot.caudal_fin is None else " with a caudal fin"
-    drive = {"prescribed": "prescribed joints", "pd": "pd-controlled joints", "servo": "servos in the joints"}
     return (
         f"The swimming snake robot {robot.name}{fin}: {robot.n_links} links, {robot.length:.3g} m, "
-        f"{robot.mass:.3g} kg, {drive[body.joints]}, in water ({body.environment.name}); planar model."
+        f"{robot.mass:.3g} kg, {body.joints.words}, in water ({body.environment.name}); planar model."
     )
 
 
@@ -152,7 +154,7 @@ def _facts(body: PlanarPlant, inputs: str) -> tuple[tuple[str, str], ...]:
     assert isinstance(water, Water)
     return (
         ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
-        ("joints", body.joints),
+        ("joints", name_of(type(body.joints))),
         ("inputs", inputs),
         ("drag", water.drag.words),
         ("form of the added mass", water.added_mass_form),

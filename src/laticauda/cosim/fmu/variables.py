@@ -99,7 +99,7 @@ def _start(plant: PlanarPlant, start: Start) -> Iterator[Variable]:
     yield _parameter("start.heading", "rad", "theta", start.heading, text, least=-FAR, most=FAR, rows=share)
     text = "Speed at the start, along the heading."
     yield _parameter("start.velocity", "m/s", "", start.velocity, text, least=-100.0, most=100.0)
-    if plant.joints != "prescribed":
+    if not plant.joints.prescribed:
         for i, b in enumerate(_records(plant)):
             text = f"Angle of joint {i} at the start."
             share = ((b + rows.ANGLE, 1.0),)
@@ -213,7 +213,7 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
         yield _output(f"joint_rate[{i}]", "rad/s", "phi'_i", f"Rate of joint {i}.", (b + rows.RATE, 1.0))
     for i, b in records:
         # What the gait asks for; the kernel's own reference is what prescribed joints do of it.
-        share = plant.robot.joints[i].actuator.tracking if plant.joints == "prescribed" else 1.0
+        share = plant.robot.joints[i].actuator.tracking if plant.joints.prescribed else 1.0
         rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
         text = f"Angle that joint {i} is asked for."
         yield _output(f"joint_angle_ref[{i}]", "rad", "phi_i,ref", text, (b + rows.REFERENCE, 1.0 / share), *rest)
