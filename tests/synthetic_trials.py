@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from laticauda.gaits import Gait
+from laticauda.gaits import Custom, Gait
 from laticauda.kinematics import heading, joint_angles
 from laticauda.robot import Ground, Module, Robot, Section, Water, load_robot, load_water
 from laticauda.scenarios import Experiment
@@ -103,7 +103,7 @@ def full_trial() -> Trial:
     return synthetic_trial(
         duration=1.0,
         robot=robot,
-        gait=Gait(kind="custom", amplitude=0.3, frequency=2.0, phase_shift=0.1, envelope=(0.1, 1 / 3, 1e-300)),
+        gait=Gait(amplitude=0.3, frequency=2.0, phase_shift=0.1, envelope=Custom(values=(0.1, 1 / 3, 1e-300))),
         environment=load_water("paper-eel"),
         joint_torque=rng.normal(size=(n, 3)),
         electrical_work=np.cumsum(rng.random(n)),

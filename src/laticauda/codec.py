@@ -9,7 +9,8 @@ A table has the fields of a class as keys, and says them shorter in these ways:
 - entries of a list of a class that is `counted` may have a ``count``; keys that the class lists under that name may be
   lists, which the ``count`` objects go through again and again.
 
-A class may name the keys of older files in `former`, and where each of them stands now; "" for nowhere.
+A class may name the keys of older files in `former`, and where each of them stands now; "" for nowhere; or a function
+that makes of such a table one of today.
 """
 
 import math
@@ -231,7 +232,9 @@ def _object(kind: type[Any], table: Table, at: str) -> Any:
 
 def with_new_names(kind: type, table: Table) -> Table:
     """A table of an older file with the keys of today, for an object of class `kind`."""
-    former: Mapping[str, str] = getattr(kind, "former", {})
+    former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", {})
+    if callable(former):
+        return former(table)
     for old in former.keys() & table.keys():
         inner = table = dict(table)
         given = table.pop(old)

@@ -14,7 +14,7 @@ from laticauda.cockpit import Cockpit, Live, numbers
 from laticauda.cockpit.changes import changed, with_fin
 from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, copy_buttons, robot_source
 from laticauda.control import StraightLine
-from laticauda.gaits import Wave
+from laticauda.gaits import Custom, EelLike, Wave
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(31.0), frequency=math.radians(125.0), phase_shift=math.radians(40.0)
@@ -23,13 +23,13 @@ PITCH = Wave(amplitude=0.1, frequency=GAIT.frequency, phase_shift=GAIT.phase_shi
 DURATION = 6.0
 SCENARIOS = [
     lc.scenario("mamba", GAIT),
-    lc.scenario("mamba-fin", replace(GAIT, kind="eel_like", offset=0.05), joints="pd"),
+    lc.scenario("mamba-fin", replace(GAIT, envelope=EelLike(), offset=0.05), joints="pd"),
     changed(lc.scenario("mamba", GAIT), current=(0.1, -0.02)),
     changed(lc.scenario("mamba", GAIT), path=StraightLine(point=(0.5, -0.6), angle=0.2)),
     lc.scenario(with_fin(lc.load_robot("mamba"), True, 0.3), GAIT, joints="servo"),
     lc.scenario("mamba", GAIT, environment=replace(lc.load_water("paper-lateral"), normal_drag=1.4)),
     lc.scenario("mamba", GAIT, environment="paper-eel"),
-    lc.scenario("mamba", replace(GAIT, kind="custom", envelope=(1.0,) * 4 + (0.5,) * 4)),
+    lc.scenario("mamba", replace(GAIT, envelope=Custom(values=(1.0,) * 4 + (0.5,) * 4))),
     lc.scenario("mamba-modules", replace(GAIT, pitch=PITCH), model="spatial"),
 ]
 

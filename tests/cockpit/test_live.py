@@ -11,6 +11,7 @@ from laticauda.cockpit.changes import changed, measured, with_fin
 from laticauda.cockpit.live import MOST_TICKS, RingBuffer
 from laticauda.cockpit.simulation import TICK
 from laticauda.control import StraightLine
+from laticauda.gaits import EelLike
 from laticauda.logs import load_trial
 from laticauda.paper.measured import efficiency_trials
 
@@ -81,7 +82,7 @@ def test_another_gait_is_taken_up_without_a_jump(live):
 
 def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
     swum(live, 5.0)
-    live.alter(gait=replace(GAIT, kind="eel_like"))
+    live.alter(gait=replace(GAIT, envelope=EelLike()))
     angles = []
     for _ in range(160):
         live.advance(TICK)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import laticauda as lc
-from laticauda.gaits import Gait, Generator, GeneratorState, custom_gait, eel_like, lateral_undulation
+from laticauda.gaits import Gait, Generator, GeneratorState, custom_gait, eel_like, envelope_of, lateral_undulation
 
 WAVE: dict[str, Any] = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
 
@@ -31,7 +31,7 @@ def go(generator: Generator, gait: Gait, time: float) -> GeneratorState:
 @given(gaits, st.floats(6.0, 60.0), st.sampled_from(["lateral_undulation", "eel_like"]))
 def test_once_settled_the_joints_follow_the_papers_gait(gait: Gait, time: float, kind: str):
     n = 7
-    gait = replace(gait, kind=kind)
+    gait = replace(gait, envelope=envelope_of(kind))
     angle, rate, acceleration = Generator(n_links=n).joints(go(Generator(n_links=n), gait, time), gait)
     i = np.arange(1, n)
     g = np.ones(n - 1) if kind == "lateral_undulation" else (n - i) / (n + 1)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from laticauda.errors import StorageFailed, TrialFileError
-from laticauda.gaits import Gait
+from laticauda.gaits import EelLike, Gait
 from laticauda.logs import load_trial
 from laticauda.robot import Robot, load_ground, load_robot, robot_names
 from laticauda.trial import Trial
@@ -48,7 +48,7 @@ def test_every_preset_comes_back_with_its_trial(make_trial, path, name):
 def test_every_float_and_text_comes_back_to_the_last_bit(
     make_trial, tmp_path_factory, values, amplitude, setting, status
 ):
-    gait = Gait(kind="eel-like", amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0)
+    gait = Gait(envelope=EelLike(), amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0)
     angle = np.array(values).reshape(26, 9)
     trial = make_trial(duration=0.5, link_angle=angle, gait=gait, notes={"x": setting}, status=status)
     path = tmp_path_factory.getbasetemp() / "any.nc"

@@ -20,7 +20,7 @@ def kept() -> Trial:
 def test_an_older_trial_has_everything_that_was_in_it(kept):
     assert kept.robot.name == "odd one"
     assert kept.robot.caudal_fin is not None
-    assert kept.gait.envelope == (0.1, 1 / 3, 1e-300)
+    assert kept.gait.envelope.values == (0.1, 1 / 3, 1e-300)
     assert kept.environment.name == "paper-eel"
     assert (kept.settings["dt"], kept.settings["bandwidth"], kept.settings.get("seed")) == (0.02, np.inf, None)
     assert kept.status == "The joints jumped at 0.5 s. Try a smaller gain: ½ of it."

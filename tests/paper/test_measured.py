@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from laticauda.gaits import Gait, lateral_undulation
+from laticauda.gaits import Custom, Gait, envelope_of, lateral_undulation
 from laticauda.paper import efficiency_trials, measured_trial, path_following_trials
 from laticauda.robot import load_ground, load_parameters, load_robot
 from laticauda.trial import measured_counterpart
@@ -11,7 +11,10 @@ from laticauda.trial import measured_counterpart
 
 def gait_deg(alpha, omega, delta, kind="lateral_undulation"):
     return Gait(
-        kind=kind, amplitude=math.radians(alpha), frequency=math.radians(omega), phase_shift=math.radians(delta)
+        envelope=envelope_of(kind),
+        amplitude=math.radians(alpha),
+        frequency=math.radians(omega),
+        phase_shift=math.radians(delta),
     )
 
 
@@ -43,7 +46,7 @@ def test_every_measured_trial_finds_itself():
         gait_deg(30, 131, 40),
         gait_deg(30, 130, 40.1),
         dataclasses.replace(gait_deg(30, 130, 40), offset=0.1),
-        dataclasses.replace(gait_deg(30, 130, 40), kind="custom", envelope=(1.0,) * 8),
+        dataclasses.replace(gait_deg(30, 130, 40), envelope=Custom(values=(1.0,) * 8)),
     ],
 )
 def test_another_setting_finds_nothing(gait):

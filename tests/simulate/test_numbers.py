@@ -17,7 +17,7 @@ KNOWN = parameters(SCENARIO)
 
 def test_every_number_of_the_water_can_be_swept():
     numbers = {field.name for field in fields(Water) if field.type in ("float", float, "float | None")}
-    numbers |= {"depth"}
+    numbers |= {"depth", "drag.reference_speed", "drag.sway_friction"}
     assert {f"water.{name}" for name in numbers} | {"water.current_x", "water.current_y"} == {
         name for name in KNOWN if name.startswith("water.")
     }

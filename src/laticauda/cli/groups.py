@@ -74,17 +74,16 @@ class GaitFlags:
 
     def chosen(self) -> "Gait":
         """The gait that is asked for."""
-        from laticauda.gaits import Gait
+        from laticauda.gaits import Gait, envelope_of
 
         frequency = radians(self.frequency_deg_s, FREQUENCY_DEG_S)
         phase_shift = radians(self.phase_shift_deg, PHASE_SHIFT_DEG)
         return Gait(
-            kind=GAIT if self.gait is None else self.gait,
+            envelope=envelope_of(GAIT if self.gait is None else self.gait, self.envelope),
             amplitude=radians(self.amplitude_deg, AMPLITUDE_DEG),
             frequency=frequency,
             phase_shift=phase_shift,
             offset=radians(self.offset_deg, 0.0),
-            envelope=self.envelope,
             pitch=self._pitch(frequency, phase_shift),
             fin=self._fin(frequency),
         )

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from laticauda.cli.tables import aligned, number, percent, read_in
-from laticauda.gaits import Gait
+from laticauda.gaits import Custom, Gait
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, following, measured_counterpart
 
@@ -175,8 +175,8 @@ def _gait(gait: Gait | None) -> str:
     )
     if gait.offset:
         text += f", offset {offset:.4g} deg"
-    if gait.envelope is not None:
-        text += f", envelope {' '.join(f'{g:g}' for g in gait.envelope)}"
+    if isinstance(gait.envelope, Custom):
+        text += f", envelope {' '.join(f'{g:g}' for g in gait.envelope.values)}"
     if gait.pitch is not None:
         pitch = gait.pitch
         amplitude, ahead = math.degrees(pitch.amplitude), math.degrees(pitch.phase)

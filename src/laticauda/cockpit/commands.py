@@ -10,6 +10,7 @@ from typing import Any
 
 from laticauda.cockpit.changes import STILL, path_of
 from laticauda.cockpit.controls import joints_name, model_name
+from laticauda.gaits import Custom
 from laticauda.robot import Robot, Water, load_robot, load_water, robot_names, water_names
 from laticauda.scenarios import Scenario
 
@@ -60,8 +61,8 @@ def command_line(scenario: Scenario) -> str:
     words = [f"laticauda {'swim' if path is None else 'follow'} --robot {robot_source(scenario.robot)}"]
     words.append(f"--gait {gait.kind.replace('_', '-')}")
     words += _angles("", gait, "amplitude", "frequency", "phase_shift", "offset")
-    if gait.envelope is not None:
-        words.append("--envelope " + " ".join(f"{value:g}" for value in gait.envelope))
+    if isinstance(gait.envelope, Custom):
+        words.append("--envelope " + " ".join(f"{value:g}" for value in gait.envelope.values))
     if gait.pitch is not None:
         words += _angles("pitch-", gait.pitch, "amplitude", "phase", "offset")
     if gait.fin is not None:

@@ -13,7 +13,7 @@ from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.control import StraightLine
 from laticauda.errors import positive, within
 from laticauda.extensions import name_of
-from laticauda.gaits import GAIT_KINDS, Gait
+from laticauda.gaits import Gait, envelope_of, kinds
 from laticauda.quantities import quantities_of, texts_of
 from laticauda.robot import CaudalFin, Robot, Water, load_robot, robot_names
 from laticauda.scenarios import MODELS, Scenario
@@ -103,8 +103,8 @@ class Controls:
         self.by_name[name] = Control(handle, shown, changes)
 
     def _add_gait(self, gui: Any, gait: Gait) -> None:
-        kinds = tuple(dict.fromkeys((*(kind for kind in GAIT_KINDS if kind != "custom"), gait.kind)))
-        handle = gui.add_dropdown("gait", kinds, hint=_hint(Gait, "kind"))
+        names = tuple(dict.fromkeys((*kinds(), gait.kind)))
+        handle = gui.add_dropdown("gait", names, hint=_hint(Gait, "envelope"))
         self._add("kind", handle, lambda now: now.gait.kind, lambda kind: {"gait": self._of_kind(kind)})
         for field, (low, high, step) in LIMITS.items():
             unit = quantities_of(Gait)[field].unit
@@ -149,8 +149,8 @@ class Controls:
             self._add(f"current_{name}", handle, lambda now, axis=axis: _current(now)[axis], changes)
 
     def _of_kind(self, kind: str) -> Gait:
-        envelope = self._envelope if kind == "custom" else None
-        return replace(self._live.scenario.gait, kind=kind, envelope=envelope)
+        envelope = self._envelope if kind == self._envelope.kind else envelope_of(kind)
+        return replace(self._live.scenario.gait, envelope=envelope)
 
     def _base(self, name: str) -> Robot:
         """A robot with the fin that it comes with; the page's own, if it is no preset."""

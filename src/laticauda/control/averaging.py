@@ -128,7 +128,7 @@ def _check(trials: Sequence[Trial]) -> None:
             raise ValueError(
                 f"`trials[{i}]` must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s."
             )
-        shapes.add((gait.kind, gait.amplitude, gait.phase_shift, gait.envelope))
+        shapes.add((gait.amplitude, gait.phase_shift, gait.envelope))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:
         raise ValueError(f"`trials` must have at least 3 different frequencies, got {len(frequencies)}.")

@@ -10,7 +10,7 @@ from typing import Any, cast
 from laticauda.codec import BadKey, decode, encode, merged, with_new_names
 from laticauda.cosim.messages import Message, known, numbers, table
 from laticauda.errors import BadArgument, one_of, within
-from laticauda.gaits import Gait
+from laticauda.gaits import Envelope, Gait, envelope_of
 from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command, Plant, Start
 from laticauda.quantities import option, quantity, value
@@ -157,13 +157,15 @@ def _read_switches(value: object) -> tuple[bool, ...] | None:
 
 
 def _read_gait(given: dict[str, Any], held: Gait) -> Gait:
-    known("`gait`", given, [field.name for field in dataclasses.fields(Gait)])
+    known("`gait`", given, ["kind", *(field.name for field in dataclasses.fields(Gait))])
     changes = dict(given)
-    envelope = changes.get("envelope")
-    if envelope is not None:
-        changes["envelope"] = None if envelope == [] else numbers("gait.envelope", envelope)
-    elif changes.get("kind", "custom") != "custom":
-        changes["envelope"] = None  # a kind with a name has its own
+    values, kind = changes.pop("envelope", None), changes.pop("kind", None)
+    if isinstance(values, list) and values:
+        changes["envelope"] = envelope_of(kind, numbers("gait.envelope", cast(object, values)))
+    elif kind is not None:
+        changes["envelope"] = held.envelope if kind == held.kind else envelope_of(kind)
+    elif values:
+        changes["envelope"] = decode(Envelope, cast(object, values), "gait.envelope")
     for name in ("pitch", "fin"):
         wave = changes.get(name)
         if wave is not None and wave != []:

@@ -20,7 +20,6 @@ from laticauda.trial.cycles import cycle_middles, interpolated
 
 Series = Float[np.ndarray, "n_samples ..."]
 
-WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion", "custom": "custom gait"}
 CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
 STRIP_HEIGHT = (0.85, 2.4)  # of the path, where it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
@@ -176,9 +175,7 @@ def _title(trial: Trial) -> str:
     if trial.gait is not None:
         gait = trial.gait
         angles = (gait.amplitude, gait.frequency, gait.phase_shift)
-        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(
-            WORDS.get(gait.kind, gait.kind), *np.degrees(angles)
-        )
+        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(gait.words, *np.degrees(angles))
         if gait.offset:
             text += f", offset {math.degrees(gait.offset):.3g} deg"
     return text

@@ -1,22 +1,11 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
-from typing import cast
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, cast
 
 from laticauda.errors import BadArgument, finite, whole
-from laticauda.quantities import one_among, option, quantity, value
-
-Envelope = Callable[[int, int], float]
-
-# By kind, equation (3) of the paper.
-_ENVELOPES: dict[str, Envelope] = {
-    "lateral_undulation": lambda i, n: 1.0,
-    "eel_like": lambda i, n: (n - i) / (n + 1),
-}
-GAIT_KINDS = (*_ENVELOPES, "custom")
-GAIT_WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like motion"}
-"""What tables and figures call the kinds that have a name of their own."""
+from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
+from laticauda.quantities import option, quantity, value
 
 
 @value
@@ -43,19 +32,19 @@ class Gait:
 
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
-    and the amplitude starts smoothly: see `Generator`. Its kind is lateral_undulation (g = 1), eel_like
-    (g = (n-i)/(n+1)) or custom, for which the envelope is given.
+    and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its
+    envelope: lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)), custom, or a class of one's own
+    (`laticauda.gaits.envelopes`).
 
     Raises:
-        ValueError: If a field is out of its range, or `envelope` and `kind` do not fit together.
+        ValueError: If a field is out of its range.
     """
 
-    kind: str = option("Of its envelope", default="lateral_undulation", check=one_among(*GAIT_KINDS))
     amplitude: float = quantity("rad", "alpha", ge=0.0)
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first")
     offset: float = quantity("rad", "phi_0 of every joint; positive turns left", default=0.0)
-    envelope: tuple[float, ...] | None = quantity("", "g of every joint, tail first, for kind custom", default=None)
+    envelope: Envelope = option("g, how the amplitude is spread along the body", default=LateralUndulation())
     pitch: Wave | None = option("What the pitch joints do; None: they stay straight", default=None)
     fin: Wave | None = option("What a driven fin does; None: it stays straight", default=None)
 
@@ -63,11 +52,28 @@ class Gait:
         """Check what goes together."""
         if self.fin is not None and self.fin.phase_shift != 0.0:
             raise BadArgument("fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad")
-        if (self.envelope is None) == (self.kind == "custom"):
-            raise BadArgument(
-                "envelope",
-                f"must be given for kind `custom`, and only for it; `kind` is `{self.kind}`, got {self.envelope}",
-            )
+
+    @property
+    def kind(self) -> str:
+        """Name of its envelope, as `eel_like`."""
+        return self.envelope.kind
+
+    @property
+    def words(self) -> str:
+        """What tables and figures call its kind."""
+        return self.envelope.words or self.kind.replace("_", " ")
+
+    @staticmethod
+    def former(table: Mapping[str, Any]) -> dict[str, Any]:
+        """A table of an older file as one of today: kind and values of the envelope stood beside each other."""
+        new = dict(table)
+        kind, values = new.pop("kind", None), new.get("envelope")
+        if kind is not None or values is None or isinstance(values, list | tuple):
+            new.pop("envelope", None)
+            own: dict[str, Any] = {} if values is None else {"values": values}
+            if kind is not None or own:
+                new["envelope"] = {"kind": str(kind or "custom").replace("_", "-"), **own}
+        return new
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
         """The envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.
@@ -78,18 +84,7 @@ class Gait:
         Raises:
             ValueError: If a custom envelope has another number of joints.
         """
-        if self.envelope is None:
-            return _named_envelope(self.kind, n_links)
-        if len(self.envelope) != n_links - 1:
-            need = f"one value per joint, {n_links - 1} for {n_links} links"
-            raise BadArgument("envelope", f"must have {need}, got {len(self.envelope)}")
-        return self.envelope
-
-
-@lru_cache(maxsize=64)  # a sweep asks for the same few a million times
-def _named_envelope(kind: str, n_links: int) -> tuple[float, ...]:
-    shape = _ENVELOPES[kind]
-    return tuple(shape(i, n_links) for i in range(1, n_links))
+        return self.envelope.joints(n_links)
 
 
 def lateral_undulation(
@@ -119,7 +114,6 @@ def lateral_undulation(
         (1.0, 1.0, 1.0)
     """
     return Gait(
-        kind="lateral_undulation",
         amplitude=amplitude,
         frequency=frequency,
         phase_shift=phase_shift,
@@ -156,7 +150,7 @@ def eel_like(
         (0.6, 0.4, 0.2)
     """
     return Gait(
-        kind="eel_like",
+        envelope=EelLike(),
         amplitude=amplitude,
         frequency=frequency,
         phase_shift=phase_shift,
@@ -168,7 +162,7 @@ def eel_like(
 
 def custom_gait(
     *,
-    envelope: Envelope | Sequence[float],
+    envelope: Callable[[int, int], float] | Sequence[float],
     amplitude: float,
     frequency: float,
     phase_shift: float,
@@ -190,7 +184,8 @@ def custom_gait(
             the envelope has another number of joints.
 
     Example:
-        >>> custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7).envelope
+        >>> gait = custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7)
+        >>> gait.joint_envelope(4)
         (0.25, 0.5, 0.75)
     """
     if callable(envelope):
@@ -200,12 +195,11 @@ def custom_gait(
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
     gait = Gait(
-        kind="custom",
         amplitude=amplitude,
         frequency=frequency,
         phase_shift=phase_shift,
         offset=offset,
-        envelope=_numbers(envelope),
+        envelope=Custom(values=_numbers(envelope)),
     )
     if n_links is not None:
         gait.joint_envelope(whole("n_links", n_links, 1))

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import finite, instance, one_of, positive, whole
-from laticauda.gaits import GAIT_WORDS, Gait
+from laticauda.gaits import Gait
 from laticauda.identify.selection import mean_of_the_greatest
 from laticauda.interfaces import Start
 from laticauda.robot import load_robot
@@ -126,10 +126,7 @@ class Measurement:
 
 def _usual_group(scenario: Scenario) -> str:
     """Gait, with or without fin."""
-    kind, has_fin = scenario.gait.kind, scenario.robot.caudal_fin is not None
-    if kind in GAIT_WORDS:
-        return group_name(kind, has_fin)
-    return f"{kind} gait, {'with' if has_fin else 'without'} fin"
+    return f"{scenario.gait.words}, {'without' if scenario.robot.caudal_fin is None else 'with'} fin"
 
 
 def from_trial(

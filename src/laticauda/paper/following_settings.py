@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, envelope_of
 from laticauda.paper.measured import MeasuredPathFollowing, path_following_trials
 from laticauda.paper.settings import (
     PARAMETERS,
@@ -157,7 +157,9 @@ def _group(table: Mapping[str, Any]) -> FollowingGroup:
 def _held_out(table: Mapping[str, Any]) -> HeldOut:
     amplitude, frequency, phase_shift = (math.radians(table[f"{name}_deg"]) for name in PARAMETERS)
     return HeldOut(
-        gait=Gait(kind=table["gait"], amplitude=amplitude, frequency=frequency, phase_shift=phase_shift),
+        gait=Gait(
+            envelope=envelope_of(table["gait"]), amplitude=amplitude, frequency=frequency, phase_shift=phase_shift
+        ),
         robot=table["robot"],
         initial_cross_track_error=table["cross_track_error"],
         initial_heading=math.radians(table["heading_deg"]),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from laticauda.errors import BadArgument, one_of
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, envelope_of
 from laticauda.packaging import __version__
 from laticauda.paper.settings import Coefficients, paper_coefficients
 from laticauda.quantities import option, quantity, value
@@ -52,7 +52,7 @@ class LinksSettings:
         one_of("kept", kept, KEPT)
         share = self.n_links[0] / n_links if kept == "number of waves" else 1.0
         return Gait(
-            kind=kind,
+            envelope=envelope_of(kind),
             amplitude=self.amplitude,
             frequency=self.frequency,
             phase_shift=share * self.phase_shift,

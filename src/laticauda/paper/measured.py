@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, envelope_of
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trial import MeasuredTrial, MeasuredTrials
 
@@ -138,7 +138,7 @@ def _number(text: str) -> float | None:
 def _gait(kind: str, amplitude: str | float, frequency: str | float, phase_shift: str | float) -> Gait:
     """The gait of a row: degrees and degrees per second."""
     alpha, omega, delta = (math.radians(float(value)) for value in (amplitude, frequency, phase_shift))
-    return Gait(kind=_KINDS[kind], amplitude=alpha, frequency=omega, phase_shift=delta)
+    return Gait(envelope=envelope_of(_KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta)
 
 
 def _alike(one: Gait, other: Gait) -> bool:

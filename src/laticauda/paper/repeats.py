@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from laticauda.errors import TrialFileError, finite, nearest, not_negative, one_of, positive
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, envelope_of
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 CONFIGURATIONS = ("nofin", "fin")
@@ -123,7 +123,7 @@ def _setting(row: Mapping[str, str]) -> tuple[Gait, bool]:
             ("delta_deg", finite, "deg"),
         )
     )
-    return Gait(kind=kind, amplitude=alpha, frequency=omega, phase_shift=delta), has_fin
+    return Gait(envelope=envelope_of(kind), amplitude=alpha, frequency=omega, phase_shift=delta), has_fin
 
 
 def _power(row: Mapping[str, str]) -> float | None:

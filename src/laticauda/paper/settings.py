@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, envelope_of
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water, load_water
 from laticauda.trial.null_models import group_name
@@ -85,7 +85,7 @@ class SweepSettings:
         """
         angles = {**self.fixed, self.parameter: float(value)}
         return Gait(
-            kind=kind,
+            envelope=envelope_of(kind),
             amplitude=angles["amplitude"],
             frequency=angles["frequency"],
             phase_shift=angles["phase_shift"],
@@ -194,7 +194,7 @@ def _group(table: Mapping[str, Any]) -> Group:
         robot=table["robot"],
         has_fin=table["robot"].endswith("-fin"),
         figures=tuple(table["figures"]),
-        cases=tuple(Gait(kind=table["gait"], **row) for row in rows),
+        cases=tuple(Gait(envelope=envelope_of(table["gait"]), **row) for row in rows),
         maxima={name: case - 1 for name, case in table["maxima"].items()},
         printed_velocity_change=velocity,
         printed_power_change=power,

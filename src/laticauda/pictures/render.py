@@ -21,7 +21,6 @@ from laticauda.trial import Trial
 
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
-WORDS = {"lateral_undulation": "lateral undulation", "eel_like": "eel-like", "custom": "own envelope"}
 
 
 def video(
@@ -151,7 +150,7 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
         gait = trial.gait
         numbers = f"{math.degrees(gait.amplitude):.0f}°, {math.degrees(gait.frequency):.0f}°/s"
         shift = f"phase shift {math.degrees(gait.phase_shift):.0f}°"
-        lines.append(f"{WORDS.get(gait.kind, gait.kind)}, {numbers}, {shift}")
+        lines.append(f"{gait.words}, {numbers}, {shift}")
         if gait.pitch is not None:
             numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
             lines.append(f"pitch wave, {numbers}")

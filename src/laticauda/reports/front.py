@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from laticauda.gaits import GAIT_WORDS
 from laticauda.simulate import swim_many
 from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
@@ -96,7 +95,7 @@ def _line(front: Front) -> "FrontLine":
     for i in front.spread(N_MARKS + 1)[1:]:
         swims, text = front.scenario(i), _numbers(front, i)
         marks.append(Mark(x=float(x[i]), y=float(y[i]), text=text, robot=swims.robot, gait=swims.gait))
-    words = GAIT_WORDS.get(front.optimization.scenario.gait.kind, "custom gait")
+    words = front.optimization.scenario.gait.words
     sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(front)))
     return FrontLine(
         label=words,

@@ -43,6 +43,7 @@ from laticauda.codec import (
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
 from laticauda.files import write
 from laticauda.fluid.laws import DragLaw
+from laticauda.gaits.envelopes import kinds
 from laticauda.quantities import hints_of, option, value
 from laticauda.robot.adjustments import NAMES, Adjustments, adjusted, read_adjustments, write_adjustments
 from laticauda.robot.environment import Water
@@ -50,7 +51,7 @@ from laticauda.robot.files import find, preset_names, read_table
 from laticauda.robot.robot import Robot
 
 KIND = "parameters"
-GAITS = ("lateral_undulation", "eel_like")
+GAITS = kinds()
 """Kinds of gait that may have numbers of their own."""
 
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from laticauda.codec import keys_of
-from laticauda.gaits import Gait, Wave
+from laticauda.codec import decode, keys_of
+from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water, from_toml
 from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
 from laticauda.scenarios.older import run_of_settings
@@ -258,13 +258,9 @@ def _scenario(attributes: Mapping[str, Any], read: Callable[[str], AnyArray]) ->
     return run_of_settings(robot, made, environment, json.loads(attributes["settings"]), log)
 
 
-def _gait(values: dict[str, Any]) -> Gait:
-    pitch, fin = values.pop("pitch", None), values.pop("fin", None)  # trials of older versions have none
-    return Gait(**values, pitch=_wave(pitch), fin=_wave(fin))
-
-
-def _wave(values: dict[str, Any] | None) -> Wave | None:
-    return None if values is None else Wave(**values)
+def _gait(table: Any) -> Gait:
+    with keys_of("gait", ValueError):
+        return decode(Gait, table)
 
 
 def _environment(text: str) -> Water | Ground:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.actuation.laws import JointLaw
 from laticauda.errors import finite, instance, not_negative, positive, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
@@ -119,7 +120,7 @@ class Swimming(ABC):
         """What swims."""
         robot = load_robot(self.robot) if isinstance(self.robot, str) else self.robot
         water = load_water(self.water) if isinstance(self.water, str) else self.water
-        return PlanarPlant(robot=robot, environment=water, joints=self.joints, dt=self.dt)
+        return PlanarPlant(robot=robot, environment=water, joints=JointLaw.of(self.joints), dt=self.dt)
 
     @property
     @abstractmethod
