@@ -12,6 +12,7 @@ Last answer (2026-11-21), at the default steps and at half of them:
 import numpy as np
 
 import laticauda as lc
+from laticauda.gaits import envelope_of
 
 SETTINGS = (
     ("lateral_undulation", 30, 130, 40),
@@ -39,7 +40,9 @@ def main() -> None:
         for robot in (lc.load_robot("mamba"), lc.load_robot("mamba-fin")):
             for kind, *degrees in SETTINGS:
                 amplitude, frequency, phase_shift = np.deg2rad(degrees)
-                gait = lc.Gait(kind=kind, amplitude=amplitude, frequency=frequency, phase_shift=phase_shift)
+                gait = lc.Gait(
+                    envelope=envelope_of(kind), amplitude=amplitude, frequency=frequency, phase_shift=phase_shift
+                )
                 ends = [
                     lc.swim(robot, gait, joints=joints, dt=dt, sample_interval=0.1).center_of_mass[-1]
                     for dt in (*steps, steps[-1] / 16)

@@ -30,6 +30,7 @@ from math import radians
 import numpy as np
 
 import laticauda as lc
+from laticauda.gaits import envelope_of
 from laticauda.studies import Optimization, hypervolume, optimize
 from laticauda.studies.optimization import evaluate, losses
 
@@ -59,7 +60,7 @@ def main() -> None:
     print(f"{'':<20}{'':>5}{'':>10}{'equal':>10}{'random':>10}{'':>9}{'NSGA-II':>10}{'random':>10}")
     ratios, taken = [], {}
     for kind in ("lateral_undulation", "eel_like"):
-        gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        gait = lc.Gait(envelope=envelope_of(kind), amplitude=0.5, frequency=2.0, phase_shift=0.7)
         optimization = Optimization(scenario=lc.scenario(robot, gait), bounds=BOUNDS)
         evaluate(optimization, np.array([[0.5, 2.0, 0.7]]))  # warm
         runs = []

@@ -40,6 +40,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import laticauda as lc
+from laticauda.gaits import envelope_of
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.capture_volume import CaptureVolume
@@ -116,7 +117,10 @@ class FullDisk(PlainSink):
 def operation(chance: random.Random, rate: float, duration: float) -> Operation:
     kind = chance.choice(list(GAITS))
     gait = lc.Gait(
-        kind=kind, amplitude=math.radians(GAITS[kind]), frequency=math.radians(90), phase_shift=math.radians(40)
+        envelope=envelope_of(kind),
+        amplitude=math.radians(GAITS[kind]),
+        frequency=math.radians(90),
+        phase_shift=math.radians(40),
     )
     return Operation(
         name="campaign",

@@ -22,6 +22,7 @@ from PIL import Image
 import laticauda as lc
 from laticauda.cli import main as command
 from laticauda.figures import save_figure, style, swim_sheet
+from laticauda.gaits import envelope_of
 from laticauda.paper.following_settings import path_following_settings
 from laticauda.paper.measured import (
     MeasuredPathFollowing,
@@ -129,7 +130,7 @@ def fronts() -> Figure:
     }
     found = []
     for kind in ("lateral_undulation", "eel_like"):
-        gait = lc.Gait(kind=kind, amplitude=0.5, frequency=2.0, phase_shift=0.7)
+        gait = lc.Gait(envelope=envelope_of(kind), amplitude=0.5, frequency=2.0, phase_shift=0.7)
         found.append(optimize(Optimization(scenario=lc.scenario("mamba", gait), bounds=bounds), seed=1))
     return front_figure(found)
 

@@ -11,6 +11,12 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.actuation import (
+        PD as PD,
+        JointLaw as JointLaw,
+        Prescribed as Prescribed,
+        Servo as Servo,
+    )
     from laticauda.control import (
         HeadingController as HeadingController,
         IntegralLineOfSight as IntegralLineOfSight,
@@ -29,7 +35,11 @@ if TYPE_CHECKING:
         ViscousFriction as ViscousFriction,
     )
     from laticauda.gaits import (
+        Custom as Custom,
+        EelLike as EelLike,
+        Envelope as Envelope,
         Gait as Gait,
+        LateralUndulation as LateralUndulation,
         Wave as Wave,
         custom_gait as custom_gait,
         eel_like as eel_like,

@@ -75,7 +75,7 @@ def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
         assert list(data.axis.values) == ["x", "y"]
         assert data.attrs["Conventions"].startswith("CF-")
         scenario = tomllib.loads(data.attrs["scenario"])
-        assert (scenario["robot"]["name"], scenario["gait"]["kind"]) == ("odd one", "custom")
+        assert (scenario["robot"]["name"], scenario["gait"]["envelope"]["kind"]) == ("odd one", "custom")
         assert data.joint_torque.attrs["units"] == "N m"
         for name, variable in data.data_vars.items():
             assert variable.attrs["units"], name

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.gaits import envelope_of
 
 # gait, amplitude [deg], frequency [deg/s], phase shift [deg]: per n, with prescribed joints the velocity (5), the
 # displacement of the last 20 s / 20 s and the mechanical power, and the velocity (5) under pd.
@@ -23,7 +24,7 @@ REFERENCE = {
 def test_speeds_and_powers_of_the_reference_table_are_reproduced():
     for (kind, amplitude, frequency, phase_shift), columns in REFERENCE.items():
         gait = lc.Gait(
-            kind=kind,
+            envelope=envelope_of(kind),
             amplitude=np.deg2rad(amplitude),
             frequency=np.deg2rad(frequency),
             phase_shift=np.deg2rad(phase_shift),

@@ -10,7 +10,6 @@ from laticauda.cockpit.changes import measured
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, cross_track_error
-from laticauda.extensions import name_of
 from laticauda.robot import has_power_model
 from laticauda.trial import metrics
 
@@ -53,7 +52,7 @@ def numbers(live: Live) -> Numbers:
     time, place, scenario, robot = record["time"], record["center_of_mass"], now.scenario, now.plant.robot
     elapsed, found = float(time[-1] - time[0]), dict[str, float]()
     if elapsed > 0.0:
-        is_electrical = has_power_model(robot, name_of(type(scenario.model.joints)))
+        is_electrical = has_power_model(robot, scenario.model.joints)
         velocity = metrics.forward_velocity(time, place)
         power = metrics.mean_power(time, record["electrical_work"] if is_electrical else record["work"][:, 0])
         found = {"forward_velocity": velocity, "mean_power": power}

@@ -13,7 +13,6 @@ from jaxtyping import Float
 from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.errors import finite, instance, not_negative, one_of, positive, within
-from laticauda.extensions import name_of
 from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
