@@ -235,7 +235,7 @@ def test_no_more_is_kept_than_there_is_room_for_and_that_is_the_newest():
 
 
 def test_the_paper_s_water_goes_along_with_the_kind_of_gait_and_another_stays():
-    eel = replace(GAIT, kind="eel_like")
+    eel = replace(GAIT, envelope=EelLike())
     drifting = changed(lc.scenario("mamba", GAIT), current=(0.1, 0.0))
     assert changed(drifting, gait=eel).environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
     own = replace(lc.load_water("paper-lateral"), normal_drag=1.4)

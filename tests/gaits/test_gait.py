@@ -131,7 +131,7 @@ def test_a_gait_refuses(changes: dict[str, Any], message: str):
             r"`envelope` must be given for kind `custom`, and only for it; `kind` is `custom`, got None\.",
         ),
         ("eel_like", (1.0, 1.0), r"`kind` is `eel_like`, got \(1.0, 1.0\)\."),
-        (None, (1.0, float("nan")), r"`values\[1\]` must be a finite number, got nan\."),
+        (None, (1.0, float("nan")), r"`envelope\[1\]` must be a finite number, got nan\."),
     ],
 )
 def test_an_envelope_by_name_is_refused(kind: Any, values: Any, message: str):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import ClassVar
 
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, finite
 from laticauda.extensions import Extensible, name_of
 from laticauda.quantities import quantity, value
 
@@ -110,7 +110,9 @@ def envelope_of(kind: str | None, values: Sequence[float] | None = None) -> Enve
         raise BadArgument(
             "envelope", f"must be given for kind `custom`, and only for it; `kind` is `{kind}`, got {values}"
         )
-    return found() if values is None else Custom(values=tuple(values))
+    if values is None:
+        return found()
+    return Custom(values=tuple(finite(f"envelope[{i}]", one) for i, one in enumerate(values)))
 
 
 def kinds() -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any, cast
 
 from laticauda import control, estimation, gaits, interfaces
+from laticauda.codec import decode, encode, keys_of
 from laticauda.errors import BadArgument, instance
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.interfaces import Plant
@@ -109,6 +110,8 @@ def twin_from_json(text: str) -> Experiment | None:
 
 def _plain(value: object) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
+        if isinstance(value, gaits.Gait):  # as files have it: its envelope may be anybody's
+            return {KIND: gaits.Gait.__name__, **encode(value)}
         instance("value", value, *_classes().values())
         names = [item.name for item in fields(value) if item.init and item.name not in (ROBOT, PLANT)]
         return {KIND: type(value).__name__, **{name: _plain(getattr(value, name)) for name in names}}
@@ -123,6 +126,9 @@ def _built(plain: Any, robot: Robot | None) -> Any:
     if isinstance(plain, dict):
         given = dict(cast("dict[str, Any]", plain))
         kind = _classes()[given.pop(KIND)]
+        if kind is gaits.Gait:
+            with keys_of("gait", ValueError):
+                return decode(gaits.Gait, {name: _without_class(value) for name, value in given.items()})
         own = {name: _built(value, robot) for name, value in given.items() if name != PLANT}
         if any(item.name == ROBOT for item in fields(kind)):
             own[ROBOT] = robot
@@ -130,3 +136,10 @@ def _built(plain: Any, robot: Robot | None) -> Any:
     if isinstance(plain, list):
         return tuple(_built(item, robot) for item in cast("list[Any]", plain))
     return plain
+
+
+def _without_class(value: Any) -> Any:
+    """A wave as files have it; older recordings said its class."""
+    if not isinstance(value, dict):
+        return value
+    return {key: one for key, one in cast("dict[str, Any]", value).items() if key != KIND}
