@@ -58,11 +58,10 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Pa
     common = _water(problem, values, first, "")
     own = {kind: _water(problem, values, bases.get(kind, first), kind) for kind in GAITS}
     changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
-    joints: Any = name_of(type(problem.model.joints))
     return Parameters(
         name=name,
         title=title,
-        joints=joints if joints in JointLaw.names() else None,
+        joints=name_of(type(problem.model.joints)),
         every_gait=common,
         own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
         changes=changes,
