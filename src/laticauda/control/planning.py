@@ -25,7 +25,7 @@ _FREQUENCY_CHANGE = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Problem:
+class HorizonProblem:
     """What does not change from plan to plan."""
 
     model: AveragedModel
@@ -78,7 +78,7 @@ class Plan(NamedTuple):
     """How many it took."""
 
 
-def plan(problem: Problem, given: Given, begin: Array | None) -> Plan:
+def plan(problem: HorizonProblem, given: Given, begin: Array | None) -> Plan:
     """Solve one.
 
     Args:
@@ -105,7 +105,7 @@ def plan(problem: Problem, given: Given, begin: Array | None) -> Plan:
 
 
 @cache
-def _solver(problem: Problem) -> tuple[Any, Array, Array, Array, Array]:
+def _solver(problem: HorizonProblem) -> tuple[Any, Array, Array, Array, Array]:
     """IPOPT for the problem, with the limits of the unknowns and of the rules."""
     casadi = optional_import("Model-predictive control", "CasADi", "mpc", "casadi")
     n, model = len(problem.stages), problem.model
@@ -145,7 +145,7 @@ def _solver(problem: Problem) -> tuple[Any, Array, Array, Array, Array]:
     return solver, low, high, np.concatenate([tied, -pace, -np.inf * np.ones(n)]), np.concatenate([tied, pace, most])
 
 
-def _cost(problem: Problem, casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
+def _cost(problem: HorizonProblem, casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
     """What a second of it costs. Far from the path the distance counts in proportion, not squared."""
     model = problem.model
     distance, course, slow, spent = problem.tolerances

@@ -14,7 +14,7 @@ from laticauda.control.guidance import LineOfSight
 from laticauda.control.heading import HeadingController
 from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
 from laticauda.control.path_following import refuse_offset
-from laticauda.control.planning import Given, Plan, Problem, plan
+from laticauda.control.planning import Given, HorizonProblem, Plan, plan
 from laticauda.errors import positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
@@ -110,9 +110,9 @@ class ModelPredictive(Controller[PredictiveState]):
         return self.frequency_limits or (self.gait.frequency, self.gait.frequency)
 
     @cached_property
-    def _problem(self) -> Problem:
+    def _problem(self) -> HorizonProblem:
         tolerances = (self.cross_track_tolerance, self.course_tolerance, self.speed_tolerance, self.power_tolerance)
-        return Problem(
+        return HorizonProblem(
             model=self.model,
             stages=(self.interval, *(self.stage,) * self.horizon),
             offset=self.max_offset,
