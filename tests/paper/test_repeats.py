@@ -70,8 +70,8 @@ def test_what_is_wrong_is_refused_with_its_row(load, text, message):
 
 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path):
-    with pytest.raises(TrialFileError, match=r"Cannot read .*none\.csv: no such file or directory\."):
+    with pytest.raises(TrialFileError, match=r"none\.csv: no such file$"):
         load_repeats(tmp_path / "none.csv")
     (tmp_path / "latin.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(TrialFileError, match=r"latin\.csv: it is not a text in UTF-8\."):
+    with pytest.raises(TrialFileError, match=r"latin\.csv: is not a text in UTF-8"):
         load_repeats(tmp_path / "latin.csv")

@@ -64,12 +64,13 @@ class Operate:
         return 0 if result.accepted else 1
 
     def _operate(self, operation: "Operation", folder: Path | None) -> Any:
+        from laticauda.files import read_text
         from laticauda.operate.drivers import Clock
         from laticauda.operate.keys import Keys, Terminal
         from laticauda.operate.session import operate
         from laticauda.simulate import plant
 
-        text = Path(self.file).read_text(encoding="utf-8-sig")
+        text = read_text(self.file)
         with Keys() as keys, Terminal(keys), self._shown(operation) as show:
             return operate(
                 operation,

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from laticauda.errors import TrialFileError, finite, nearest, not_negative, one_of, positive
+from laticauda.files import read_text
 from laticauda.gaits import Gait, envelope_of
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
@@ -65,15 +66,10 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
         TrialFileError: If it cannot be read, or anything in it is wrong; the message has the row, counted as a
             spreadsheet does, with the head as row 1.
     """
+    lines = read_text(path, TrialFileError).splitlines()
     try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
         return _grouped(csv.DictReader(lines, restkey="", strict=True))
-    except UnicodeDecodeError:
-        raise TrialFileError(f"Cannot read {path}: it is not a text in UTF-8.") from None
-    except (OSError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise TrialFileError(f"Cannot read {path}: {reason.lower()}.") from None
-    except ValueError as error:
+    except (ValueError, csv.Error) as error:
         raise TrialFileError(f"Cannot read {path}: {error}") from None
 
 
