@@ -5,24 +5,21 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda import mujoco_water as water
-from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.errors import finite, instance, not_negative, one_of, positive, within
 from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
 from laticauda.mujoco_water import ground
-from laticauda.robot import Environment, Ground, Robot, check_fits, has_power_model
-from laticauda.scenarios import Spatial
-from laticauda.spatial import mjcf, rows
+from laticauda.robot import has_power_model
+from laticauda.spatial import rows
+from laticauda.spatial.setup import LEAST_DT, SpatialSetup
 from laticauda.spatial.twin import FORCES, Twin
 
-LEAST_DT = 1e-6  # s
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 USUAL_DT = 0.01  # of prescribed joints
@@ -39,7 +36,7 @@ class SpatialState:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SpatialPlant:
+class SpatialPlant(SpatialSetup):
     """A robot in MuJoCo: its modules in three dimensions, joints prescribed or driven by a law.
 
     Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.
@@ -49,48 +46,9 @@ class SpatialPlant:
         ValueError: If a setting is out of its range, or robot and environment do not fit together.
     """
 
-    robot: Robot
-    """What swims, all of its modules."""
-    environment: Environment
-    """The water it swims in, or the ground: a free root lies on it with its weight, a planar one slides along."""
-    joints: JointLaw = Prescribed()
-    """How they follow their references."""
-    dt: float | None = None
-    """Largest time step; None takes a converged one [s]."""
-    offset_bandwidth: float = 10.0
-    """Of the filters in the reference generator [rad/s]."""
-    ramp: float | None = None
-    """T of the smooth start; None: 1 s for prescribed joints, none for the others [s]."""
-    gravity: bool = True
-    """Weight and buoyancy."""
-    root: Literal["free", "planar"] = "free"
-    """`free`, or `planar`: height and tilt of the tail module fixed."""
-    ballast_depth: float = 0.005
-    """How far the modules' centers of mass lie below their axes, for a free root with gravity: without it nothing keeps
-    a robot upright. Mamba's is not known; this is an assumption [m]."""
-    tank: bool = False
-    """Whether the tank's floor and walls are there."""
-    shore: Ground | None = None
-    """The ground of a shore that leads down into the water, on which the robot begins; None: there is no land."""
-
     def __post_init__(self) -> None:
-        """Check every setting once and fill in what was left open."""
-        instance("joints", self.joints, JointLaw)
-        one_of("root", self.root, mjcf.ROOTS)
-        check_fits(self.robot, self.environment)
-        instance("shore", self.shore, Ground, type(None))
-        if self.shore is not None and (self.tank or isinstance(self.environment, Ground)):
-            raise ValueError("`shore` must be None in the tank or without water, got a Ground.")
-        if isinstance(self.environment, Ground) and self.root == "free" and not self.gravity:
-            raise ValueError("`root` must be `planar` on the ground without `gravity`, got 'free'.")
-        if self.shore is not None and not (self.root == "free" and self.gravity):
-            raise ValueError("`root` must be `free`, with `gravity`, for a robot that begins on a shore.")
-        if self.dt is not None:
-            object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
-        object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))
-        object.__setattr__(self, "ballast_depth", finite("ballast_depth", self.ballast_depth, "m"))
-        ramp = self.joints.ramp if self.ramp is None else self.ramp
-        object.__setattr__(self, "ramp", not_negative("ramp", ramp, "s"))
+        """Choose a time step, if none is given."""
+        super().__post_init__()
         if self.dt is None:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -102,23 +60,6 @@ class SpatialPlant:
             if self.is_implicit:
                 limit = min(limit, ELASTIC_DT)
             object.__setattr__(self, "dt", min(self.joints.dt or USUAL_DT, limit))
-
-    @property
-    def is_implicit(self) -> bool:
-        """Whether any joint is free, so that steps are linearly implicit (`laticauda.spatial.stepping`)."""
-        return not self.joints.prescribed or (self.robot.caudal_fin is not None and self.robot.caudal_fin.n_hinges > 0)
-
-    @property
-    def settings(self) -> Spatial:
-        """How the plant was made."""
-        return Spatial(**{name: getattr(self, name) for name in Spatial.__dataclass_fields__})
-
-    @property
-    def land(self) -> Ground | None:
-        """The ground on which the robot lies with its weight; None: there is none, or it slides on it in the plane."""
-        if isinstance(self.environment, Ground) and self.root == "free" and self.gravity:
-            return self.environment
-        return self.shore
 
     @property
     def model(self) -> Any:
@@ -170,7 +111,7 @@ class SpatialPlant:
 
     def observe(self, state: SpatialState) -> Observation:
         """What can be seen of a state."""
-        sample = self._look(state)
+        sample = self._sample_of(state)
         log = self._named(sample)
         pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
         return Observation(**{name: value[0] for name, value in log.items()}, pitch=pitch)
@@ -194,7 +135,7 @@ class SpatialPlant:
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):
-                samples = self._look(state)
+                samples = self._sample_of(state)
             return state, self._log(samples), _what_went_wrong(when, self.joints.remedy, self.dt)
         log = self._log(samples)
         if link_forces:
@@ -237,35 +178,35 @@ class SpatialPlant:
 
     def _rows(self, command: Command | None) -> tuple[np.ndarray, np.ndarray]:
         """The command and the joints' parameters for the kernel; None: the joints are let go."""
-        asked = np.zeros(rows.COMMAND_ROWS)
-        asked[rows.BANDWIDTH], asked[rows.RAMP] = self.offset_bandwidth, self.ramp
+        given = np.zeros(rows.COMMAND_ROWS)
+        given[rows.BANDWIDTH], given[rows.RAMP] = self.offset_bandwidth, self.ramp
         numbers = self.joints.numbers
-        asked[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
+        given[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
         joints = self._twin.joints.copy()
         if command is not None:
             gait = command.gait
             self._check(command)
-            asked[rows.IS_LED] = 1.0
-            asked[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
-            asked[: rows.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
+            given[rows.IS_LED] = 1.0
+            given[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
+            given[: rows.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
             pitch = STRAIGHT if gait.pitch is None else gait.pitch
             offset = pitch.offset + command.pitch_offset
             second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
-            asked[rows.PITCH_COMMAND : rows.FIN_COMMAND] = second
+            given[rows.PITCH_COMMAND : rows.FIN_COMMAND] = second
             fin = STRAIGHT if gait.fin is None else gait.fin
-            asked[rows.FIN_COMMAND : rows.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
+            given[rows.FIN_COMMAND : rows.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
             yaw = joints[:, rows.WAVE] == rows.YAW_WAVE
             joints[yaw, rows.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
-            self._hold(asked, joints[: self.robot.n_joints], command)
-        return asked, joints
+            self._hold(given, joints[: self.robot.n_joints], command)
+        return given, joints
 
-    def _hold(self, asked: np.ndarray, joints: np.ndarray, command: Command) -> None:
+    def _hold(self, given: np.ndarray, joints: np.ndarray, command: Command) -> None:
         """Put in references from outside, and switch motors off; see `_at_rest`."""
         command.check_held(self.robot.n_joints, self.joints)
         if command.references is not None:
-            asked[: rows.FIN_COMMAND] = 0.0
-            asked[rows.AMPLITUDE] = asked[rows.PITCH_COMMAND + rows.AMPLITUDE] = 1.0
-            asked[rows.RAMP] = 0.0
+            given[: rows.FIN_COMMAND] = 0.0
+            given[rows.AMPLITUDE] = given[rows.PITCH_COMMAND + rows.AMPLITUDE] = 1.0
+            given[rows.RAMP] = 0.0
             joints[:, rows.ENVELOPE] = command.references
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
@@ -289,24 +230,24 @@ class SpatialPlant:
         The march is done once more, sample by sample, and stopped to look at each.
         """
         force = np.zeros((3, n + 1, self.robot.n_links, 3))
-        asked = self._rows(command)
+        given = self._rows(command)
         for sample in range(n + 1):
             if sample:
-                state, _ = self._go(state, asked, every, dt, every)
-            self._go(state, asked, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
+                state, _ = self._go(state, given, every, dt, every)
+            self._go(state, given, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
             force[:, sample] = self._twin.forces()
         return {f"force_{name}": force[i] for i, name in enumerate(FORCES)}
 
     def _go(
-        self, state: SpatialState, asked: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
+        self, state: SpatialState, given: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
     ) -> tuple[SpatialState, np.ndarray]:
         values = state.values.copy()
         n, joints = self.robot.n_links, len(self._twin.joints)
         log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints))
-        written = self._twin.run(values, asked, steps, dt, every, log)
+        written = self._twin.run(values, given, steps, dt, every, log)
         return SpatialState(values=values), log[:written]
 
-    def _look(self, state: SpatialState) -> np.ndarray:
+    def _sample_of(self, state: SpatialState) -> np.ndarray:
         """The sample of a state as it is: no reference takes the joints to where it would have them."""
         return self._go(state, self._rows(None), 0, 1.0, 1)[1]
 
@@ -329,7 +270,7 @@ class SpatialPlant:
         n = self.robot.n_links
         first = rows.STATE_ROWS + rows.SAMPLE_HEADER + 3 * n - 2
         log = self._named(samples)
-        log["joint_angle_ref"] = self._asked_for(samples, samples[:, first : first + n - 1])
+        log["joint_angle_ref"] = self._commanded(samples, samples[:, first : first + n - 1])
         log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
         log["work"] = samples[:, rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL]
         if has_power_model(self.robot, self.joints):
@@ -340,7 +281,7 @@ class SpatialPlant:
         fin = samples[:, first:].reshape(len(samples), 4, -1)
         return log | fin_signals(self.robot.caudal_fin, *np.moveaxis(fin, 1, 0))
 
-    def _asked_for(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
+    def _commanded(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
         """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""
         share = np.array([joint.actuator.tracking for joint in self.robot.joints])
         if not self.joints.prescribed or np.all(share == 1.0):

@@ -2,7 +2,6 @@
 
 import math
 from threading import Lock
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,52 +12,50 @@ from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Ground, Joint, Robot, has_power_model
 from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
+from laticauda.spatial.setup import SpatialSetup
 from laticauda.spatial.specialize import specialize
 from laticauda.spatial.water_robot import on_ground, robot_elements
-
-if TYPE_CHECKING:
-    from laticauda.spatial.model import SpatialPlant
 
 FORCES = ("drag", "added_mass", "effector")
 
 
 class Twin:
-    """A plant's model in MuJoCo and what the kernels need of it. A resource: one march at a time."""
+    """The model of a setup in MuJoCo and what the kernels need of it. A resource: one march at a time."""
 
-    def __init__(self, plant: "SpatialPlant") -> None:
+    def __init__(self, setup: SpatialSetup) -> None:
         mujoco = load_mujoco()
         self._lock = Lock()
-        robot, environment = plant.robot, plant.environment
+        robot, environment = setup.robot, setup.environment
         spec = mjcf.spec(
             robot,
             environment,
-            root=plant.root,
+            root=setup.root,
             actuators="none",
             sensors=False,
             visuals=False,
-            tank=plant.tank,
-            ground=None if plant.shore is None else "ramp",
+            tank=setup.tank,
+            ground=None if setup.shore is None else "ramp",
         )
-        if plant.land is not None:
+        if setup.land is not None:
             spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
-            spec.option.gravity = (0.0, 0.0, -plant.land.gravity)
-        if not plant.gravity or plant.root == "planar":
+            spec.option.gravity = (0.0, 0.0, -setup.land.gravity)
+        if not setup.gravity or setup.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
         else:
             for i in range(robot.n_links):
                 body = spec.body(f"module_{i}")
-                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - plant.ballast_depth)
+                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - setup.ballast_depth)
         self.model = water.compiled(spec)
-        if plant.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
+        if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
             self.model.jnt_limited[:] = 0
-        if plant.dt is not None:
-            self.model.opt.timestep = plant.dt
+        if setup.dt is not None:
+            self.model.opt.timestep = setup.dt
         self._data = mujoco.MjData(self.model)
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = center_of_mass(robot)
-        self.joints = np.array(_joint_rows(robot, plant.joints)).reshape(-1, rows.JOINT_SIZE)
-        self.water = self._attach(plant)
+        self.joints = np.array(_joint_rows(robot, setup.joints)).reshape(-1, rows.JOINT_SIZE)
+        self.water = self._attach(setup)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
         self.water.numbers["hold"] = self._hold
@@ -67,18 +64,18 @@ class Twin:
         self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
-        self._setup = self._numbers(plant)
-        self._stepping = specialize(plant.joints)
+        self._setup = self._numbers(setup)
+        self._stepping = specialize(setup.joints)
 
-    def _attach(self, plant: "SpatialPlant") -> water.Water:
-        environment = plant.environment
-        elements = robot_elements(plant.robot, environment, floats=plant.gravity and plant.root == "free")
-        if plant.land is not None:
-            elements = on_ground(elements, plant.robot, plant.land, wet=plant.shore is not None)
+    def _attach(self, setup: SpatialSetup) -> water.Water:
+        environment = setup.environment
+        elements = robot_elements(setup.robot, environment, floats=setup.gravity and setup.root == "free")
+        if setup.land is not None:
+            elements = on_ground(elements, setup.robot, setup.land, wet=setup.shore is not None)
         if isinstance(environment, Ground):
             return water.attach(self.model, elements)
         terrain = None
-        if plant.shore is not None:
+        if setup.shore is not None:
             terrain = water.Terrain(
                 height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
             )
@@ -88,14 +85,14 @@ class Twin:
             elements,
             density=environment.density,
             current=(x, y, 0.0),
-            surface=0.0 if plant.root == "free" and plant.gravity else None,
+            surface=0.0 if setup.root == "free" and setup.gravity else None,
             form=environment.added_mass_form,
             terrain=terrain,
         )
 
-    def _numbers(self, plant: "SpatialPlant") -> np.ndarray:
+    def _numbers(self, setup: SpatialSetup) -> np.ndarray:
         where = native.offsets()
-        base = (3, 3) if plant.root == "planar" else (7, 6)
+        base = (3, 3) if setup.root == "planar" else (7, 6)
         fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
         return np.array(
             [
@@ -106,10 +103,10 @@ class Twin:
                 self.n_qpos,
                 self.n_qvel,
                 *base,
-                plant.robot.n_links,
+                setup.robot.n_links,
                 self.model.nbody,
-                plant.is_implicit,
-                plant.root == "planar",
+                setup.is_implicit,
+                setup.root == "planar",
                 *(where[name] for name in fields),
             ],
             dtype=np.int64,
@@ -118,7 +115,7 @@ class Twin:
     def run(
         self,
         values: np.ndarray,
-        asked: tuple[np.ndarray, np.ndarray],
+        given: tuple[np.ndarray, np.ndarray],
         steps: int,
         dt: float,
         every: int,
@@ -130,7 +127,7 @@ class Twin:
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
             robot = (self._mass, self._order, self._hold)
-            return int(self._stepping.run(self._setup, values, *asked, *robot, steps, dt, every, log))
+            return int(self._stepping.run(self._setup, values, *given, *robot, steps, dt, every, log))
 
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
