@@ -119,7 +119,7 @@ def do_something(cockpit: Cockpit, chance: random.Random) -> None:
         lambda: live.alter(robot=with_fin(robot, True, chance.uniform(0.1, 0.5))),
         lambda: live.alter(joints=chance.choice(("prescribed", "pd", "servo"))),
         lambda: live.alter(current=(chance.uniform(-0.05, 0.05), 0.0)),
-        lambda: live.alter(path=None if live.scenario.path else StraightLine()),
+        lambda: live.alter(path=None if isinstance(live.scenario.motion, lc.PathFollowing) else StraightLine()),
         lambda: setattr(live, "link_forces", not live.link_forces),
         cockpit._reset,
     )
