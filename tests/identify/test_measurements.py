@@ -8,8 +8,7 @@ from identify.trials import ROBOT, WATER, gaits
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_table1, from_trial
-from laticauda.identify.measurements import with_noise
-from laticauda.identify.selection import mean_of_the_greatest
+from laticauda.identify.measurements import mean_of_the_greatest, with_noise
 from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]

@@ -7,8 +7,7 @@ import numpy as np
 
 from laticauda.extras import optional_import
 from laticauda.identify.identifiability import Identifiability, identifiability
-from laticauda.identify.least_squares import Minimum
-from laticauda.identify.method import Method
+from laticauda.identify.least_squares import Method, Minimum
 from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit, LocalSearch, ParameterEstimate

@@ -10,9 +10,8 @@ from jaxtyping import Float
 from laticauda.errors import SimulationFailed
 from laticauda.identify.estimates import fit_of, information_of
 from laticauda.identify.identifiability import LIMIT
-from laticauda.identify.least_squares import Minimum, minimize
+from laticauda.identify.least_squares import Method, Minimum, minimize
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.method import Method
 from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
@@ -79,7 +78,7 @@ def fit(
         >>> found["water.tangential_friction"].is_identified
         True
     """
-    method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)  # pyright: ignore[reportArgumentType]
+    method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
     return solve(problem, method, progress=progress)
 

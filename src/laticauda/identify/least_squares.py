@@ -1,4 +1,4 @@
-"""One search for the least sum of squares, by a trust region within the ranges of the unknowns (scipy's `trf`)."""
+"""How a fit is made, and one search for the least sum of squares: a trust region within the ranges (scipy's `trf`)."""
 
 import math
 from collections.abc import Callable
@@ -7,9 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
+from laticauda.errors import one_of
 from laticauda.extras import optional_import
+from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem
+from laticauda.quantities import option, quantity, value
 
 Vector = Float[np.ndarray, " n"]
 
@@ -22,8 +25,35 @@ _LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 LOSSES = tuple(_LOSSES)
 """All but linear give outliers less weight."""
+NOISES = ("known", "estimated")
 _TIGHT = 1e-10
 _MOST_STEPS = 100
+
+
+@value
+class Method:
+    """How a fit is made.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    noise: str = option(
+        "known: as the measurements state it; estimated: that times a common factor, which the residuals say",
+        default="known",
+        check=lambda name, given: one_of(name, given, NOISES),
+    )
+    loss: str = option(
+        "How residuals count: all but linear give outliers less weight",
+        default="linear",
+        check=lambda name, given: one_of(name, given, LOSSES),
+    )
+    n_starts: int = quantity("", "How many starts", default=4, ge=1)
+    seed: int = quantity("", "Of the further starts", default=0, ge=0)
+    confidence: float = quantity("", "Of the intervals", default=0.95, ge=0.5, le=0.9999)
+    limit: float = quantity(
+        "", "From which relative standard deviation on an unknown counts as not identified", default=LIMIT, gt=0.0
+    )
 
 
 class Minimum(NamedTuple):

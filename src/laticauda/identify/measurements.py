@@ -1,5 +1,6 @@
 """What was measured: figures of a trial, or time series of it, each with the size of its noise."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -11,7 +12,6 @@ from jaxtyping import Float
 
 from laticauda.errors import finite, instance, one_of, positive, whole
 from laticauda.gaits import Gait
-from laticauda.identify.selection import mean_of_the_greatest
 from laticauda.interfaces import Start
 from laticauda.robot import load_robot
 from laticauda.scenarios import Scenario, scenario
@@ -220,6 +220,29 @@ def from_table1(
             )
         )
     return tuple(found)
+
+
+def mean_of_the_greatest(n: int) -> float:
+    """Mean of the greatest of n independent standard normal numbers: 0, 0.564, 0.846, 1.029 for n = 1 to 4 [-].
+
+    Of n settings that are equally good in truth, the one that is measured best stands in the table. Its noise is the
+    greatest of n. With the distribution function F and the density f of the standard normal,
+
+        E[max] = n integral x f(x) F(x)^(n-1) dx
+
+    Args:
+        n: How many, at least 1.
+
+    Raises:
+        ValueError: If it is no whole number >= 1.
+    """
+    whole("n", n, 1)
+    if n == 1:
+        return 0.0
+    x = np.linspace(-10.0, 10.0, 4001)
+    density = np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+    share = np.array([0.5 * math.erfc(-value / math.sqrt(2.0)) for value in x])
+    return float(n * np.sum(x * density * share ** (n - 1)) * (x[1] - x[0]))
 
 
 def with_noise(measurement: Measurement, rng: np.random.Generator) -> Measurement:

@@ -11,8 +11,8 @@ from jaxtyping import Float
 from laticauda.errors import one_of
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import Identifiability
+from laticauda.identify.least_squares import Method
 from laticauda.identify.measurements import SERIES
-from laticauda.identify.method import Method
 from laticauda.identify.problem import Problem
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.sensitivities import UNITS
@@ -131,7 +131,7 @@ class Fit:
     def method(self) -> Method:
         """How it was made, with one start."""
         limit = self.identifiability.limit
-        return Method(noise=self.noise, loss=self.loss, n_starts=1, confidence=self.confidence, limit=limit)  # pyright: ignore[reportArgumentType]
+        return Method(noise=self.noise, loss=self.loss, n_starts=1, confidence=self.confidence, limit=limit)
 
     @property
     def used_noise_factor(self) -> float:
