@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from laticauda.errors import BadArgument
 from laticauda.extensions import name_of
 from laticauda.quantities import hints_of, quantities_of
 
@@ -60,7 +61,7 @@ def _formula(kind: type[Any]) -> Formula:
     hints = hints_of(kind)
     for name, hint in hints.items():
         if hint not in (float, bool, int):
-            raise ValueError(f"`{name}` of {kind.__name__} must be a number: another formula is another class.")
+            raise BadArgument(name, f"of {kind.__name__} must be a number: another formula is another class")
     if len(hints) > MOST_NUMBERS:
         raise ValueError(f"`{kind.__name__}` must have at most {MOST_NUMBERS} numbers, got {len(hints)}.")
     return Formula(name=kind.__name__, function=kind.__call__, fields=tuple(hints))

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import finite
+from laticauda.errors import BadArgument, finite
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
 from laticauda.quantities import option, quantity, value
@@ -63,12 +63,13 @@ class Command:
             if values is None:
                 continue
             if joints.prescribed:
-                raise ValueError(
-                    f"`{name}` must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
-                    f"`servo` joints can, got {len(values)} of them."
+                raise BadArgument(
+                    name,
+                    f"must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
+                    f"`servo` joints can, got {len(values)} of them",
                 )
             if len(values) != n_joints:
-                raise ValueError(f"`{name}` must have one entry per joint, {n_joints} of them, got {len(values)}.")
+                raise BadArgument(name, f"must have one entry per joint, {n_joints} of them, got {len(values)}")
         # One sum tells for all of them, a hundred times a second; only if something is wrong, which one.
         if self.references is not None and not _all_finite(self.references):
             for i, angle in enumerate(self.references):
@@ -242,7 +243,7 @@ def check_fin(robot: Robot, gait: Gait) -> None:
     """
     fin = robot.caudal_fin
     if gait.fin is not None and (fin is None or fin.joint is None):
-        raise ValueError(f"`gait.fin` must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}.")
+        raise BadArgument("gait.fin", f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}")
 
 
 def fin_signals(

@@ -145,7 +145,8 @@ def test_a_swim_loads_neither_plots_nor_files_unless_asked():
         (FileNotFoundError(2, "No such file or directory", "b"), 2, "laticauda: b: no such file or directory.\n"),
         (OSError("no space"), 2, "laticauda: no space.\n"),
         (laticauda.errors.TrialFileError("Cannot read `x`."), 2, "laticauda: Cannot read `x`.\n"),
-        (ValueError("`json` must be nice."), 2, "laticauda: --json must be nice.\n"),
+        (ValueError("`json` must be nice."), 2, "laticauda: `json` must be nice.\n"),
+        (laticauda.errors.BadArgument("json", "must be nice"), 2, "laticauda: --json must be nice.\n"),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )

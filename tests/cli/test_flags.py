@@ -1,54 +1,83 @@
-import dataclasses
+from dataclasses import fields, replace
 
 import pytest
 
-from laticauda.cli import flags
-from laticauda.cli.groups import WaterChanges
+from laticauda.cli.flags import BadFlag, flag, options_of, read, spelled
 from laticauda.fluid.laws import PolynomialDrag
-from laticauda.quantities import texts_of
-from laticauda.robot import Ground, Water, load_ground, load_water
+from laticauda.quantities import option, quantity, texts_of, value
+from laticauda.robot import Water, load_water
 
 
-def test_every_field_of_water_but_its_name_is_an_option():
-    wanted = {field.name for field in dataclasses.fields(Water)} - {"name", "drag"}
-    wanted |= {"linear_drag", "quadratic_drag", "reference_speed", "sway_friction"}  # of the law
-    offered = {field.name for field in dataclasses.fields(WaterChanges)}
-    assert offered == wanted | {"no_linear_drag", "no_quadratic_drag"}
+@value
+class Shape:
+    """A shape."""
+
+    angle: float = quantity("rad", "How far it is turned", ge=-1.0, le=1.0, default=0.5)
+    sides: int = quantity("", "How many there are", ge=3, default=4)
+    is_open: bool = option("Whether a side is missing", default=False)
 
 
-def test_the_help_of_an_option_is_what_its_field_is(run):
+@value
+class Draw:
+    """Draw it."""
+
+    shape: Shape = option("What", default=Shape())
+    at: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0))
+    label: str | None = option("What stands below", default=None)
+
+
+def drawn(line: str, default: Draw | None = None) -> Draw:
+    return read(Draw, line.split(), "draw", default)
+
+
+def test_flags_left_out_have_what_the_class_or_the_default_has():
+    assert drawn("") == Draw()
+    start = Draw(shape=Shape(sides=7), label="x")
+    assert drawn("", start) == start
+    assert drawn("--angle-deg 0", start) == replace(start, shape=replace(start.shape, angle=0.0))
+
+
+def test_an_angle_is_typed_in_degrees():
+    assert drawn("--angle-deg 30").shape.angle == pytest.approx(0.5235987755982988, abs=1e-15)
+
+
+def test_numbers_texts_and_switches_are_read():
+    found = drawn("--at 1 -2e-3 --sides 5 --is-open --label a")
+    assert found == Draw(shape=Shape(sides=5, is_open=True), at=(1.0, -0.002), label="a")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("--angle-deg 90", "--angle-deg must be between -57.2958 and 57.2958 deg, got 90."),
+        ("--angle-deg x", "--angle-deg must be a number, got 'x'."),
+        ("--angle-deg nan", "--angle-deg must be a finite number in deg, got nan."),
+        ("--sides 2", "--sides must be a whole number >= 3, got 2."),
+        ("--sides 3.5", "--sides must be a whole number, got '3.5'."),
+        ("--at 1 inf", "--at must be a finite number in m, got inf."),
+    ],
+)
+def test_a_number_out_of_range_is_refused_in_the_unit_that_was_typed(line, message):
+    with pytest.raises(BadFlag) as refused:
+        drawn(line)
+    assert str(refused.value) == message
+
+
+def test_an_argument_is_told_by_its_option():
+    assert spelled("angle", Draw()) == "--angle-deg"
+    assert spelled("at[1]", Draw()) == "--at"
+    assert spelled("sigma", Draw()) == "`sigma`"
+    assert set(options_of(Draw())) == {"angle", "sides", "is_open", "at", "label"}
+
+
+def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):
     text = " ".join(run("swim --help").out.replace("│", " ").split())
-    for name, said in texts_of(Water).items():
-        assert name in ("name", "drag") or " ".join(said.split()) in text
+    for kind in (Water, PolynomialDrag):
+        for field in fields(kind):
+            if field.name not in ("name", "drag"):
+                assert flag(field.name) in text
+                assert " ".join(texts_of(kind)[field.name].split()) in text
 
 
-def test_water_without_changes_stays_the_same():
-    water = load_water("paper-eel")
-    assert flags.changed(water, WaterChanges()) is water
-
-
-def test_changes_replace_fields_and_the_name_says_so():
-    water = load_water("paper-eel")
-    changed = flags.changed(water, WaterChanges(normal_drag=0.0, no_linear_drag=True, current=(0.1, 0.0)))
-    assert changed == dataclasses.replace(
-        water,
-        normal_drag=0.0,
-        drag=PolynomialDrag(linear=False),
-        current=(0.1, 0.0),
-        name="paper-eel with normal_drag 0, linear_drag off, current (0.1, 0)",
-    )
-
-
-def test_a_part_of_the_drag_can_be_switched_on_again():
-    water = load_water("paper-vortex")
-    assert flags.changed(water, WaterChanges(linear_drag=True)).drag.linear
-
-
-def test_a_contradiction_is_refused():
-    with pytest.raises(ValueError, match="`linear_drag` and `no_linear_drag` must not be given together"):
-        flags.changed(load_water("paper-eel"), WaterChanges(linear_drag=True, no_linear_drag=True))
-
-
-def test_options_can_be_made_of_other_dataclasses_too():
-    options = flags.changes(Ground, omit=("name", "friction"), otherwise="the ground's")
-    assert flags.changed(load_ground("viscous"), options(normal=4.0)).normal == 4.0
+def test_the_help_shows_what_a_preset_has(run):
+    assert f"(default: {load_water('paper-eel').tangential_friction:g})" in run("swim --gait eel-like --help").out

@@ -69,7 +69,7 @@ def test_whoever_opens_the_lab_to_others_is_warned(capsys):
         ),
         (["--port", "70000"], "--port must be between 0 and 65535, got 70000."),
         (["--speed", "0"], "--speed must be > 0, got 0"),
-        (["--position", "1"], "--position must be two numbers, x y [m], got 1."),
+        (["--position", "1"], "Missing value for argument '--position'. Expected 2 values."),
         (["--faults", "nowhere.toml"], "nowhere.toml: no such file"),
         (["--bus", "socketcan:nosuch0"], "The CAN bus socketcan:nosuch0 cannot be opened: "),
     ],

@@ -124,7 +124,7 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, mo
         ("--still run.jpg", "--still must be a file that ends in .png, got run.jpg."),
         ("--still run.png --time 3", "--time must be between 0 and 1 s, got 3.0."),
         ("--time 1", "--time must be given with --still: it is the moment of the picture."),
-        ("--video run.mp4 --speed 0", "--speed must be > 0, got 0.0."),
+        ("--video run.mp4 --speed 0", "--speed must be > 0, got 0."),
         ("--video no/run.mp4", "--video must be a file in a folder that exists, got no/run.mp4."),
     ],
 )

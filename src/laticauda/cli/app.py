@@ -11,8 +11,8 @@ from typing import Annotated, Any, Union
 
 import tyro
 
-from laticauda.cli.messages import in_flags, reason
-from laticauda.errors import LaticaudaError
+from laticauda.cli.flags import BadFlag, read, spelled
+from laticauda.errors import BadArgument, LaticaudaError
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
@@ -96,12 +96,12 @@ def main(args: Sequence[str] | None = None) -> int:
         # Whoever read our output has gone. Nothing may be written there any more, not even at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
-    except LaticaudaError as error:
+    except BadArgument as error:
+        return _complain(f"{spelled(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}", 2)
+    except (BadFlag, LaticaudaError, ValueError) as error:
         return _complain(str(error), 2)
-    except ValueError as error:
-        return _complain(in_flags(str(error), command), 2)
     except OSError as error:
-        return _complain(reason(error), 2)
+        return _complain(_reason(error), 2)
     except OverflowError as error:
         return _complain(f"a number is out of every range: {error}.", 2)
     except MemoryError:
@@ -116,13 +116,9 @@ def _read(words: list[str]) -> Command:
             module, name = place[0].split(":")
             command: type[Any] = getattr(import_module(f".{module}", "laticauda.cli"), name)
             prog = " ".join([PROGRAM, *words[:length]])
-            return tyro.cli(
-                command,
-                prog=prog,
-                description="\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\n")),
-                args=words[length:],
-                config=(tyro.conf.OmitArgPrefixes,),
-            )
+            if hasattr(command, "read"):  # what names stand for has to be known first
+                return command.read(words[length:], prog)
+            return read(command, words[length:], prog)
     if words and words[0] in GROUPS:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands((words[0],)), words[1:])
     return _choose(PROGRAM, DESCRIPTION, _commands(()) | GROUPS, words)
@@ -146,6 +142,12 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
 
 def _no_command() -> None:
     """Stands for a command in the list of commands."""
+
+
+def _reason(error: OSError) -> str:
+    """What the system refused, and for which file."""
+    text = (error.strerror or str(error)).lower()
+    return f"{text}." if error.filename is None else f"{error.filename}: {text}."
 
 
 def _complain(message: str, status: int) -> int:

@@ -2,54 +2,42 @@
 
 import json
 import sys
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
-from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
-from laticauda.cli.groups import GaitFlags, RobotFlags
-from laticauda.cli.lab import ROBOT as LAB_ROBOT
-from laticauda.cli.messages import given
-from laticauda.cli.swim import COMPILING
-from laticauda.robot import Robot, Water, load_robot, load_water
+from laticauda.cli.flags import File, Maybe, Text, read
+from laticauda.cli.scene import Names, named, warn_of_compiling, was_typed
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Robot
+from laticauda.scenarios import Scenario
 
 if TYPE_CHECKING:
     from laticauda.cockpit.operated import OperatedRobot
     from laticauda.operate.settings import Operation
 
-HOST, PORT = "127.0.0.1", 8080
 
-
-@dataclass(frozen=True, kw_only=True)
-class BodyFlags:
-    """Where it swims, and how it is computed, at first."""
-
-    water: Annotated[Preset, default("the paper's for the gait")] = None
-    """A preset or a TOML file."""
-    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
-    """The model of the body: the closed form in the plane, or MuJoCo in space."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("prescribed")] = None
-    """How the joints follow the gait."""
-
-    def chosen(self) -> Water | None:
-        """The water that is asked for; None: the paper's."""
-        return None if self.water is None else load_water(self.water)
-
-
-@dataclass(frozen=True, kw_only=True)
-class LabFlags:
+@value
+class Tank:
     """A robot that somebody else operates, shown besides; nothing is sent to it."""
 
-    lab: Switch = False
-    """Show the robot of a running `laticauda lab`, or of a tank. `--robot` is then what is in it: mamba-modules if
-    it is left out, as in the lab."""
-    trial: File = None
-    """The same, with robot, connections and marker body as in this trial file of `laticauda operate` (.toml)."""
-    can: Annotated[Text, default("that of the trial file, or of the lab")] = None
-    """Its CAN bus: udp_multicast:GROUP:PORT or socketcan:can0."""
-    mocap: Annotated[Text, default("that of the trial file, or of the lab")] = None
-    """Its motion capture: HOST:PORT."""
+    lab: bool = option(
+        "Show the robot of a running `laticauda lab`, or of a tank. --robot is then what is in it: mamba-modules if it "
+        "is left out, as in the lab",
+        default=False,
+    )
+    trial: File = option(
+        "The same, with robot, connections and marker body as in this trial file of `laticauda operate` (.toml)",
+        default=None,
+    )
+    can: Maybe = option(
+        "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; that of the trial file, or of the lab, if left out",
+        default=None,
+    )
+    mocap: Maybe = option("Its motion capture, HOST:PORT; likewise", default=None)
 
     @property
     def is_asked_for(self) -> bool:
@@ -80,21 +68,17 @@ class LabFlags:
 
         found = load_operation(self.trial)
         if isinstance(found, SeriesFile):
-            raise ValueError(f"`trial` must be a trial file, got the series file {self.trial}.")
+            raise BadArgument("trial", f"must be a trial file, got the series file {self.trial}")
         return found
 
-    def robot(self, flags: RobotFlags) -> Robot:
-        """What is in the tank, and swims on the page.
-
-        Args:
-            flags: What is asked for.
-        """
-        if self.operation is not None and flags.robot is None:
-            return load_robot(self.operation.robot)
-        return (replace(flags, robot=LAB_ROBOT) if self.lab and flags.robot is None else flags).chosen()
+    def robot(self) -> str | None:
+        """What is in the tank, and swims on the page, if nothing else is asked for."""
+        if self.operation is not None:
+            return self.operation.robot
+        return "mamba-modules" if self.lab else None
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class CockpitCommand:
     """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
 
@@ -103,47 +87,50 @@ class CockpitCommand:
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """
 
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    body: BodyFlags = field(default_factory=BodyFlags)
-    lab: LabFlags = field(default_factory=LabFlags)
-    load: Annotated[Text, default("nothing")] = None
-    """Play back this trial or recording of an operation beside it, or show this sweep as the map."""
-    host: Annotated[Text, default(f"{HOST}: this computer alone")] = None
-    """Where the page is served."""
-    port: Annotated[Whole, default(f"{PORT}")] = None
-    """Likewise; 0: any that is free."""
-    json: Switch = False
-    """Print the line as a JSON object."""
+    names: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    tank: Tank = option("A robot that somebody else operates", default=Tank())
+    load: Maybe = option(
+        "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None
+    )
+    host: Text = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
+    json: bool = option("Print the line as a JSON object", default=False)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "CockpitCommand":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        names, tank = Names.read(words, prog), read(Tank, words, prog, first=True)
+        in_tank = tank.robot()
+        if in_tank is not None and not was_typed("robot", words):
+            names = replace(names, robot=in_tank)
+        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0], tank=tank))
 
     def __call__(self) -> int:
         """Serve, and return the exit status."""
-        port = PORT if self.port is None else self.port
-        if not 0 <= port <= 65535:
-            raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
         from laticauda.cockpit import Cockpit, Live
         from laticauda.cockpit.pages import LOCAL, load_viser
-        from laticauda.scenarios import scenario
-        from laticauda.simulate import needs_compiling
 
         load_viser()
-        robot = self.lab.robot(self.robot)
-        chosen: dict[str, Any] = {n: v for n, v in given(self.body).items() if n in ("model", "joints")}
-        swum = scenario(robot, self.gait.chosen(), environment=self.body.chosen(), **chosen)
-        if needs_compiling(swum.environment, model=swum.model):
-            print(COMPILING, file=sys.stderr, flush=True)
-        host = self.host or HOST
-        cockpit = Cockpit(Live(swum), host=host, port=port)
-        if host not in LOCAL:
+        scenario = named(self.scenario, self.names)
+        warn_of_compiling(scenario)
+        cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
+        if self.host not in LOCAL:
             print(
-                f"Warning: anyone who reaches {host} can use this page and read what it shows: it knows no passwords.",
+                f"Warning: anyone who reaches {self.host} can use this page and read what it shows: it knows no "
+                "passwords.",
                 file=sys.stderr,
             )
         try:
             if self.load is not None:
                 cockpit.load(Path(self.load))
-            if self.lab.is_asked_for:
-                self.lab.connect(cockpit.operated, robot)
+            if self.tank.is_asked_for:
+                self.tank.connect(cockpit.operated, scenario.robot)
             cockpit.open()
             print(json.dumps({"address": cockpit.address}) if self.json else cockpit.address, flush=True)
             cockpit.wait()

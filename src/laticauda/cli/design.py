@@ -4,17 +4,16 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-import tyro
-
-from laticauda.cli.flags import Number, Numbers, Preset, Switch, Text, Whole, choice, default
-from laticauda.cli.flags import Words as ListOfWords
+from laticauda.cli.flags import File, Maybe, MaybeName, Text, Words
 from laticauda.cli.outputs import check_output
 from laticauda.cli.progress import PATIENCE
 from laticauda.cli.tables import aligned, number
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.identify import Unknown
@@ -22,77 +21,74 @@ if TYPE_CHECKING:
     from laticauda.identify.design import Design
     from laticauda.identify.problem import Problem
 
-AMPLITUDES, FREQUENCIES, PHASES = (20.0, 30.0, 40.0), (70.0, 110.0, 150.0), (30.0, 50.0)
-SPEEDS = (0.1, 0.4)
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
 _FORMAT = "judged {percentage:3.0f} % of the candidates |{bar}| {remaining} left"
 
 
-@dataclass(frozen=True, kw_only=True)
-class UnknownFlags:
+def _degrees(*angles: float) -> tuple[float, ...]:
+    return tuple(map(math.radians, angles))
+
+
+@value
+class Unknowns:
     """What is to be identified, and what is known of it."""
 
-    after: Annotated[Text, tyro.conf.arg(metavar="FILE"), default("nothing was measured")] = None
-    """The TOML file of an identification: its fit is repeated, and the trials are those to do next."""
-    parameters: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME[=VALUE|=MEAN+-SD] ..."), default("the file's")] = ()
-    """Numbers of robot and water, with dots as in a sweep, each with its value or with what is known of it before."""
-    criterion: Annotated[Text, tyro.conf.arg(metavar="D|A|NAME"), default("D")] = None
-    """What is to be small: D, the volume of what is possible; A, the mean variance; or one parameter's deviation."""
-    trials: Annotated[Whole, default("4")] = None
-    """How many trials to choose."""
+    after: File = option(
+        "The TOML file of an identification: its fit is repeated, and the trials are those to do next", default=None
+    )
+    parameters: Words = option(
+        "NAME, NAME=VALUE or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its value "
+        "or with what is known of it before",
+        default=(),
+    )
+    criterion: Text = option(
+        "What is to be small: D, the volume of what is possible; A, the mean variance; or the name of one parameter, "
+        "its deviation",
+        default="D",
+    )
+    trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RobotFlags:
+@value
+class Body:
     """What would swim."""
 
-    robot: Annotated[Preset, default("the file's, or mamba")] = None
-    """A preset or a TOML file."""
-    base: Annotated[Preset, default("the paper's")] = None
-    """A parameter file with the numbers that are not identified, and a joint law."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the base's, or prescribed")] = None
-    """How the joints follow the gait."""
+    robot: MaybeName = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
+    base: MaybeName = option(
+        "A parameter file with the numbers that are not identified, and a joint law; the paper's if left out",
+        default=None,
+    )
+    joints: Maybe = option("How the joints follow the gait; the base's law, or prescribed, if left out", default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class CandidateFlags:
+@value
+class Candidates:
     """Trials that could be done: every combination, and straight ones."""
 
-    gait: Annotated[str | None, choice("lateral-undulation", "eel-like", "both"), default("lateral-undulation")] = None
-    """Which gaits."""
-    amplitudes_deg: Annotated[Numbers, default(" ".join(f"{v:g}" for v in AMPLITUDES))] = None
-    """alpha of the candidates [deg]."""
-    frequencies_deg_s: Annotated[Numbers, default(" ".join(f"{v:g}" for v in FREQUENCIES))] = None
-    """omega of the candidates [deg/s]."""
-    phase_shifts_deg: Annotated[Numbers, default(" ".join(f"{v:g}" for v in PHASES))] = None
-    """delta of the candidates [deg]."""
-    sensors: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME[=SIGMA] ..."), default("speed")] = ()
-    """What would be measured of a swim: speed, power, path, heading, joint-angle, joint-torque, with the standard
-    deviation of the noise in SI units."""
-    tow: Annotated[Numbers, default("0.1 0.4")] = None
-    """Speeds of straight tows whose force would be measured [m/s]."""
-    coast_down: Annotated[Numbers, default("0.4")] = None
-    """Speeds from which the straight robot would be let go [m/s]."""
-    no_tow: Switch = False
-    """Neither tow nor coast-down."""
-    duration: Annotated[Number, default("30")] = None
-    """Of a swim [s]."""
-    threads: Annotated[Whole, default("one per core")] = None
-    """How many trials run at once."""
+    gait: Literal["lateral-undulation", "eel-like", "both"] = option("Which gaits", default="lateral-undulation")
+    amplitudes: tuple[float, ...] = quantity("rad", "alpha of the candidates", ge=0.0, default=_degrees(20, 30, 40))
+    frequencies: tuple[float, ...] = quantity(
+        "rad/s", "omega of the candidates", ge=0.0, default=_degrees(70, 110, 150)
+    )
+    phase_shifts: tuple[float, ...] = quantity("rad", "delta of the candidates", default=_degrees(30, 50))
+    sensors: Words = option(
+        "NAME or NAME=SIGMA, what would be measured of a swim: speed, power, path, heading, joint-angle, joint-torque, "
+        "with the standard deviation of the noise in SI units",
+        default=("speed",),
+    )
+    tow: tuple[float, ...] = quantity(
+        "m/s", "Speeds of straight tows whose force would be measured", default=(0.1, 0.4)
+    )
+    coast_down: tuple[float, ...] = quantity(
+        "m/s", "Speeds from which the straight robot would be let go", default=(0.4,)
+    )
+    no_tow: bool = option("Neither tow nor coast-down", default=False)
+    duration: float = quantity("s", "Of a swim", gt=0.0, default=30.0)
+    threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ResultFlags:
-    """What becomes of it."""
-
-    output: Annotated[Text, tyro.conf.arg(metavar="FILE"), default("none")] = None
-    """A figure, .png or .pdf: uncertainty over the number of trials."""
-    json: Switch = False
-    """Print one JSON object in SI units instead of the tables."""
-
-
-@dataclass(frozen=True, kw_only=True)
+@value
 class DesignExperiment:
     """Find the next trials that would shrink the uncertainty of parameters most.
 
@@ -102,37 +98,35 @@ class DesignExperiment:
     After a first identification: laticauda design-experiment --after tank.toml --trials 3
     """
 
-    unknowns: UnknownFlags = field(default_factory=UnknownFlags)
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    candidates: CandidateFlags = field(default_factory=CandidateFlags)
-    result: ResultFlags = field(default_factory=ResultFlags)
+    unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
+    robot: Body = option("What would swim", default=Body())
+    candidates: Candidates = option("Trials that could be done", default=Candidates())
+    output: File = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
+    json: bool = option("Print one JSON object in SI units instead of the tables", default=False)
 
     def __call__(self) -> int:
         """Judge, choose, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
         from laticauda.identify.design import design
 
-        try:
-            check_output("output", self.result.output, (".png", ".pdf"))
-        except ValueError as error:
-            raise ValueError(str(error).replace("`output`", "--output")) from error
+        check_output("output", self.output, (".png", ".pdf"))
         show = _progress()
         try:
             put, known = self._problem()
             found = design(
                 put,
                 self._candidates(put),
-                4 if self.unknowns.trials is None else self.unknowns.trials,
+                self.unknowns.trials,
                 **known,
-                criterion=self.unknowns.criterion or "D",
+                criterion=self.unknowns.criterion,
                 progress=show,
             )
         except SimulationFailed as error:
             print(f"laticauda: {error}", file=sys.stderr)
             return 1
-        if self.result.output is not None:
-            _draw(found, self.result.output)
-        print(as_json(found) if self.result.json else as_text(found))
+        if self.output is not None:
+            _draw(found, self.output)
+        print(as_json(found) if self.json else as_text(found))
         return 0
 
     def _problem(self) -> "tuple[Problem, dict[str, Any]]":
@@ -144,7 +138,7 @@ class DesignExperiment:
 
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
-                raise ValueError("`parameters` must not be given with --after, whose file says them.")
+                raise BadArgument("parameters", "must not be given with --after, whose file says them")
             fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
             keep = fit.problem.of_interest
             put = replace(
@@ -153,14 +147,15 @@ class DesignExperiment:
             values = fit.best[keep]
             return put, {"values": values, "information": marginal(known_from(fit), keep)}
         if not self.unknowns.parameters:
-            raise ValueError("`parameters` must name at least one number to identify, as water.normal_drag, got none.")
+            rule = "must name at least one number to identify, as water.normal_drag, got none"
+            raise BadArgument("parameters", rule)
         base = self._base()
         joints = self.robot.joints or (base.joints if base is not None else None) or "prescribed"
         put = make_problem(
             [one.measurement for one in self._swims(None)],
             [_unknown(word) for word in self.unknowns.parameters],
-            threads=self.candidates.threads,
             joints=joints,
+            threads=self.candidates.threads,
         )
         return put, {}
 
@@ -177,15 +172,10 @@ class DesignExperiment:
         from laticauda.scenarios import default_water, preset_water
 
         flags, base = self.candidates, self._base()
-        which = flags.gait or "lateral-undulation"
         makers = {"lateral-undulation": (lateral_undulation,), "eel-like": (eel_like,)}.get(
-            which, (lateral_undulation, eel_like)
+            flags.gait, (lateral_undulation, eel_like)
         )
-        settings = product(
-            _radians(flags.amplitudes_deg, AMPLITUDES),
-            _radians(flags.frequencies_deg_s, FREQUENCIES),
-            _radians(flags.phase_shifts_deg, PHASES),
-        )
+        settings = product(flags.amplitudes, flags.frequencies, flags.phase_shifts)
         gaits = [make(amplitude=a, frequency=f, phase_shift=p) for a, f, p in settings for make in makers]
         found: list[Candidate] = []
         robots = {s.robot.name: s.robot for s in put.scenarios} if put is not None else {}
@@ -198,8 +188,7 @@ class DesignExperiment:
                 olds = [] if put is None else [s.environment for s in put.scenarios if s.gait.kind == gait.kind]
                 water = base.water(gait.kind) if base is not None else None
                 water = water or next(iter(olds), None) or preset_water(default_water(gait))
-                duration = 30.0 if flags.duration is None else flags.duration
-                found += swims(mine, [gait], water, _sensors(flags.sensors), duration=duration)
+                found += swims(mine, [gait], water, _sensors(flags.sensors), duration=flags.duration)
         return found
 
     def _candidates(self, put: "Problem") -> "list[Candidate]":
@@ -213,17 +202,9 @@ class DesignExperiment:
             first.setdefault(one.measurement.scenario.robot.name, one)
         for one in first.values():
             robot, water = one.measurement.scenario.robot, one.measurement.scenario.environment
-            found += [straight_tow(robot, water, Tow(speed=v)) for v in _given(self.candidates.tow, SPEEDS)]
-            found += [coast_down(robot, water, v) for v in _given(self.candidates.coast_down, SPEEDS[1:])]
+            found += [straight_tow(robot, water, Tow(speed=v)) for v in self.candidates.tow]
+            found += [coast_down(robot, water, v) for v in self.candidates.coast_down]
         return found
-
-
-def _given(values: tuple[float, ...] | None, otherwise: tuple[float, ...]) -> tuple[float, ...]:
-    return otherwise if values is None else values
-
-
-def _radians(values: tuple[float, ...] | None, otherwise: tuple[float, ...]) -> list[float]:
-    return [math.radians(value) for value in _given(values, otherwise)]
 
 
 def _unknown(word: str) -> "Unknown":
@@ -236,23 +217,23 @@ def _unknown(word: str) -> "Unknown":
     try:
         return Unknown(name=name, start=float(mean), prior=(float(mean), float(sd)) if found else None)
     except ValueError as error:
-        if str(error).startswith("`"):
+        if isinstance(error, BadArgument):
             raise
-        raise ValueError(f"`parameters` must be {FORM}, got {word!r}.") from None
+        raise BadArgument("parameters", f"must be {FORM}, got {word!r}") from None
 
 
 def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     from laticauda.identify.candidates import SENSORS
 
     found: dict[str, float] = {}
-    for word in words or ("speed",):
+    for word in words:
         name, equals, text = word.partition("=")
         try:
             sigma = float(text) if equals else SENSORS[name][2]
         except (ValueError, KeyError):
-            raise ValueError(f"`sensors` must be {SENSOR_FORM}, got {word!r}.") from None
+            raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}") from None
         if name not in SENSORS or not sigma > 0.0:
-            raise ValueError(f"`sensors` must be {SENSOR_FORM}, got {word!r}.")
+            raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}")
         found[name] = sigma
     return found
 

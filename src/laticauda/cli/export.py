@@ -1,102 +1,87 @@
 """`laticauda export mjcf | urdf | fmu`: a robot as a file for other programs."""
 
 import json
-import sys
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any, Literal
 
-import tyro
-
-from laticauda.cli.flags import Files, Number, Preset, Switch, choice, default
-from laticauda.cli.groups import (
-    Coefficients,
-    EnvironmentFlags,
-    GaitFlags,
-    ModelFlags,
-    RobotFlags,
-    WaterChanges,
-    radians,
-)
+from laticauda.cli.flags import BadFlag, Files, MaybeName, Name, Output, read
 from laticauda.cli.outputs import check_output
-from laticauda.cli.swim import COMPILING
-from laticauda.robot import Environment, Robot, Water, load_ground, load_water
+from laticauda.cli.scene import Names, named, warn_of_compiling
+from laticauda.errors import BadArgument
+from laticauda.extensions import name_of
+from laticauda.interfaces import Start
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Robot, Water, load_ground, load_robot, load_water
+from laticauda.scenarios import Planar, Scenario
 
-WATER = "paper-lateral"
-Output = Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="OUTPUT", help_behavior_hint="(required)")]
-Meshes = Annotated[Files, default("shapes made from the sections")]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mjcf:
-    """Write a robot, and the place that it is in, to an MJCF file that plain MuJoCo opens.
-
-    For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --tank --actuators servo
-    """
-
-    output: Output
-    """The file to write (.xml); an older one is replaced."""
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    water: Annotated[Preset, default(WATER)] = None
-    """A preset or a TOML file; its loads are not in the file, its depth is."""
-    ground: Annotated[Preset, default("none")] = None
-    """A preset or a TOML file: put the robot on land instead."""
-    tank: Switch = False
-    """The tank of the experiments around it: 40 m x 6.45 m, 1.5 m deep."""
-    root: Annotated[str | None, choice("free", "planar"), default("free")] = None
-    """Let the robot move in space, or hold its height and tilt."""
-    actuators: Annotated[str | None, choice("none", "servo"), default("none")] = None
-    """Servos in the joints, with the angle wanted as their input."""
-    meshes: Meshes = None
-    """One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output."""
-    json: Switch = False
-    """Print one JSON object."""
-
-    def __call__(self) -> int:
-        """Write, and return the exit status."""
-        check_output("output", self.output, (".xml",))
-        from laticauda.spatial.export import write_mjcf
-
-        robot = self.robot.chosen()
-        options: dict[str, Any] = {"root": self.root or "free", "actuators": self.actuators or "none"}
-        write_mjcf(self.output, robot, self._place(), tank=self.tank, meshes=self.meshes or (), **options)
-        return _report(self.output, robot, as_json=self.json)
-
-    def _place(self) -> Environment:
-        if self.ground is None:
-            return load_water(WATER if self.water is None else self.water)
-        for name in ("water", "tank"):
-            if getattr(self, name):
-                raise ValueError(f"`{name}` must not be given with `ground`.")
-        return load_ground(self.ground)
+MESHES = "One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output"
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Urdf:
     """Write a robot to a URDF file, for ROS and most other programs about robots.
 
     For example: laticauda export urdf mamba.urdf --robot mamba-modules-fin
     """
 
-    output: Output
-    """The file to write (.urdf); an older one is replaced."""
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    meshes: Meshes = None
-    """One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output."""
-    json: Switch = False
-    """Print one JSON object."""
+    output: Output = option("The file to write; an older one is replaced")
+    robot: Name = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
+    n_links: int | None = quantity(
+        "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
+    )
+    meshes: Files = option(MESHES, default=())
+    json: bool = option("Print one JSON object", default=False)
 
     def __call__(self) -> int:
         """Write, and return the exit status."""
         check_output("output", self.output, (".urdf",))
         from laticauda.spatial.export import write_urdf
 
-        robot = self.robot.chosen()
-        write_urdf(self.output, robot, meshes=self.meshes or ())
-        return _report(self.output, robot, as_json=self.json)
+        robot = load_robot(self.robot, self.n_links)
+        write_urdf(self.output, robot, meshes=self.meshes)
+        return self._report(robot)
+
+    def _report(self, robot: Robot) -> int:
+        """Say what was written."""
+        text = f"{self.output}: {robot.name}, {robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m"
+        print(_json(self.output, robot) if self.json else f"{text} ({_size(self.output):.0f} kB)")
+        return 0
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
+class Mjcf(Urdf):
+    """Write a robot, and the place that it is in, to an MJCF file that plain MuJoCo opens.
+
+    For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --tank --actuators servo
+    """
+
+    water: MaybeName = option(
+        "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
+    )
+    ground: MaybeName = option("A preset or a TOML file: put the robot on land instead", default=None)
+    tank: bool = option("The tank of the experiments around it: 40 m x 6.45 m, 1.5 m deep", default=False)
+    root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
+    actuators: Literal["none", "servo"] = option(
+        "Servos in the joints, with the angle wanted as their input", default="none"
+    )
+
+    def __call__(self) -> int:
+        """Write, and return the exit status."""
+        check_output("output", self.output, (".xml",))
+        for name in ("water", "tank"):
+            if self.ground is not None and getattr(self, name):
+                raise BadArgument(name, "must not be given with --ground")
+        from laticauda.spatial.export import write_mjcf
+
+        robot = load_robot(self.robot, self.n_links)
+        place = load_water(self.water or "paper-lateral") if self.ground is None else load_ground(self.ground)
+        settings: Any = {name: getattr(self, name) for name in ("tank", "meshes", "root", "actuators")}
+        write_mjcf(self.output, robot, place, **settings)
+        return self._report(robot)
+
+
+@value
 class Fmu:
     """Write a robot in water to an FMU (co-simulation, Linux on x86-64) that runs without Python.
 
@@ -106,59 +91,64 @@ class Fmu:
     For example: laticauda export fmu mamba.fmu --robot mamba-fin --joints servo --inputs references
     """
 
-    output: Output
-    """The file to write (.fmu); an older one is replaced."""
-    inputs: Annotated[str | None, choice("gait", "references"), default("gait")] = None
-    """What drives the joints: the gait's numbers, or an angle for every joint (pd and servo)."""
-    fmi: Annotated[str | None, choice("2.0", "3.0"), default("2.0")] = None
-    """Version of the standard; all tools read 2.0."""
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    model: ModelFlags = field(default_factory=ModelFlags)
-    heading_deg: Annotated[Number, default("0")] = None
-    """Initial heading, counter-clockwise from the x axis [deg]."""
-    json: Switch = False
-    """Print one JSON object."""
+    output: Output = option("The file to write (.fmu); an older one is replaced", default="")
+    inputs: Literal["gait", "references"] = option(
+        "What drives the joints: the gait's numbers, or an angle for every joint (pd and servo)", default="gait"
+    )
+    fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
+    names: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    json: bool = option("Print one JSON object", default=False)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "Fmu":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        flags = list(words)
+        names = Names.read(flags, prog)
+        scenario, _ = names.scenario([])
+        return read(cls, flags, prog, cls(names=names, scenario=scenario))
 
     def __call__(self) -> int:
         """Write, and return the exit status."""
+        if not self.output:
+            raise BadFlag("OUTPUT must be given: a file that ends in .fmu.")
         check_output("output", self.output, (".fmu",))
-        gait = self.gait.chosen()
-        water, _ = self.environment.chosen(gait, self.coefficients)
-        if not isinstance(water, Water):
-            raise ValueError("`ground` must not be given: the robot in an FMU swims in water.")
-        settings = self.environment.model_settings(self.model)
-        if settings.pop("model", "planar") != "planar" or "root" in settings:
-            raise ValueError("`model` must be `planar`: the spatial model needs MuJoCo, which is not in the FMU.")
-        robot = self.environment.equipped(self.robot.chosen(), gait)
-        from laticauda.cosim.fmu import export_fmu, needs_compiling
-        from laticauda.interfaces import Start
+        if self.names.ground is not None:
+            raise BadArgument("ground", "must not be given: the robot in an FMU swims in water")
+        if not isinstance(self.scenario.model, Planar):
+            raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not in the FMU")
+        from laticauda.cosim.fmu import export_fmu
 
-        if needs_compiling(water):
-            print(COMPILING, file=sys.stderr, flush=True)
-        start = Start(heading=radians(self.heading_deg, 0.0))
-        settings |= {"inputs": self.inputs or "gait", "fmi": self.fmi or "2.0"}
-        variables = export_fmu(self.output, robot, gait, water=water, start=start, **settings)
+        scenario = named(self.scenario, self.names)
+        warn_of_compiling(scenario)
+        model, start = scenario.model, scenario.start
+        assert isinstance(scenario.environment, Water)
+        assert isinstance(start, Start)
+        variables = export_fmu(
+            self.output,
+            scenario.robot,
+            scenario.gait,
+            water=scenario.environment,
+            joints=name_of(type(model.joints)),
+            inputs=self.inputs,
+            fmi=self.fmi,
+            start=start,
+            dt=model.dt,
+            offset_bandwidth=model.offset_bandwidth,
+            ramp=model.ramp,
+        )
         count = {kind: sum(v.causality == kind for v in variables) for kind in ("parameter", "input", "output")}
         if self.json:
-            print(_json(self.output, robot, **{f"n_{kind}s": number for kind, number in count.items()}))
+            print(_json(self.output, scenario.robot, **{f"n_{kind}s": number for kind, number in count.items()}))
         else:
             facts = ", ".join(f"{number} {kind}s" for kind, number in count.items())
-            print(f"{self.output}: {robot.name}, {facts} ({_size(self.output):.0f} kB)")
+            print(f"{self.output}: {scenario.robot.name}, {facts} ({_size(self.output):.0f} kB)")
         return 0
-
-
-def _report(output: str, robot: Robot, *, as_json: bool) -> int:
-    """Say what was written."""
-    if as_json:
-        print(_json(output, robot))
-    else:
-        facts = f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m"
-        print(f"{output}: {robot.name}, {facts} ({_size(output):.0f} kB)")
-    return 0
 
 
 def _json(output: str, robot: Robot, **more: object) -> str:

@@ -1,168 +1,310 @@
-"""Kinds of options. All may be left out, and are None then: so a command knows what its user typed."""
+"""Flags are read off declared values: name, unit, range, default and text are said once, by the value itself.
 
-import dataclasses
+A command is a `value` whose fields are options, or values whose fields are options. An angle is given in degrees, under
+its name with ``-deg`` or ``-deg-s``. Defaults are those of the command that is handed in, so what a preset or a file
+says is what the help shows, and what the flags change.
+"""
+
+import math
 import types
 import typing
-from collections.abc import Callable, Iterator, Sequence
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, fields, is_dataclass, replace
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
-from tyro.constructors import PrimitiveConstructorSpec
+from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, StructConstructorSpec, StructFieldSpec
 
-from laticauda.cli.messages import flag
-from laticauda.extensions import name_of
-from laticauda.formulas import Law
-from laticauda.quantities import hints_of, quantities_of, texts_of
+from laticauda.errors import BadArgument, whole
+from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, texts_of
+
+Command = TypeVar("Command")
+
+NOT_FLAGS = ("name", "robot", "values", "waypoints")
+"""Fields of nested values that are said by names (`laticauda.cli.scene`), and not by flags of their own."""
+CALLED = {
+    **{"folder": "output", "points": "vary", "bounds": "vary", "objectives": "objective"},
+    **{"measurements": "files", "trials": "files", "kind": "gait"},
+}
+"""Arguments of the calls behind a command that its options call otherwise."""
+SPELLED = {"center_of_mass": "position", "interval": "control_interval"}
+"""Fields of nested values, and what their flags are called."""
+WAVES = {"pitch": "a second wave, of the pitch joints", "fin": "a driven fin's own wave"}
+"""Fields of a gait that it may lack."""
+_IN_DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 
 
-def _option(
-    nargs: int | Literal["*"], metavar: str, read: Callable[[list[str]], Any], choices: Sequence[str] | None = None
-) -> PrimitiveConstructorSpec[Any]:
-    return PrimitiveConstructorSpec(
+class BadFlag(Exception):
+    """A flag that cannot be used: the sentence that its user reads."""
+
+
+def flag(name: str) -> str:
+    """How an option is typed."""
+    return "--" + name.replace("_", "-")
+
+
+def _texts(nargs: int | Literal["*"], metavar: str) -> Any:
+    """A flag that takes texts as they are: one, or several."""
+    return PrimitiveConstructorSpec[Any](
         nargs=nargs,
         metavar=metavar,
-        instance_from_str=read,
+        instance_from_str=lambda words: words[0] if nargs == 1 else tuple(words),
         is_instance=lambda value: True,
-        str_from_instance=lambda value: [str(value)],
-        choices=None if choices is None else tuple(choices),
+        str_from_instance=_shown,
     )
 
 
-def _number(word: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise ValueError(f"must be a number, got {word!r}.") from None
+def _shown(value: Any) -> list[str]:
+    if isinstance(value, tuple):
+        return [str(one) for one in cast("tuple[object, ...]", value)] or ["none"]
+    return ["none" if value is None else str(value)]
 
 
-def _whole(word: str) -> int:
-    try:
-        return int(word)
-    except ValueError:
-        raise ValueError(f"must be a whole number, got {word!r}.") from None
+Text = Annotated[str, _texts(1, "TEXT")]
+Name = Annotated[str, _texts(1, "NAME|PATH")]
+File = Annotated[str | None, _texts(1, "FILE")]
+Folder = Annotated[str, _texts(1, "DIR")]
+Maybe = Annotated[str | None, _texts(1, "TEXT")]
+MaybeName = Annotated[str | None, _texts(1, "NAME|PATH")]
+Words = Annotated[tuple[str, ...], _texts("*", "NAME=VALUES ...")]
+Files = Annotated[tuple[str, ...], _texts("*", "FILE ...")]
+Input = Annotated[str, tyro.conf.Positional, _texts(1, "FILE")]
+Output = Annotated[str, tyro.conf.Positional, _texts(1, "OUTPUT")]
+Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _texts("*", "FILES ...")]
 
 
-def choice(*names: str) -> Any:
-    """Marks an option, a text, that takes one of these names."""
-    return _option(1, f"{{{','.join(names)}}}", lambda words: words[0], names)
-
-
-def default(text: object) -> Any:
-    """What the help says about an option that is left out."""
-    return tyro.conf.arg(help_behavior_hint=f"(default: {text})")
-
-
-Text = Annotated[str | None, _option(1, "TEXT", lambda words: words[0])]
-Preset = Annotated[str | None, _option(1, "NAME|PATH", lambda words: words[0])]
-File = Annotated[str | None, _option(1, "FILE", lambda words: words[0]), default("none")]
-Number = Annotated[float | None, _option(1, "NUMBER", lambda words: _number(words[0]))]
-Numbers = Annotated[
-    tuple[float, ...] | None, _option("*", "NUMBER ...", lambda words: tuple(_number(word) for word in words))
-]
-Files = Annotated[tuple[str, ...] | None, _option("*", "FILE ...", lambda words: tuple(words))]
-Two = Annotated[tuple[float, ...] | None, _option(2, "X Y", lambda words: tuple(_number(word) for word in words))]
-Ends = Annotated[
-    tuple[float, ...] | None, _option(2, "LEAST GREATEST", lambda words: tuple(_number(word) for word in words))
-]
-Whole = Annotated[int | None, _option(1, "N", lambda words: _whole(words[0]))]
-Words = Annotated[tuple[str, ...], _option("*", "NAME=VALUES ...", tuple)]
-Switch = Annotated[bool, tyro.conf.FlagCreatePairsOff, default("off")]
-
-
-def changes(kind: type, omit: Sequence[str], otherwise: str) -> type[Any]:
-    """Options that replace fields of a dataclass: a dataclass with the same fields, all None.
-
-    A field that is true or false becomes two options, ``--name`` and ``--no-name``.
+def read(
+    command: type[Command], words: Sequence[str], prog: str, default: Command | None = None, *, first: bool = False
+) -> Any:
+    """A command with the flags that were typed.
 
     Args:
-        kind: The dataclass; the texts of its fields are the options' help.
-        omit: Names of fields that are no options.
-        otherwise: What the help says about an option that is left out.
-    """
-    fields: list[tuple[str, Any, Any]] = []
-    for name, _, hint, help in _options(kind):
-        if name in omit:
-            continue
-        if hint is bool:
-            fields.append((name, _described(Switch, help, otherwise), False))
-            fields.append((f"no_{name}", _described(Switch, f"The opposite of {flag(name)}.", otherwise), False))
-        else:
-            fields.append((name, _described(_type_of(hint), help, otherwise), None))
-    return dataclasses.make_dataclass(f"{kind.__name__}Changes", fields, frozen=True, kw_only=True)
-
-
-def _options(kind: type) -> Iterator[tuple[str, tuple[str, ...], Any, str]]:
-    """By option: the way to its field, the field's type and what it is; those of a law are of its default's class.
-
-    A law's truth value is called after both, `linear` of the `drag` is `linear_drag`.
-    """
-    hints = hints_of(kind)
-    for field in dataclasses.fields(kind):
-        hint = hints[field.name]
-        if not (isinstance(hint, type) and issubclass(hint, Law)):
-            yield field.name, (field.name,), hint, _help(kind, field.name)
-        elif dataclasses.is_dataclass(field.default):
-            law: Any = type(field.default)
-            for own, inner in hints_of(law).items():
-                name = f"{own}_{field.name}" if inner is bool else own
-                yield name, (field.name, own), inner, _help(law, own)
-
-
-def _help(kind: type, name: str) -> str:
-    """What a field is, with its unit."""
-    numbers = quantities_of(kind)
-    return f"{texts_of(kind)[name]} [{numbers[name].unit or '-'}]." if name in numbers else f"{texts_of(kind)[name]}."
-
-
-def changed(thing: Any, wanted: Any) -> Any:
-    """`thing`, a dataclass, with the fields that `changes` were asked for; its name says which.
+        command: Its class.
+        words: What was typed behind its name.
+        prog: What the help calls it.
+        default: What flags that were left out have; None: what the class declares.
+        first: Only look: what is not known yet is left alone, help too.
 
     Raises:
-        ValueError: If a field is asked to be true and false, or out of its range, or its law has no such number.
+        BadFlag: If a flag cannot be used.
+        SystemExit: If the help was asked for, or a flag is unknown.
     """
-    values: dict[str, Any] = {}
-    listed: list[str] = []
-    kind: type[Any] = thing.__class__
-    for name, (field, *inner), _, _ in _options(kind):
-        value: Any = getattr(wanted, name, None)
-        if isinstance(value, bool):
-            opposite: bool = getattr(wanted, f"no_{name}")
-            if value and opposite:
-                raise ValueError(f"`{name}` and `no_{name}` must not be given together.")
-            value = value if value or opposite else None
-        if value is None:
+    text = "\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\nFields:")[0].split("\n\n"))
+    found: Any = tyro.cli(
+        command,
+        prog=prog,
+        description=text,
+        args=words,
+        default=default,
+        registry=_registry,
+        config=(tyro.conf.OmitArgPrefixes,),
+        return_unknown_args=first,
+        add_help=not first,
+    )
+    return found[0] if first else found
+
+
+def options_of(command: object) -> dict[str, Any]:
+    """The options of a command by the name of their field, those of its parts too."""
+    found: dict[str, Any] = {}
+    for field in fields(cast(Any, command)):
+        one = getattr(command, field.name)
+        found |= options_of(one) if is_declared(one) else {field.name: one}
+    return found
+
+
+def spelled(name: str, command: object) -> str:
+    """How a field is typed, if it is an option of the command; else its name in backticks.
+
+    Args:
+        name: Of an argument.
+        command: The command that was running.
+    """
+    bare = CALLED.get(name, name).split("[")[0]
+    if command is None:  # a name among the flags that are read first
+        return flag(bare)
+    if bare not in options_of(command):
+        return f"`{name}`"
+    declared = next((found[bare] for found in map(quantities_of, _kinds_in(command)) if bare in found), None)
+    if bare in ("file", "files", "name") or (bare == "output" and is_positional(command)):
+        return bare.upper()
+    return flag(SPELLED.get(bare, bare) + (DEGREES.get(declared.unit, "") if declared is not None else ""))
+
+
+def is_positional(command: object) -> bool:
+    """Whether the output of a command comes without a flag."""
+    return typing.get_type_hints(type(command), include_extras=True).get("output") == Output
+
+
+def is_declared(thing: object) -> bool:
+    """Whether this is a value whose fields are declared."""
+    return is_dataclass(thing) and not isinstance(thing, type) and any(texts_of(type(thing)).values())
+
+
+def _kinds_in(command: Any) -> list[type]:
+    parts = [getattr(command, field.name) for field in fields(command)]
+    return [type(command), *(kind for part in parts if is_declared(part) for kind in _kinds_in(part))]
+
+
+_registry = ConstructorRegistry()
+
+
+@_registry.struct_rule
+def _declared_values(info: Any) -> StructConstructorSpec | None:
+    kind = type(info.default) if is_dataclass(info.default) else info.type
+    if not (isinstance(kind, type) and is_dataclass(kind) and any(texts_of(kind).values())):
+        return None
+    default = info.default if is_declared(info.default) else None
+    return _options(kind, default, nested=not kind.__module__.startswith(__name__.rpartition(".")[0]))
+
+
+def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructorSpec:
+    """The flags of a class of values, and how a value is made of them."""
+    hints = typing.get_type_hints(kind, include_extras=True)
+    specs: list[StructFieldSpec] = []
+    of_flag: dict[str, str] = {}
+    for field in fields(kind):
+        if field.name in WAVES and default is not None:
+            specs += _wave_flags(field.name, getattr(default, field.name))
             continue
-        listed.append(f"{name} {_plain(value)}")
-        for own in inner:
-            law: Any = values.get(field, getattr(thing, field))
-            if own not in hints_of(law.__class__):
-                raise ValueError(
-                    f"`{name}` must not be given with the law {name_of(law.__class__)}, which has no such number."
-                )
-            value = dataclasses.replace(law, **{own: value})
-        values[field] = value
-    return dataclasses.replace(thing, **values, name=f"{thing.name} with {', '.join(listed)}") if values else thing
+        usual: Any = getattr(default, field.name) if default is not None else _default_of(field)
+        declared = quantities_of(kind).get(field.name)
+        name = SPELLED.get(field.name, field.name) if nested else field.name
+        option = _type_of(hints[field.name], hints_of(kind)[field.name], declared, name, usual)
+        if option is None or (field.name in NOT_FLAGS and nested):
+            continue
+        name += "" if declared is None else DEGREES.get(declared.unit, "")
+        of_flag[name] = field.name
+        usual = tyro.MISSING if usual is MISSING else usual
+        specs.append(StructFieldSpec(name=name, type=option, default=usual, helptext=f"{texts_of(kind)[field.name]}."))
+
+    def make(**given: Any) -> Any:
+        values = {of_flag[name]: one for name, one in given.items() if name in of_flag}
+        try:
+            made = kind(**values) if default is None else replace(default, **values)
+            return _with_waves(made, given) if len(given) > len(values) else made
+        except BadArgument as error:
+            raise BadFlag(f"{_named(error.name, of_flag)} {error.rule}.") from None
+
+    return StructConstructorSpec(instantiate=make, fields=tuple(specs))
 
 
-def _type_of(hint: Any) -> Any:
-    """The kind of option for a field of this type."""
-    if typing.get_origin(hint) is types.UnionType:
-        hint = next(part for part in typing.get_args(hint) if part is not types.NoneType)
-    if typing.get_origin(hint) is Literal:
-        return Annotated[str | None, choice(*typing.get_args(hint))]
-    if typing.get_origin(hint) is tuple:
-        return Two
-    return {float: Number, int: Whole, str: Text}[hint]
+def _wave_flags(wave: str, usual: Any) -> list[StructFieldSpec]:
+    """The flags of a second wave of a gait, which it has if one of them is typed."""
+    from laticauda.gaits import Wave
+
+    specs: list[StructFieldSpec] = []
+    for name, declared in quantities_of(Wave).items():
+        if (wave == "pitch" and name == "frequency") or (wave == "fin" and name == "phase_shift"):
+            continue  # those of the body, and none: a fin has one joint
+        option: Any = Annotated[Any, _numbers(declared, float | None, f"{wave}_{name}")]
+        spelled = f"{wave}_{name}{DEGREES[declared.unit]}"
+        text = f"Of {WAVES[wave]}: {declared.text}."
+        specs.append(StructFieldSpec(name=spelled, type=option, default=getattr(usual, name, None), helptext=text))
+    return specs
 
 
-def _described(option: Any, help: str, otherwise: str) -> Any:
-    return Annotated[option, tyro.conf.arg(help=help, help_behavior_hint=f"(default: {otherwise})")]
+def _with_waves(gait: Any, given: dict[str, Any]) -> Any:
+    """A gait with the waves that were typed; what was left out is the gait's own, or nothing."""
+    from laticauda.gaits import Wave
+
+    for wave in WAVES:
+        named = {name: f"{wave}_{name}{DEGREES[one.unit]}" for name, one in quantities_of(Wave).items()}
+        typed = {name: given[option] for name, option in named.items() if given.get(option) is not None}
+        if typed:
+            own = {"amplitude": 0.0, "frequency": gait.frequency}
+            own |= {"phase_shift": gait.phase_shift} if wave == "pitch" else {}
+            gait = replace(gait, **{wave: Wave(**(own | typed))})
+    return gait
 
 
-def _plain(value: object) -> str:
-    """A field's value as a name shows it."""
-    if isinstance(value, tuple):
-        return "({})".format(", ".join(map(_plain, value)))  # pyright: ignore[reportUnknownArgumentType]
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def _default_of(field: Any) -> Any:
+    return field.default if field.default_factory is MISSING else field.default_factory()
+
+
+def _named(name: str, of_flag: dict[str, str]) -> str:
+    return next((flag(option) for option, field in of_flag.items() if field == name.split("[")[0]), f"`{name}`")
+
+
+def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, usual: Any) -> Any:
+    """What tyro is told about a field; None: it is no flag."""
+    if get_origin(annotated) is Annotated:
+        return annotated
+    if declared is not None:
+        return Annotated[Any, _numbers(declared, hint, name)]
+    if hint is bool:
+        return Annotated[bool, tyro.conf.FlagCreatePairsOff] if usual is False else bool
+    if is_declared(usual):
+        return cast(Any, type(usual))
+    inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
+    if len(inner) == 1 and get_origin(inner[0]) is Literal:
+        return Annotated[Any, _choices(get_args(inner[0]))]
+    return Annotated[Any, _texts(1, "TEXT")] if inner == [str] else None
+
+
+def _choices(names: tuple[str, ...]) -> Any:
+    return PrimitiveConstructorSpec[Any](
+        nargs=1,
+        metavar=f"{{{','.join(names)}}}",
+        instance_from_str=lambda words: words[0],
+        is_instance=lambda value: True,
+        str_from_instance=_shown,
+        choices=names,
+    )
+
+
+def _is_union(hint: Any) -> bool:
+    return get_origin(hint) in (types.UnionType, Union)
+
+
+def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
+    """A flag that takes one number, or several, in the unit that people type."""
+    inner = next((one for one in get_args(hint) if one is not type(None)), hint) if _is_union(hint) else hint
+    several = get_origin(inner) is tuple
+    count = len(get_args(inner)) if several and get_args(inner)[-1] is not Ellipsis else None
+    unit = _IN_DEGREES.get(declared.unit, declared.unit)
+    return PrimitiveConstructorSpec[Any](
+        nargs=1 if not several else count or "*",
+        metavar=_metavar(unit, several, count),
+        instance_from_str=_reader(declared, inner is int, several, flag(name + DEGREES.get(declared.unit, ""))),
+        is_instance=lambda value: True,
+        str_from_instance=lambda value: _numbers_shown(value, declared),
+    )
+
+
+def _metavar(unit: str, several: bool, count: int | None) -> str:
+    word = unit or "NUMBER"
+    return word if not several else " ".join("XYZ"[:count]) if count else f"{word} ..."
+
+
+def _numbers_shown(value: Any, declared: Quantity) -> list[str]:
+    if value is None:
+        return ["none"]
+    factor = math.degrees(1.0) if declared.unit in DEGREES else 1.0
+    values = cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,))
+    return [f"{factor * one:.12g}" for one in values] or ["none"]
+
+
+def _reader(declared: Quantity, is_whole: bool, several: bool, option: str) -> Callable[[list[str]], Any]:
+    """From words to numbers; what is out of range is refused in the unit that was typed."""
+    in_degrees = declared.unit in DEGREES
+    rule = declared
+    if in_degrees:
+        bounds = {bound: math.degrees(getattr(declared, bound)) for bound in ("ge", "gt", "le")}
+        rule = replace(declared, unit=_IN_DEGREES[declared.unit], **bounds)
+
+    def number(word: str) -> float:
+        try:
+            found = int(word) if is_whole or word.lstrip("+-").isdigit() else float(word)
+        except ValueError:
+            kind = "a whole number" if is_whole else "a number"
+            raise BadFlag(f"{option} must be {kind}, got {word!r}.") from None
+        try:
+            checked = (
+                whole(option, found, math.ceil(max(rule.least, -(2**53)))) if is_whole else rule.checked(option, found)
+            )
+        except BadArgument as error:
+            raise BadFlag(f"{option} {error.rule}.") from None
+        return math.radians(checked) if in_degrees else checked
+
+    return lambda words: tuple(map(number, words)) if several else number(words[0])

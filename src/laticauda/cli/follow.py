@@ -1,190 +1,142 @@
 """`laticauda follow`: one run along a path, its figures, its file and its picture."""
 
-import sys
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from laticauda.cli.flags import Number, Numbers, Switch, choice, default
-from laticauda.cli.groups import (
-    Coefficients,
-    EnvironmentFlags,
-    GaitFlags,
-    ModelFlags,
-    RobotFlags,
-    WaterChanges,
-    radians,
-)
-from laticauda.cli.messages import given, in_flags
-from laticauda.cli.outputs import check_output
-from laticauda.cli.planned import PlanFlags
-from laticauda.cli.swim import PICTURES, OutputFlags, announced
-from laticauda.cli.view import check_film, write_film
+import tyro
+
+from laticauda.cli.flags import File, Maybe, read
+from laticauda.cli.scene import Names
+from laticauda.cli.swim import Outputs, run_and_report
+from laticauda.errors import BadArgument
+from laticauda.interfaces import Start
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Scenario
 
 if TYPE_CHECKING:
-    from laticauda.control import Guidance, ModelPredictive, Path, PathFollowing
+    from laticauda.control import Path
     from laticauda.gaits import Gait
-    from laticauda.interfaces import Plant
-
-DURATION = 90.0  # [s]
-GUIDANCE = ("line-of-sight", "integral-line-of-sight", "model-predictive")
-# The paper's settings for Mamba, and where published integral guidance starts from.
-LOOK_AHEAD, GAIN, MAX_OFFSET_DEG, INTEGRAL_GAIN, INTERVAL = 0.18, 0.4, 20.0, 0.12, 0.05
 
 
-@dataclass(frozen=True, kw_only=True)
-class PathFlags:
-    """Where to go; the x axis if nothing is said."""
+@value
+class Route:
+    """Where to go, and by which law."""
 
-    waypoints: Annotated[Numbers, default("the x axis")] = None
-    """Corners of the path, x1 y1 x2 y2 ... [m]."""
-    smooth: Switch = False
-    """A smooth curve through the waypoints instead of straight legs."""
-    acceptance_distance: Annotated[Number, default("0")] = None
-    """Distance from a corner at which the next leg begins [m]."""
+    waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
+    smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
+    guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
+        "The guidance law; the last two learn a current, and model-predictive plans ahead with a model that it fits to "
+        "four trials of its own first",
+        default="line-of-sight",
+    )
 
-    def chosen(self) -> "Path[Any]":
-        """The path that is asked for."""
+    def path(self) -> "Path[Any]":
+        """The path."""
         from laticauda.control import Polyline, Spline, StraightLine
 
-        if self.waypoints is None:
+        if not self.waypoints:
             return StraightLine()
         if len(self.waypoints) % 2:
-            raise ValueError(
-                f"`waypoints` must be pairs of numbers, x1 y1 x2 y2 ..., got {len(self.waypoints)} numbers."
-            )
+            count = len(self.waypoints)
+            raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
         points = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
-        if self.smooth:
-            return Spline(waypoints=points)
-        return Polyline(waypoints=points, acceptance_distance=self.acceptance_distance or 0.0)
+        return Spline(waypoints=points) if self.smooth else Polyline(waypoints=points)
 
-
-@dataclass(frozen=True, kw_only=True)
-class GuidanceFlags:
-    """How it is led there."""
-
-    guidance: Annotated[str | None, choice(*GUIDANCE), default(GUIDANCE[0])] = None
-    """The guidance law; the last two learn a current, and model-predictive plans ahead."""
-    look_ahead_distance: Annotated[Number, default(f"{LOOK_AHEAD:g}")] = None
-    """Delta; model-predictive falls back on line of sight with 1.62 [m]."""
-    integral_gain: Annotated[Number, default(f"{INTEGRAL_GAIN:g}")] = None
-    """sigma of the integral law [m/s]."""
-    gain: Annotated[Number, default(f"{GAIN:g}")] = None
-    """k, offset per heading error; 0.25 where model-predictive falls back [-]."""
-    max_offset_deg: Annotated[Number, default(f"{MAX_OFFSET_DEG:g}")] = None
-    """Largest offset of the joints to either side [deg]."""
-    heading_estimate: Annotated[str | None, choice("raw", "cycle-mean"), default("raw")] = None
-    """The heading that is controlled: the mean link angle as it is, or its mean over the last gait cycle."""
-    control_interval: Annotated[Number, default(f"{INTERVAL:g}, or 0.2 for model-predictive")] = None
-    """Time between two control instants [s]."""
-    plan: PlanFlags = field(default_factory=PlanFlags)
-
-    def law(self) -> "Guidance[Any]":
-        """The guidance law that is asked for."""
-        from laticauda.control import IntegralLineOfSight, LineOfSight
-
-        distance = LOOK_AHEAD if self.look_ahead_distance is None else self.look_ahead_distance
-        if self.guidance == "integral-line-of-sight":
-            gain = INTEGRAL_GAIN if self.integral_gain is None else self.integral_gain
-            return IntegralLineOfSight(look_ahead_distance=distance, integral_gain=gain)
-        return LineOfSight(look_ahead_distance=distance)
-
-    def controller(self, gait: "Gait", path: "Path[Any]", body: "Plant[Any]") -> "PathFollowing | ModelPredictive":
-        """Path following with all of it.
+    def controller(self, gait: "Gait") -> Any:
+        """Path following with the paper's settings for Mamba, and where published integral guidance starts from.
 
         Args:
             gait: What swims.
-            path: Where to go.
-            body: The robot in its water.
         """
-        if self.guidance == GUIDANCE[-1]:
-            return self._planned(gait, path, body)
-        for name in given(self.plan):
-            raise ValueError(f"`{name}` must not be given without `guidance` {GUIDANCE[-1]}.")
-        from laticauda.control import HeadingController, PathFollowing
+        from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing
 
-        return PathFollowing(
-            gait=gait,
-            path=path,
-            guidance=self.law(),
-            heading=HeadingController(
-                gain=GAIN if self.gain is None else self.gain,
-                max_offset=radians(self.max_offset_deg, MAX_OFFSET_DEG),
-            ),
-            heading_estimate=self.heading_estimate or "raw",
-            interval=INTERVAL if self.control_interval is None else self.control_interval,
-        )
-
-    def _planned(self, gait: "Gait", path: "Path[Any]", body: "Plant[Any]") -> "ModelPredictive":
-        for name in ("integral_gain", "heading_estimate"):
-            if getattr(self, name) is not None:
-                raise ValueError(f"`{name}` must not be given with `guidance` {GUIDANCE[-1]}.")
-        fields = {"look_ahead_distance": "look_ahead_distance", "gain": "gain", "control_interval": "interval"}
-        settings = {fields[name]: value for name, value in given(self).items() if name in fields}
-        settings["max_offset"] = radians(self.max_offset_deg, MAX_OFFSET_DEG)
-        return self.plan.controller(gait, path, body, settings)
+        law: Any = LineOfSight(look_ahead_distance=0.18)
+        if self.guidance == "integral-line-of-sight":
+            law = IntegralLineOfSight(look_ahead_distance=0.18, integral_gain=0.12)
+        heading = HeadingController(gain=0.4, max_offset=math.radians(20.0))
+        return PathFollowing(gait=gait, path=self.path(), guidance=law, heading=heading)
 
 
-@dataclass(frozen=True, kw_only=True)
-class StartFlags:
-    """From where, and how long."""
+@value
+class Plan:
+    """Model-predictive guidance."""
 
-    position: Annotated[Numbers, default("0 1")] = None
-    """Where the center of mass starts, x y [m]."""
-    heading_deg: Annotated[Number, default("0")] = None
-    """Initial heading, counter-clockwise from the x axis [deg]."""
-    duration: Annotated[Number, default(f"{DURATION:g}")] = None
-    """How long to swim [s]."""
+    speed: float | None = quantity("m/s", "Speed along the path; none: what the gait swims", gt=0.0, default=None)
+    power_limit: float | None = quantity("W", "Most that the gait may take, mean over its cycle", gt=0.0, default=None)
+    frequency_limits: tuple[float, float] | None = quantity(
+        "rad/s", "Least and greatest frequency of the gait; none: the gait's alone", gt=0.0, default=None
+    )
+    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
+    look_ahead_distance: float = quantity("m", "Of the line of sight that takes over", gt=0.0, default=1.62)
+    gain: float = quantity("", "Of its heading law", gt=0.0, default=0.25)
+    control_interval: float = quantity("s", "Time between two control instants", ge=0.2, default=0.2)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Follow:
-    """Let a robot follow a path, and print how soon and how well it came to it.
+    """Let a robot follow a path with its gait, from beside it, and print how soon and how well it came there.
 
-    For example: laticauda follow --robot mamba-fin --frequency-deg-s 90 --position 0 1.848 --heading-deg 7.7
-    --plot follow.png
+    For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60 --save run.nc --plot
+    run.png
     """
 
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    path: PathFlags = field(default_factory=PathFlags)
-    guidance: GuidanceFlags = field(default_factory=GuidanceFlags)
-    start: StartFlags = field(default_factory=StartFlags)
-    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    model: ModelFlags = field(default_factory=ModelFlags)
-    output: OutputFlags = field(default_factory=OutputFlags)
+    file: Annotated[Maybe, tyro.conf.Positional] = option(
+        "A scenario file (.toml) that the flags change; it comes first", default=None
+    )
+    names: Names = option("What swims, how and where, by name", default=Names())
+    route: Route = option("Where to go, and by which law", default=Route())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    link_forces: bool = option("Log the force on every link too", default=False)
+    save_scenario: File = option("Write what runs to this scenario file (.toml)", default=None)
+    output: Outputs = option("What becomes of it", default=Outputs())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Callable[[], int]:
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        names, route = Names.read(words, prog), read(Route, words, prog, first=True)
+        scenario, _ = names.scenario(words)
+        if scenario.motion == scenario.gait:  # a file may have a controller
+            scenario = replace(scenario, duration=90.0, start=Start(center_of_mass=(0.0, 1.0)))
+        kind = FollowPlanned if route.guidance == "model-predictive" else cls
+        if scenario.motion == scenario.gait and kind is cls:
+            scenario = replace(scenario, motion=route.controller(scenario.gait))
+        return read(kind, words, prog, kind(names=names, route=route, scenario=scenario))
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
-        check_output("save", self.output.save, (".nc",))
-        check_output("plot", self.output.plot, PICTURES)
-        check_film(self.output.video)
-        from laticauda.cli.report import as_json, as_text, following_table
-        from laticauda.interfaces import Start
-        from laticauda.simulate import plant, run
+        from laticauda.cli.report import following_table
 
-        gait = self.gait.chosen()
-        environment, origin = self.environment.chosen(gait, self.coefficients)
-        position = (0.0, 1.0) if self.start.position is None else self.start.position
-        if len(position) != 2:
-            raise ValueError(f"`position` must be two numbers, x y [m], got {len(position)}.")
-        duration = DURATION if self.start.duration is None else self.start.duration
-        robot = self.environment.equipped(self.robot.chosen(), gait)
-        body = plant(robot, environment, **self.environment.model_settings(self.model))
-        progress = announced(environment, duration, model=self.model.model)
-        controller = self.guidance.controller(gait, self.path.chosen(), body)
-        start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.start.heading_deg, 0.0))
-        trial = run(body, controller, duration, start=start, progress=progress)
-        if self.output.save is not None:
-            trial.save(self.output.save)
-        if self.output.plot is not None:
-            from laticauda.figures import follow_sheet, save_figure
+        return run_and_report(self, self._steered(), "follow_sheet", following_table)
 
-            save_figure(follow_sheet(trial), self.output.plot)
-        if self.output.video is not None:
-            write_film(trial, self.output.video)
-        print(as_json(trial) if self.output.json else f"{as_text(trial, origin)}\n\n{following_table(trial)}")
-        if not trial.succeeded:
-            print(in_flags(trial.status, self), file=sys.stderr)
-        return 0 if trial.succeeded else 1
+    def _steered(self) -> Scenario:
+        return self.scenario
+
+
+@value
+class FollowPlanned(Follow):
+    """Let a robot follow a path by planning ahead, with a model that it fits to four trials of its own first.
+
+    For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
+    """
+
+    plan: Plan = option("Model-predictive guidance", default=Plan())
+
+    def _steered(self) -> Scenario:
+        from laticauda.control import ModelPredictive
+        from laticauda.simulate import plant
+        from laticauda.studies import averaged_model
+
+        gait, settings = self.scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
+        model = averaged_model(plant(self.scenario), gait, self.plan.frequency_limits)
+        settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
+        settings["interval"] = settings.pop("control_interval")
+        return replace(
+            self.scenario, motion=ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings)
+        )

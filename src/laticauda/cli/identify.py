@@ -4,94 +4,99 @@ import json
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Any, Literal
 
-import tyro
-
-from laticauda.cli.flags import File, Number, Preset, Switch, Text, Whole, choice, default
-from laticauda.cli.flags import Words as ListOfWords
-from laticauda.cli.messages import flag, given
+from laticauda.cli.flags import (
+    BadFlag,
+    File,
+    Folder,
+    Inputs,
+    Maybe,
+    MaybeName,
+    Words,
+    flag,
+    options_of,
+    read,
+)
+from laticauda.cli.scene import was_typed
 from laticauda.cli.tables import MISSING, aligned, number
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.identify.tasks import Task
     from laticauda.identify.unknowns import Unknown
     from laticauda.identify.validation import Validation
 
-FOLDER = "identification"
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
 _FORMAT = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
-@dataclass(frozen=True, kw_only=True)
-class WhatFlags:
+@value
+class What:
     """What is identified, from what."""
 
-    parameters: Annotated[
-        ListOfWords, tyro.conf.arg(metavar="NAME[=LOW:HIGH|=MEAN+-SD] ..."), default("the file's")
-    ] = ()
-    """Numbers of robot and water, with dots as in a sweep, each with its range or with what is known of it before; for
-    one gait only: eel_like.water.tangential_friction."""
-    measured: Annotated[ListOfWords, tyro.conf.arg(metavar="NAME=SIGMA ..."), default("center_of_mass=0.005")] = ()
-    """What counts of the trials, with the standard deviation of its noise in SI units: figures, as forward_velocity or
-    mean_power, and series, as center_of_mass, heading, joint_angle, joint_torque."""
-    interval: Annotated[Number, default("0.5")] = None
-    """Between the samples of series that count [s]."""
-    columns: File = None
-    """What the columns are of files that laticauda did not write: a TOML file."""
-    table1: Switch = False
-    """The paper's Table 1 instead of files."""
+    parameters: Words = option(
+        "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD: numbers of robot and water, with dots as in a sweep, each with its "
+        "range or with what is known of it before; for one gait only: eel_like.water.tangential_friction",
+        default=(),
+    )
+    measured: Words = option(
+        "NAME=SIGMA: what counts of the trials, with the standard deviation of its noise in SI units: figures, as "
+        "forward_velocity or mean_power, and series, as center_of_mass, heading, joint_angle, joint_torque",
+        default=("center_of_mass=0.005",),
+    )
+    interval: float = quantity("s", "Between the samples of series that count", gt=0.0, default=0.5)
+    columns: File = option("What the columns are of files that laticauda did not write: a TOML file", default=None)
+    table1: bool = option("The paper's Table 1 instead of files", default=False)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModelFlags:
+@value
+class Fixed:
     """What stays as it is."""
 
-    robot: Annotated[Preset, default("the trials'")] = None
-    """What has to have swum: a preset or a TOML file; trials of another one are refused."""
-    base: Annotated[Preset, default("what the trials say")] = None
-    """A parameter file with the numbers that are not identified, and a joint law."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the base's, or prescribed")] = None
-    """How the joints follow the gait."""
-    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
-    """The model of the body; the one in MuJoCo takes long."""
+    robot: MaybeName = option(
+        "What has to have swum, a preset or a TOML file: trials of another one are refused", default=None
+    )
+    base: MaybeName = option(
+        "A parameter file with the numbers that are not identified, and a joint law; what the trials say if left out",
+        default=None,
+    )
+    joints: Maybe = option("How the joints follow the gait; the base's law, or prescribed, if left out", default=None)
+    model: Literal["planar", "spatial"] = option(
+        "The model of the body; the one in MuJoCo takes long", default="planar"
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class MethodFlags:
+@value
+class Method:
     """How."""
 
-    noise: Annotated[str | None, choice("known", "estimated"), default("estimated")] = None
-    """Whether the noise is as stated, or that times a factor that the residuals say."""
-    starts: Annotated[Whole, default("4")] = None
-    """How many starts the search has."""
-    seed: Annotated[Whole, default("0")] = None
-    """Of the further starts."""
-    profiles: Switch = False
-    """Intervals from the likelihood itself too."""
-    exact: Switch = False
-    """Leave out every measurement by a refit, not by the linearized model."""
-    quick: Switch = False
-    """Leave out no groups."""
-    threads: Annotated[Whole, default("one per core")] = None
-    """How many trials run at once."""
+    noise: Literal["known", "estimated"] = option(
+        "Whether the noise is as stated, or that times a factor that the residuals say", default="estimated"
+    )
+    starts: int = quantity("", "How many starts the search has", ge=1, default=4)
+    seed: int = quantity("", "Of the further starts", ge=0, default=0)
+    profiles: bool = option("Intervals from the likelihood itself too", default=False)
+    exact: bool = option("Leave out every measurement by a refit, not by the linearized model", default=False)
+    quick: bool = option("Leave out no groups", default=False)
+    threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ResultFlags:
+@value
+class Results:
     """What becomes of it."""
 
-    name: Annotated[Text, default("the file's, or identified")] = None
-    """Of the parameter file."""
-    output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
-    """The folder; made if need be, files of the same names are replaced."""
-    json: Switch = False
-    """Print one JSON object in SI units instead of the tables."""
+    name: Maybe = option("Of the parameter file; the task file's, or identified, if left out", default=None)
+    output: Folder = option(
+        "The folder; made if need be, files of the same names are replaced", default="identification"
+    )
+    json: bool = option("Print one JSON object in SI units instead of the tables", default=False)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Identify:
     """Identify physical parameters with their uncertainty from measured trials.
 
@@ -102,14 +107,25 @@ class Identify:
     --parameters of other commands, the report identify.html, fit.json, figures and tables.
     """
 
-    files: Annotated[
-        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE ...", help_behavior_hint="(default: none)")
-    ] = ()
-    """One TOML file that says everything, or trials: netCDF, MCAP, and with --columns CSV, C3D, TSV and more."""
-    what: WhatFlags = field(default_factory=WhatFlags)
-    fixed: ModelFlags = field(default_factory=ModelFlags)
-    method: MethodFlags = field(default_factory=MethodFlags)
-    result: ResultFlags = field(default_factory=ResultFlags)
+    files: Inputs = option(
+        "One TOML file that says everything, or trials: netCDF, MCAP, and with --columns CSV, C3D, TSV and more",
+        default=(),
+    )
+    what: What = option("What is identified, from what", default=What())
+    fixed: Fixed = option("What stays as it is", default=Fixed())
+    method: Method = option("How", default=Method())
+    result: Results = option("What becomes of it", default=Results())
+    words: Any = option("What was typed, for the report", default=())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "Identify":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        return replace(read(cls, words, prog), words=tuple(words))
 
     def __call__(self) -> int:
         """Identify, write, print, and return the exit status."""
@@ -119,12 +135,12 @@ class Identify:
         from laticauda.reports.identify import as_dict, write_identification
 
         task = self._task()
-        folder = Path(FOLDER if self.result.output is None else self.result.output)
-        command, show = self._command(), _progress()
-        try:
-            writable_folder(folder)
-        except ValueError as error:
-            raise ValueError(str(error).replace("`folder`", "--output")) from error
+        folder = Path(self.result.output)
+        command, show = (
+            shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")]),
+            _progress(),
+        )
+        writable_folder(folder)
         try:
             found = task.run(threads=self.method.threads, progress=lambda share: show("search", share))
             done = validate(
@@ -153,18 +169,16 @@ class Identify:
         if len(self.files) == 1 and self.files[0].lower().endswith(".toml"):
             self._refuse_beside_a_file()
             task = load_task(self.files[0])
-            more = {"n_starts": self.method.starts, "seed": self.method.seed, "noise": self.method.noise}
-            options = {**task.options, **{name: value for name, value in more.items() if value is not None}}
+            names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
+            typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
+            options = {**task.options, **typed}
             return replace(task, options=options, name=self.result.name or task.name)
         return self._task_of_flags()
 
     def _refuse_beside_a_file(self) -> None:
-        for group in (self.what, self.fixed):
-            for name, value in given(group).items():
-                if value:
-                    raise ValueError(
-                        f"{flag(name)} must not be given beside a file that says everything, got {value!r}."
-                    )
+        for name, given in (options_of(self.what) | options_of(self.fixed)).items():
+            if was_typed(name, self.words):
+                raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
 
     def _task_of_flags(self) -> "Task":
         from laticauda.identify.measurements import from_table1
@@ -173,11 +187,10 @@ class Identify:
         from laticauda.robot import load_parameters, load_robot
 
         if not self.files and not self.what.table1:
-            raise ValueError("FILE must be a TOML file that says everything, or at least one trial, got none.")
+            raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
         if not self.what.parameters:
-            raise ValueError("--parameters must name at least one number to identify, as water.normal_drag, got none.")
+            raise BadFlag("--parameters must name at least one number to identify, as water.normal_drag, got none.")
         figures, series = _measured(self.what.measured)
-        more: dict[str, Any] = {} if self.what.interval is None else {"interval": self.what.interval}
         names = _names(self.files)
         trials = [
             TrialFile(
@@ -186,7 +199,7 @@ class Identify:
                 name=name,
                 figures=figures,
                 series=series,
-                **more,
+                interval=self.what.interval,
             )
             for file, name in zip(self.files, names, strict=True)
         ]
@@ -194,10 +207,10 @@ class Identify:
         joints = self.fixed.joints or (base.joints if base is not None else None) or "prescribed"
         options: dict[str, Any] = {
             "joints": joints,
-            "model": self.fixed.model or "planar",
-            "noise": self.method.noise or "estimated",
-            "n_starts": 4 if self.method.starts is None else self.method.starts,
-            "seed": self.method.seed or 0,
+            "model": self.fixed.model,
+            "noise": self.method.noise,
+            "n_starts": self.method.starts,
+            "seed": self.method.seed,
         }
         name = self.result.name or "identified"
         task = task_of_files(
@@ -213,19 +226,6 @@ class Identify:
             return task
         table = [fixed(measurement, None, base) for measurement in from_table1()]
         return replace(task, measurements=(*task.measurements, *table))
-
-    def _command(self) -> str:
-        """The command, as it was typed but for the order of its options."""
-        words = ["laticauda", "identify", *self.files]
-        for name, value in given(self).items():
-            if name in ("files", "json") or value == ():
-                continue
-            words.append("--output" if name == "output" else flag(name))
-            if isinstance(value, tuple):
-                words += map(str, cast("tuple[object, ...]", value))
-            elif value is not True:
-                words.append(str(value))
-        return shlex.join(words)
 
 
 def _names(files: Sequence[str]) -> list[str]:
@@ -249,7 +249,8 @@ def _measured(words: Sequence[str]) -> tuple[dict[str, float], dict[str, float]]
         except ValueError:
             equals, sigma = "", 0.0
         if not equals or sigma <= 0.0:
-            raise ValueError(f"`measured` must be NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01, got {word!r}.")
+            rule = f"must be NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01, got {word!r}"
+            raise BadArgument("measured", rule)
         one_of("measured", name, (*UNITS, *SERIES))
         (series if name in SERIES else figures)[name] = sigma
     return figures, series
@@ -272,7 +273,7 @@ def _unknown(word: str) -> "Unknown":
             if sign == ":":
                 return Unknown(name=name, lower=first, upper=second)
             return Unknown(name=name, prior=(first, second))
-    raise ValueError(f"`parameters` must be {FORM}, got {word!r}.")
+    raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
 
 
 def as_text(done: "Validation", folder: Path) -> str:

@@ -3,68 +3,61 @@
 import json
 import sys
 import threading
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Literal
 
-from laticauda.cli.flags import File, Number, Numbers, Preset, Switch, Text, Whole, changed, choice, default
-from laticauda.cli.groups import Coefficients, WaterChanges, radians
-from laticauda.cli.messages import given
+from laticauda.cli.flags import File, Name, Text, read
 from laticauda.cli.outputs import check_output
-from laticauda.cli.swim import COMPILING
-from laticauda.robot import load_robot, load_water
+from laticauda.cli.scene import COMPILING
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Water, load_robot, load_water
+from laticauda.scenarios import named_after
 
 if TYPE_CHECKING:
     from laticauda.lab import Lab, LabAddresses, Tank
 
-ROBOT, WATER = "mamba-modules", "paper-lateral"
 
-
-@dataclass(frozen=True, kw_only=True)
-class BodyFlags:
+@value
+class Body:
     """What swims, where."""
 
-    robot: Annotated[Preset, default(ROBOT)] = None
-    """A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer."""
-    water: Annotated[Preset, default(WATER)] = None
-    """A preset or a TOML file."""
-    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
-    """The model of the body; the joints are servos in either."""
-    position: Annotated[Numbers, default("0 0")] = None
-    """Where the center of mass starts, x y [m]."""
-    heading_deg: Annotated[Number, default("0")] = None
-    """Initial heading, counter-clockwise from the x axis [deg]."""
+    robot: Name = option(
+        "A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer", default="mamba-modules"
+    )
+    water: Name = option("A preset or a TOML file", default="paper-lateral")
+    model: Literal["planar", "spatial"] = option(
+        "The model of the body; the joints are servos in either", default="planar"
+    )
+    position: tuple[float, float] = quantity("m", "Where the center of mass starts, x y", default=(0.0, 0.0))
+    heading: float = quantity("rad", "Initial heading, counter-clockwise from the x axis", default=0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class WireFlags:
+@value
+class Wires:
     """How it is reached."""
 
-    bus: Annotated[Text, default("udp_multicast:239.74.163.2:43113")] = None
-    """The CAN bus: udp_multicast[:GROUP[:PORT]] between processes, or socketcan[:NAME]."""
-    host: Annotated[Text, default("127.0.0.1: this computer alone")] = None
-    """Where the cameras' server listens."""
-    port: Annotated[Whole, default("22223")] = None
-    """Likewise; 0: any that is free."""
-    hops: Annotated[Whole, default("0: frames stay on this computer")] = None
-    """Routers that CAN frames of udp_multicast may pass; 1: this network."""
+    bus: Text = option(
+        "The CAN bus: udp_multicast[:GROUP[:PORT]] between processes, or socketcan[:NAME]", default="udp_multicast"
+    )
+    host: Text = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=22223)
+    hops: int = quantity(
+        "", "Routers that CAN frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class TimeFlags:
+@value
+class Time:
     """Its clock, its chance, its faults."""
 
-    speed: Annotated[Number, default("1")] = None
-    """Seconds of the lab for one second of yours."""
-    duration: Annotated[Number, default("until Ctrl-C")] = None
-    """How long, by the lab's clock [s]."""
-    seed: Annotated[Whole, default("0")] = None
-    """Of all that is random."""
-    faults: File = None
-    """A schedule of what goes wrong (.toml)."""
+    speed: float = quantity("", "Seconds of the lab for one second of yours", gt=0.0, default=1.0)
+    duration: float | None = quantity("s", "How long, by the lab's clock; until Ctrl-C if left out", default=None)
+    seed: int = quantity("", "Of all that is random", ge=0, default=0)
+    faults: File = option("A schedule of what goes wrong (.toml)", default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class LabCommand:
     """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM's clients read, a power meter.
 
@@ -74,32 +67,39 @@ class LabCommand:
     For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
     """
 
-    body: BodyFlags = field(default_factory=BodyFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    wires: WireFlags = field(default_factory=WireFlags)
-    time: TimeFlags = field(default_factory=TimeFlags)
-    json: Switch = False
-    """Print the line as a JSON object."""
-    save: File = None
-    """Write what was really so, since the robot was last put into the water, to this netCDF file (.nc)."""
+    body: Body = option("What swims, where", default=Body())
+    coefficients: Water = option("Replace what the chosen water has")
+    wires: Wires = option("How it is reached", default=Wires())
+    time: Time = option("Its clock, its chance, its faults", default=Time())
+    json: bool = option("Print the line as a JSON object", default=False)
+    save: File = option(
+        "Write what was really so, since the robot was last put into the water, to this netCDF file (.nc)",
+        default=None,
+    )
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        body: Body = read(Body, words, prog, first=True)
+        return read(cls, words, prog, cls(body=body, coefficients=load_water(body.water)))
 
     def __call__(self) -> int:
         """Serve, and return the exit status."""
         check_output("save", self.save, (".nc",))
         from laticauda.lab import Lab
         from laticauda.protocol import bus_address
-        from laticauda.protocol.qtm import PORT
 
-        bus = bus_address(self.wires.bus or "udp_multicast", hops=self.wires.hops or 0)
+        bus = bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
-            raise ValueError(f"`bus` must be udp_multicast or socketcan, which other processes reach, got {bus}.")
-        port = PORT if self.wires.port is None else self.wires.port
-        if not 0 <= port <= 65535:
-            raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
+            rule = f"must be udp_multicast or socketcan, which other processes reach, got {bus}"
+            raise BadArgument("bus", rule)
         tank = self._tank()
-        speed = 1.0 if self.time.speed is None else self.time.speed
-        lab = Lab(tank, bus=bus, host=self.wires.host or "127.0.0.1", port=port, speed=speed)
+        lab = Lab(tank, bus=bus, host=self.wires.host, port=self.wires.port, speed=self.time.speed)
         addresses = lab.open()
         try:
             self._announce(addresses, tank)
@@ -123,19 +123,14 @@ class LabCommand:
         from laticauda.lab import LabSettings, Tank, VirtualRobot, load_faults
         from laticauda.simulate import needs_compiling, plant
 
-        robot = load_robot(ROBOT if self.body.robot is None else self.body.robot)
-        water = changed(load_water(WATER if self.body.water is None else self.body.water), self.coefficients)
-        position = (0.0, 0.0) if self.body.position is None else self.body.position
-        if len(position) != 2:
-            raise ValueError(f"`position` must be two numbers, x y [m], got {len(position)}.")
-        start = Start(center_of_mass=(position[0], position[1]), heading=radians(self.body.heading_deg, 0.0))
+        robot = load_robot(self.body.robot)
+        water = named_after(self.coefficients, load_water(self.body.water))
+        start = Start(center_of_mass=self.body.position, heading=self.body.heading)
         faults = () if self.time.faults is None else load_faults(self.time.faults)
-        settings = LabSettings(seed=0 if self.time.seed is None else self.time.seed)
-        model = self.body.model or "planar"
-        if needs_compiling(water, model=model):
+        settings = LabSettings(seed=self.time.seed)
+        if needs_compiling(water, model=self.body.model):
             print(COMPILING, file=sys.stderr, flush=True)
-        chosen = {name: value for name, value in given(self.body).items() if name == "model"}
-        body = plant(robot, water, joints="servo", **chosen)
+        body = plant(robot, water, model=self.body.model, joints="servo")
         return Tank(VirtualRobot(robot, body, start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: "LabAddresses", tank: "Tank") -> None:
@@ -146,17 +141,17 @@ class LabCommand:
             )
         if addresses.bus.hops or addresses.bus.interface == "socketcan":
             print(f"Anyone on {addresses.bus} can move the robot: a CAN bus knows no passwords.", file=sys.stderr)
-        told: dict[str, Any] = {
+        line: dict[str, Any] = {
             "bus": str(addresses.bus),
             "qtm": f"{addresses.mocap_host}:{addresses.mocap_port}",
             "meter": addresses.meter,
             "nodes": len(tank.nodes),
         }
         if self.json:
-            print(json.dumps(told), flush=True)
+            print(json.dumps(line), flush=True)
         else:
             only = "" if addresses.mocap_host != "127.0.0.1" or addresses.bus.hops else " (this computer only)"
-            print(" | ".join(f"{name} {value}" for name, value in told.items()) + only, flush=True)
+            print(" | ".join(f"{name} {value}" for name, value in line.items()) + only, flush=True)
 
 
 def _listen(lab: "Lab") -> None:

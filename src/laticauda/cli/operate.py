@@ -2,19 +2,18 @@
 
 import json
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import tyro
-
-from laticauda.cli.flags import Number, Switch, Text, Whole, default
+from laticauda.cli.flags import Folder, Input, Maybe
+from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.operate.settings import Operation
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Operate:
     """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
 
@@ -24,37 +23,31 @@ class Operate:
     For example: laticauda operate trial.toml --output runs
     """
 
-    file: tyro.conf.Positional[str]
-    """Trial file or series file (TOML)."""
-    output: Annotated[Text, default("runs")] = None
-    """Folder of the recordings and trials."""
-    check: Switch = False
-    """Only connect and check the hardware; nothing moves."""
-    clear: Switch = False
-    """Clear faults of the modules first: you have looked at them."""
-    no_dashboard: Switch = False
-    """Plain lines instead of the dashboard; so it is where the output is no terminal."""
-    json: Switch = False
-    """Print one JSON object at the end."""
-    speed: Annotated[Number, default("1")] = None
-    """Multiple of real time, for a virtual tank that runs at the same."""
-    repeats: Annotated[Whole, default("the file's")] = None
-    """Of every setting of a series."""
-    meter: Annotated[Text, default("the file's")] = None
-    """Serial port of the power meter."""
-    supply_voltage: Annotated[Number, default("the file's")] = None
-    """V: of the supply behind the power meter."""
-    can: Annotated[Text, default("the file's")] = None
-    """CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0."""
-    mocap: Annotated[Text, default("the file's")] = None
-    """Motion capture: HOST:PORT."""
+    file: Input = option("Trial file or series file (TOML)")
+    output: Folder = option("Folder of the recordings and trials", default="runs")
+    check: bool = option("Only connect and check the hardware; nothing moves", default=False)
+    clear: bool = option("Clear faults of the modules first: you have looked at them", default=False)
+    no_dashboard: bool = option(
+        "Plain lines instead of the dashboard; so it is where the output is no terminal", default=False
+    )
+    json: bool = option("Print one JSON object at the end", default=False)
+    speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
+    repeats: int | None = quantity("", "Of every setting of a series; the file's if left out", ge=1, default=None)
+    meter: Maybe = option("Serial port of the power meter; the file's if left out", default=None)
+    supply_voltage: float | None = quantity(
+        "V", "Of the supply behind the power meter; the file's if left out", gt=0.0, default=None
+    )
+    can: Maybe = option(
+        "CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0; the file's if left out", default=None
+    )
+    mocap: Maybe = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
     def __call__(self) -> int:
         """Operate, print, and return the exit status."""
         from laticauda.operate.files import SeriesFile, load_operation
 
         wanted = load_operation(self.file)
-        folder = Path("runs" if self.output is None else self.output)
+        folder = Path(self.output)
         if isinstance(wanted, SeriesFile):
             return self._series(wanted, folder)
         operation = self._chosen(wanted)
@@ -75,7 +68,7 @@ class Operate:
             return operate(
                 operation,
                 folder,
-                clock=Clock(speed=1.0 if self.speed is None else self.speed),
+                clock=Clock(speed=self.speed),
                 keys=keys,
                 show=show,
                 clears=self.clear,

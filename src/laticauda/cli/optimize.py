@@ -3,92 +3,90 @@
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from laticauda.cli import vary
-from laticauda.cli.flags import Number, Switch, Text, Whole, Words, default
-from laticauda.cli.groups import (
-    Coefficients,
-    EnvironmentFlags,
-    GaitFlags,
-    ModelFlags,
-    RobotFlags,
-    WaterChanges,
-    radians,
-)
+from laticauda.cli.flags import Folder, Words, read
 from laticauda.cli.progress import trials_bar
-from laticauda.cli.swim import COMPILING, DURATION
+from laticauda.cli.scene import Names, named, warn_of_compiling
+from laticauda.cli.sweep import facts
 from laticauda.cli.tables import aligned, number, read_in
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Scenario
+from laticauda.simulate.numbers import Parameter, parameters
 
 if TYPE_CHECKING:
-    from laticauda.scenarios import Scenario
-    from laticauda.simulate import Parameter
     from laticauda.studies import Front, Optimization
 
-FOLDER = "optimum"
-VARY = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
 BOTH = "speed-power"
 OBJECTIVES = (BOTH, "forward-velocity", "steady-velocity", "mechanical-power", "mean-power", "cost-of-transport")
-OTHER_GAIT = {"lateral_undulation": "eel_like", "eel_like": "lateral_undulation"}
 N_SHOWN = 8
 SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SearchFlags:
+@value
+class Search:
     """What may change, and what is to be great or small; all else is fixed by the options below."""
 
-    vary: Annotated[
-        tuple[Words, ...],
-        tyro.conf.UseAppendAction,
-        tyro.conf.arg(metavar="NAME=LOW:HIGH ..."),
-        default(" ".join(VARY)),
-    ] = ()
-    """The range of a number of robot, gait or water, with the unit in the name."""
-    objective: Annotated[Words, tyro.conf.arg(metavar="NAME ..."), default(BOTH)] = ()
-    """One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport (small).
-    Two give the front between them; speed-power stands for forward-velocity mechanical-power."""
-    budget: Annotated[Whole, default("4000")] = None
-    """How many points to try; a greater one goes on where a smaller one ended."""
-    population: Annotated[Whole, default("100 for two objectives, 40 for one")] = None
-    """Points in a generation."""
-    seed: Annotated[Whole, default("0")] = None
-    """Of everything random; another one takes another way."""
-    joint_rate_limit_deg_s: Annotated[Number, default("none")] = None
-    """Largest rate that a gait may ask of a joint; its angle stays within the joint's limit in any case [deg/s]."""
-    least_velocity: Annotated[Number, default("none")] = None
-    """Least forward velocity that will do: without one the cheapest gait hardly moves [m/s]."""
-    both_gaits: Switch = False
-    """Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure."""
-    names: Switch = False
-    """Print the names of what can be varied, and end."""
+    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
+        "NAME=LOW:HIGH, the range of a number of robot, gait or water, with the unit in the name; if left out "
+        "amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60",
+        default=(),
+    )
+    objective: Words = option(
+        "One or two of forward-velocity, steady-velocity (great), mechanical-power, mean-power, cost-of-transport "
+        "(small). Two give the front between them; speed-power stands for forward-velocity mechanical-power",
+        default=(BOTH,),
+    )
+    budget: int = quantity(
+        "", "How many points to try; a greater one goes on where a smaller one ended", ge=1, default=4000
+    )
+    population: int | None = quantity(
+        "", "Points in a generation; 100 for two objectives and 40 for one if left out", ge=1, default=None
+    )
+    seed: int = quantity("", "Of everything random; another one takes another way", ge=0, default=0)
+    joint_rate_limit: float | None = quantity(
+        "rad/s",
+        "Largest rate that a gait may ask of a joint; its angle stays within the joint's limit in any case",
+        gt=0.0,
+        default=None,
+    )
+    least_velocity: float | None = quantity(
+        "m/s",
+        "Least forward velocity that will do: without one the cheapest gait hardly moves",
+        gt=0.0,
+        default=None,
+    )
+    both_gaits: bool = option(
+        "Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure", default=False
+    )
+    names: bool = option("Print the names of what can be varied, and end", default=False)
+    threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
+
+    @property
+    def words(self) -> list[str]:
+        """The ranges, as they are typed."""
+        words = [word for group in self.vary for word in group]
+        return words or ["amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class WorkFlags:
-    """How it is done."""
-
-    duration: Annotated[Number, default(f"{DURATION:g}")] = None
-    """Of every trial [s]."""
-    threads: Annotated[Whole, default("one per core")] = None
-    """How many trials run at once."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ResultFlags:
+@value
+class Results:
     """What becomes of it."""
 
-    output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
-    """The folder of the results; an optimization that was stopped goes on there when the same command is run again."""
-    json: Switch = False
-    """Print one JSON object in SI units instead of the table."""
+    output: Folder = option(
+        "The folder of the results; an optimization that was stopped goes on there when the same command is run again",
+        default="optimum",
+    )
+    json: bool = option("Print one JSON object in SI units instead of the table", default=False)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Optimize:
     """Search for the best gait, fin or number of links, or for the front between speed and power.
 
@@ -99,31 +97,44 @@ class Optimize:
     on.
     """
 
-    search: SearchFlags = field(default_factory=SearchFlags)
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    model: ModelFlags = field(default_factory=ModelFlags)
-    work: WorkFlags = field(default_factory=WorkFlags)
-    result: ResultFlags = field(default_factory=ResultFlags)
+    search: Search = option("What may change, and what is to be great or small", default=Search())
+    names: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    result: Results = option("What becomes of it", default=Results())
+    other: Any = option("The scenario of the other gait, for --both-gaits", default=None)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "Optimize":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        names = Names.read(words, prog)
+        chosen: Optimize = read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
+        if not chosen.search.both_gaits:
+            return chosen
+        others = {"lateral-undulation": "eel-like", "eel-like": "lateral-undulation"}
+        if names.gait not in others:
+            raise BadArgument("both_gaits", "must not be given with the gait custom: they are the paper's two")
+        other = replace(names, gait=others[names.gait])
+        again: Optimize = read(cls, words, prog, cls(names=other, scenario=other.scenario(words)[0]))
+        return replace(chosen, other=named(again.scenario, other))
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        scenario = self._scenario(self.gait)
+        scenario = named(self.scenario, self.names)
         if self.search.names:
-            from laticauda.simulate import parameters
-
             print(vary.listed(parameters(scenario)))
             return 0
         from laticauda.reports.front import write_front, write_front_figure
 
-        wanted = self._optimizations(scenario)
-        folder = Path(FOLDER if self.result.output is None else self.result.output)
-        folders = [folder / one.scenario.gait.kind for one in wanted] if self.search.both_gaits else [folder]
+        scenarios = [scenario] if self.other is None else [scenario, self.other]
+        folder = Path(self.result.output)
+        folders = [folder / one.gait.kind for one in scenarios] if self.other is not None else [folder]
         fronts: list[Front] = []
-        for one, place in zip(wanted, folders, strict=True):
+        for one, place in zip(map(self._optimization, scenarios), folders, strict=True):
             front = self._run(one, place)
             if front is None:
                 return 130
@@ -134,64 +145,33 @@ class Optimize:
         print(show(fronts, folders, pictures))
         return 0 if all(len(front) for front in fronts) else 1
 
-    def _scenario(self, flags: GaitFlags) -> "Scenario":
-        """What all trials share."""
-        from laticauda.scenarios import scenario
-
-        gait = flags.chosen()
-        environment, _ = self.environment.chosen(gait, self.coefficients)
-        settings: dict[str, Any] = self.environment.model_settings(self.model)
-        duration = DURATION if self.work.duration is None else self.work.duration
-        robot = self.environment.equipped(self.robot.chosen(), gait)
-        return scenario(robot, gait, duration, environment=environment, **settings)
-
-    def _optimizations(self, scenario: "Scenario") -> "list[Optimization]":
-        """What is asked for; one more for the paper's other gait if that is."""
-        from laticauda.simulate import parameters
+    def _optimization(self, scenario: Scenario) -> "Optimization":
+        """What is asked for."""
         from laticauda.studies import SPEED_POWER, Optimization
 
-        scenarios = [scenario]
-        if self.search.both_gaits:
-            if scenario.gait.kind not in OTHER_GAIT:
-                raise ValueError("`both_gaits` must not be given with the gait custom: they are the paper's two.")
-            scenarios.append(self._scenario(replace(self.gait, gait=OTHER_GAIT[scenario.gait.kind])))
-        wanted = self.search.objective or (BOTH,)
-        objectives = SPEED_POWER if wanted == (BOTH,) else tuple(_objective(name) for name in wanted)
-        limit = self.search.joint_rate_limit_deg_s
-        words = [word for group in self.search.vary for word in group] or list(VARY)
-        return [
-            Optimization(
-                scenario=one,
-                bounds=vary.ranges(words, parameters(one), vary.RANGE_FORM),
-                objectives=objectives,
-                joint_rate_limit=None if limit is None else radians(limit, 0.0),
-                least_velocity=self.search.least_velocity,
-            )
-            for one in scenarios
-        ]
+        wanted = self.search.objective
+        return Optimization(
+            scenario=scenario,
+            bounds=vary.ranges(self.search.words, parameters(scenario), vary.RANGE_FORM),
+            objectives=SPEED_POWER if wanted == (BOTH,) else tuple(_objective(name) for name in wanted),
+            joint_rate_limit=self.search.joint_rate_limit,
+            least_velocity=self.search.least_velocity,
+        )
 
-    def _run(self, optimization: "Optimization", folder: Path) -> "Front | None":
+    def _run(self, sought: "Optimization", folder: Path) -> "Front | None":
         """Do the work that is left; None if the user stopped it."""
-        from laticauda.simulate import needs_compiling
         from laticauda.studies import optimize
 
-        if needs_compiling(optimization.scenario.environment):
-            print(COMPILING, file=sys.stderr, flush=True)
-        how: dict[str, Any] = {name: getattr(self.search, name) for name in ("budget", "population", "seed")}
+        warn_of_compiling(sought.scenario)
         bar, reached = trials_bar(), [0, 0]
 
         def show(done: int, total: int) -> None:
             reached[:] = done, total
             bar(done, total)
 
+        how = {name: getattr(self.search, name) for name in ("budget", "population", "seed", "threads")}
         try:
-            return optimize(
-                optimization,
-                folder,
-                progress=show,
-                threads=self.work.threads,
-                **{name: value for name, value in how.items() if value is not None},
-            )
+            return optimize(sought, folder, progress=show, **how)
         except KeyboardInterrupt:
             print(
                 f"laticauda: stopped; {reached[0]} of {reached[1]} trials are stored in {folder}. Run the same command "
@@ -199,8 +179,6 @@ class Optimize:
                 file=sys.stderr,
             )
             return None
-        except ValueError as error:
-            raise ValueError(str(error).replace("`folder`", "--output")) from error
 
 
 def _objective(word: str) -> str:
@@ -211,8 +189,6 @@ def _objective(word: str) -> str:
 
 def _as_json(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Sequence[Path]) -> str:
     """What was run, and some points of every front, in SI units."""
-    from laticauda.studies.trials import attributes_of
-
     found = [
         {
             "status": _status(front),
@@ -221,15 +197,13 @@ def _as_json(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Seque
             "n_infeasible": front.n_infeasible,
             "seed": front.seed,
             "output": str(folder),
-            **attributes_of(front.optimization.scenario),
+            **facts(front.optimization.scenario),
             "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
             "n_points": len(front),
             "points": [_point(front, i) for i in front.spread(N_SHOWN)],
         }
         for front, folder in zip(fronts, folders, strict=True)
     ]
-    for one in found:
-        one["version"] = one.pop("laticauda")
     return json.dumps(found[0] if len(found) == 1 else {"gaits": found}, indent=2, allow_nan=False)
 
 
@@ -253,7 +227,6 @@ def _as_text(fronts: "Sequence[Front]", folders: Sequence[Path], pictures: Seque
 
 
 def _table(front: "Front") -> str:
-    from laticauda.simulate import parameters
     from laticauda.studies.trials import QUANTITIES
 
     known = parameters(front.optimization.scenario)
@@ -269,15 +242,15 @@ def _table(front: "Front") -> str:
 
 
 def _status(front: "Front") -> str:
-    optimization, swims = front.optimization, front.optimization.scenario
-    words = " against ".join(name.replace("_", " ") for name in optimization.objectives)
+    sought = front.optimization
+    words = " against ".join(name.replace("_", " ") for name in sought.objectives)
     tried = f"{front.n_trials} points tried"
     if front.n_infeasible:
         tried += f", {front.n_infeasible} of them not feasible"
-    what = f"{swims.gait.kind.replace('_', '-')}, robot {swims.robot.name}, {words}: {tried}"
+    what = f"{sought.scenario.gait.kind.replace('_', '-')}, robot {sought.scenario.robot.name}, {words}: {tried}"
     if not len(front):
         return (
             f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller --dt may help), that "
             "are too slow, or too short for the objective."
         )
-    return f"{what}, {len(front)} on the front." if len(optimization.objectives) > 1 else f"{what}; the best is:"
+    return f"{what}, {len(front)} on the front." if len(sought.objectives) > 1 else f"{what}; the best is:"

@@ -2,14 +2,13 @@
 
 import json
 import sys
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import tyro
-
-from laticauda.cli.flags import File, Switch, Text
+from laticauda.cli.flags import File, Input
 from laticauda.cli.outputs import check_output
 from laticauda.cli.swim import PICTURES
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, value
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from laticauda.operate.timing import Timing
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Replay:
     """Make a trial of a recorded operation, and print its figures.
 
@@ -27,20 +26,19 @@ class Replay:
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
 
-    file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE", help_behavior_hint="(required)")]
-    """The recording, as `laticauda operate` wrote it (.mcap)."""
-    save: Text = None
-    """Write the trial to this file (.nc)."""
-    estimate: Switch = False
-    """Estimate the motion again from the recorded samples; the trial is then of that."""
-    kinematics: Switch = False
-    """Estimate it by kinematics alone, without the filter."""
-    control: Switch = False
-    """Let the controller decide again, and compare its commands with the recorded ones."""
-    plot_timing: File = None
-    """Draw how punctual the operator's loop was into this file (.png, .svg or .pdf)."""
-    json: Switch = False
-    """Print one JSON object in SI units."""
+    file: Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
+    save: File = option("Write the trial to this file (.nc)", default=None)
+    estimate: bool = option(
+        "Estimate the motion again from the recorded samples; the trial is then of that", default=False
+    )
+    kinematics: bool = option("Estimate it by kinematics alone, without the filter", default=False)
+    control: bool = option(
+        "Let the controller decide again, and compare its commands with the recorded ones", default=False
+    )
+    plot_timing: File = option(
+        "Draw how punctual the operator's loop was into this file (.png, .svg or .pdf)", default=None
+    )
+    json: bool = option("Print one JSON object in SI units", default=False)
 
     def __call__(self) -> int:
         """Read, run again, write, print, and return the exit status."""
@@ -78,7 +76,7 @@ class Replay:
         if self.plot_timing is None:
             return
         if timing is None:
-            raise ValueError(f"`plot_timing` must go with a recording of a loop that had a clock, got {self.file}.")
+            raise BadArgument("plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}")
         from laticauda.figures import save_figure, timing_sheet
 
         save_figure(timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)

@@ -2,13 +2,14 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import Preset, Switch, default
+from laticauda.cli.flags import MaybeName
 from laticauda.cli.tables import aligned
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, value
 from laticauda.robot import (
     Ground,
     Parameters,
@@ -35,27 +36,26 @@ WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Robots:
     """List the robots, waters, grounds and parameters that come with laticauda, or show one of them.
 
     For example: laticauda robots mamba --toml
     """
 
-    name: Annotated[Preset, tyro.conf.Positional, default("all")] = None
-    """A preset of any kind, or a TOML file."""
-    toml: Switch = False
-    """Print its TOML file, to change and to swim with."""
-    json: Switch = False
-    """Print one JSON object in SI units."""
+    name: Annotated[MaybeName, tyro.conf.Positional] = option(
+        "A preset of any kind, or a TOML file; all if left out", default=None
+    )
+    toml: bool = option("Print its TOML file, to change and to swim with", default=False)
+    json: bool = option("Print one JSON object in SI units", default=False)
 
     def __call__(self) -> int:
         """Print, and return the exit status."""
         if self.toml and self.json:
-            raise ValueError("`toml` and `json` must not be given together.")
+            raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
             if self.toml:
-                raise ValueError("`toml` must be given with the NAME of a robot, water, ground or parameters.")
+                raise BadArgument("toml", "must be given with the NAME of a robot, water, ground or parameters")
             print(json.dumps(_all(), indent=2) if self.json else _lists())
             return 0
         thing = _named(self.name)

@@ -2,18 +2,16 @@
 
 import json
 import sys
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
-from laticauda.cli.flags import Files, Switch, Text, Whole, default
-from laticauda.cli.swim import COMPILING
+from laticauda.cli.flags import Files, Text
+from laticauda.cli.scene import COMPILING
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, load_robot, load_water, robot_names
 
-HOST, PORT, MAX_CLIENTS = "127.0.0.1", 5055, 16
 
-
-@dataclass(frozen=True, kw_only=True)
+@value
 class Serve:
     """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has a world of its own.
 
@@ -23,27 +21,20 @@ class Serve:
     For example: laticauda serve --port 5055 --max-clients 4
     """
 
-    host: Annotated[Text, default(f"{HOST}: this computer alone")] = None
-    """Where to listen."""
-    port: Annotated[Whole, default(f"{PORT}")] = None
-    """Likewise; 0: any that is free."""
-    max_clients: Annotated[Whole, default(f"{MAX_CLIENTS}")] = None
-    """How many may be connected at a time."""
-    robots: Annotated[Files, default("none")] = None
-    """TOML files of robots that clients may ask for by their file's name without .toml, besides the presets."""
-    json: Switch = False
-    """Print the line as a JSON object."""
+    host: Text = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
+    max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
+    robots: Files = option(
+        "TOML files of robots that clients may ask for by their file's name without .toml, besides the presets",
+        default=(),
+    )
+    json: bool = option("Print the line as a JSON object", default=False)
 
     def __call__(self) -> int:
         """Serve, and return the exit status."""
         from laticauda.cosim import PROTOCOL_VERSION, Server, matlab_folder
 
-        server = Server(
-            HOST if self.host is None else self.host,
-            PORT if self.port is None else self.port,
-            max_clients=MAX_CLIENTS if self.max_clients is None else self.max_clients,
-            own_robots=_own(self.robots or ()),
-        )
+        server = Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
         _compile()
         server.open()
         try:
@@ -63,8 +54,8 @@ class Serve:
                 file=sys.stderr,
             )
         if self.json:
-            told = {"host": host, "port": port, "protocol": protocol, "matlab": folder}
-            print(json.dumps(told), flush=True)
+            line = {"host": host, "port": port, "protocol": protocol, "matlab": folder}
+            print(json.dumps(line), flush=True)
         else:
             note = " (this computer only)" if only else ""
             print(f"tcp {host}:{port}{note} | protocol {protocol} | matlab {folder}", flush=True)
@@ -80,7 +71,7 @@ def _own(files: tuple[str, ...]) -> dict[str, Robot]:
     for file in files:
         name = Path(file).stem
         if name in found or name in robot_names():
-            raise ValueError(f"`robots` must have names of their own, got {file}: there is another `{name}`.")
+            raise BadArgument("robots", f"must have names of their own, got {file}: there is another `{name}`")
         found[name] = load_robot(Path(file))
     return found
 

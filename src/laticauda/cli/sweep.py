@@ -4,73 +4,93 @@ import json
 import logging
 import math
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from laticauda.cli import vary
-from laticauda.cli.flags import File, Number, Switch, Text, Whole, Words, choice, default
-from laticauda.cli.groups import Coefficients, EnvironmentFlags, GaitFlags, ModelFlags, RobotFlags, WaterChanges
+from laticauda.cli.flags import File, Folder, Maybe, Words, read
 from laticauda.cli.progress import trials_bar
-from laticauda.cli.swim import COMPILING, DURATION
+from laticauda.cli.scene import Names, named, warn_of_compiling
 from laticauda.cli.tables import MISSING, aligned, number, read_in
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Scenario
+from laticauda.simulate.numbers import Parameter, parameters
 
 if TYPE_CHECKING:
-    from laticauda.scenarios import Scenario
-    from laticauda.simulate import Parameter
     from laticauda.studies import Sweep
 
-FOLDER = "sweep"
 N_BEST = 5
-BEST = ("forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport")
 SHOWN = ("forward_velocity", "mean_power", "cost_of_transport")
 
 
-@dataclass(frozen=True, kw_only=True)
-class PointFlags:
+@value
+class Points:
     """What changes from trial to trial; all else is fixed by the options below."""
 
-    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction, default("none")] = ()
-    """LOW:HIGH:COUNT, or VALUE,VALUE,... of a number of robot, gait or water, with the unit in the name:
-    amplitude-deg=10:50:100. Every combination is a trial."""
-    samples: Annotated[Whole, default("none: a grid")] = None
-    """Take this many points that fill the ranges NAME=LOW:HIGH evenly instead."""
-    seed: Annotated[Whole, default("0")] = None
-    """Of the samples; another one gives other points."""
-    list: File = None
-    """Take the points of this CSV file instead, with such names in its first line."""
-    names: Switch = False
-    """Print the names of what can be varied, and end."""
+    vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
+        "LOW:HIGH:COUNT, or VALUE,VALUE,... of a number of robot, gait or water, with the unit in the name: "
+        "amplitude-deg=10:50:100. Every combination is a trial",
+        default=(),
+    )
+    samples: int | None = quantity(
+        "", "Take this many points that fill the ranges NAME=LOW:HIGH evenly instead", ge=1, default=None
+    )
+    seed: int | None = quantity("", "Of the samples; another one gives other points", ge=0, default=None)
+    list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
+    names: bool = option("Print the names of what can be varied, and end", default=False)
+
+    def chosen(self, known: dict[str, Parameter]) -> Any:
+        """Which points are asked for.
+
+        Args:
+            known: What can be varied, by name.
+        """
+        words = [word for group in self.vary for word in group]
+        if self.seed is not None and self.samples is None:
+            raise BadArgument("seed", "must be given with --samples: a grid and a list have no chance in them")
+        if self.list is not None:
+            if words or self.samples is not None:
+                raise BadArgument("list", "must not be given together with --vary or --samples")
+            return vary.rows(self.list, known)
+        if not words:
+            raise BadArgument("vary", f"must be given, or --list: {vary.FORM}; --names lists what can be varied")
+        if self.samples is not None:
+            return vary.samples(words, known, self.samples, self.seed or 0)
+        return vary.grid(words, known)
 
 
-@dataclass(frozen=True, kw_only=True)
-class WorkFlags:
+@value
+class Work:
     """How and where it is done."""
 
-    duration: Annotated[Number, default(f"{DURATION:g}")] = None
-    """Of every trial [s]."""
-    threads: Annotated[Whole, default("one per core")] = None
-    """How many trials run at once on this machine."""
-    scheduler: Annotated[Text, tyro.conf.arg(metavar="ADDRESS"), default("none: on this machine")] = None
-    """Run on the Dask cluster whose scheduler is there: tcp://host:8786."""
+    threads: int | None = quantity(
+        "", "How many trials run at once on this machine; one per core if left out", ge=1, default=None
+    )
+    scheduler: Maybe = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ResultFlags:
+@value
+class Results:
     """What becomes of it."""
 
-    output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
-    """The folder of the results; a sweep that was stopped goes on there when the same command is run again."""
-    best: Annotated[str | None, choice(*BEST), default(BEST[0])] = None
-    """What the points in the table are the best in: the fastest, or those with the least power or cost."""
-    json: Switch = False
-    """Print one JSON object in SI units instead of the table."""
+    output: Folder = option(
+        "The folder of the results; a sweep that was stopped goes on there when the same command is run again",
+        default="sweep",
+    )
+    best: Literal[
+        "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
+    ] = option(
+        "What the points in the table are the best in: the fastest, or those with the least power or cost",
+        default="forward-velocity",
+    )
+    json: bool = option("Print one JSON object in SI units instead of the table", default=False)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class SweepCommand:
     """Run a trial at every point of a grid, a list or of samples, and print the best.
 
@@ -80,30 +100,33 @@ class SweepCommand:
     The results are one xarray Dataset in sweep/results.zarr. Stopped or killed, the same command goes on.
     """
 
-    points: PointFlags = field(default_factory=PointFlags)
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    model: ModelFlags = field(default_factory=ModelFlags)
-    work: WorkFlags = field(default_factory=WorkFlags)
-    result: ResultFlags = field(default_factory=ResultFlags)
+    points: Points = option("What changes from trial to trial", default=Points())
+    names: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    work: Work = option("How and where it is done", default=Work())
+    result: Results = option("What becomes of it", default=Results())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "SweepCommand":
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        names = Names.read(words, prog)
+        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        from laticauda.simulate import parameters
-
-        scenario = self._scenario()
-        known = parameters(scenario)
+        scenario = named(self.scenario, self.names)
         if self.points.names:
-            print(vary.listed(known))
+            print(vary.listed(parameters(scenario)))
             return 0
         from laticauda.studies import Sweep, count_failed
 
-        sweep = Sweep(scenario=scenario, points=self._points(known))
-        folder = FOLDER if self.result.output is None else self.result.output
-        reached = [0]
+        sweep = Sweep(scenario=scenario, points=self.points.chosen(parameters(scenario)))
+        folder, reached = self.result.output, [0]
         try:
             self._run(sweep, folder, reached)
         except KeyboardInterrupt:
@@ -113,43 +136,12 @@ class SweepCommand:
                 file=sys.stderr,
             )
             return 130
-        except ValueError as error:
-            raise ValueError(str(error).replace("`folder`", "--output")) from error
         n_failed = count_failed(folder)
-        wanted = (self.result.best or BEST[0]).replace("-", "_")
-        print(
-            _as_json(sweep, folder, wanted, n_failed) if self.result.json else _as_text(sweep, folder, wanted, n_failed)
-        )
+        show = _as_json if self.result.json else _as_text
+        print(show(sweep, folder, self.result.best.replace("-", "_"), n_failed))
         return 1 if n_failed == sweep.n_trials else 0
 
-    def _scenario(self) -> "Scenario":
-        """What all trials share."""
-        from laticauda.scenarios import scenario
-
-        gait = self.gait.chosen()
-        environment, _ = self.environment.chosen(gait, self.coefficients)
-        settings: dict[str, Any] = self.environment.model_settings(self.model)
-        duration = DURATION if self.work.duration is None else self.work.duration
-        robot = self.environment.equipped(self.robot.chosen(), gait)
-        return scenario(robot, gait, duration, environment=environment, **settings)
-
-    def _points(self, known: "dict[str, Parameter]") -> Any:
-        """Which points are asked for."""
-        flags = self.points
-        words = [word for group in flags.vary for word in group]
-        if flags.seed is not None and flags.samples is None:
-            raise ValueError("`seed` must be given with `samples`: a grid and a list have no chance in them.")
-        if flags.list is not None:
-            if words or flags.samples is not None:
-                raise ValueError("`list` must not be given together with `vary` or `samples`.")
-            return vary.rows(flags.list, known)
-        if not words:
-            raise ValueError(f"`vary` must be given, or `list`: {vary.FORM}; `names` lists what can be varied.")
-        if flags.samples is not None:
-            return vary.samples(words, known, flags.samples, flags.seed or 0)
-        return vary.grid(words, known)
-
-    def _run(self, sweep: "Sweep", folder: str, reached: list[int]) -> None:
+    def _run(self, sweep: "Sweep", folder: str, reached: "list[int]") -> None:
         """Do the work that is left; `reached` is the number of trials that are stored."""
         from laticauda.studies import run_sweep
 
@@ -161,7 +153,7 @@ class SweepCommand:
 
         with _client(self.work.scheduler) as client:
             if client is None:
-                _warn_of_compiling(sweep)
+                warn_of_compiling(sweep.scenario)
             run_sweep(sweep, folder, progress=show, client=client, threads=self.work.threads)
 
 
@@ -182,20 +174,10 @@ def _client(address: str | None) -> Generator[Any]:
         client.close(timeout=2)
 
 
-def _warn_of_compiling(sweep: "Sweep") -> None:
-    from laticauda.simulate import needs_compiling
-
-    if needs_compiling(sweep.scenario.environment):
-        print(COMPILING, file=sys.stderr, flush=True)
-
-
 def _as_json(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
     """What was run, how many failed, and the best points."""
     from laticauda.studies import best
-    from laticauda.studies.trials import attributes_of
 
-    about = attributes_of(sweep.scenario)
-    version = about.pop("laticauda")
     points = [
         {name: value if value == value else None for name, value in x.items()} for x in best(folder, wanted, N_BEST)
     ]
@@ -206,15 +188,13 @@ def _as_json(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
         "best_in": wanted,
         "best": points,
         "output": folder,
-        **about,
-        "version": version,
+        **facts(sweep.scenario),
     }
     return json.dumps(found, indent=2, allow_nan=False)
 
 
 def _as_text(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
     """The best points as a table, and where the results are."""
-    from laticauda.simulate import parameters
     from laticauda.studies import best
     from laticauda.studies.trials import QUANTITIES
 
@@ -231,6 +211,18 @@ def _as_text(sweep: "Sweep", folder: str, wanted: str, n_failed: int) -> str:
     return (
         f"{title}\n\n{aligned(rows, right=range(len(head)))}\n\nAll results: {folder}/results.zarr (xarray.open_zarr)"
     )
+
+
+def facts(scenario: Scenario) -> dict[str, Any]:
+    """What all trials share, for JSON.
+
+    Args:
+        scenario: That.
+    """
+    from laticauda.studies.trials import attributes_of
+
+    found = attributes_of(scenario)
+    return {**found, "version": found.pop("laticauda")}
 
 
 def _in_brackets(unit: str) -> str:

@@ -1,72 +1,58 @@
 """`laticauda swim`: one run of one robot, its figures, its file and its picture."""
 
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from laticauda.cli.flags import File, Number, Switch, changed, default
-from laticauda.cli.groups import (
-    Coefficients,
-    EnvironmentFlags,
-    GaitFlags,
-    ModelFlags,
-    RobotFlags,
-    WaterChanges,
-    radians,
-)
-from laticauda.cli.messages import given, in_flags
+from laticauda.cli.flags import BadFlag, File, Maybe, flag, options_of, read
 from laticauda.cli.outputs import check_output
+from laticauda.cli.scene import Names, announced, named, was_typed
 from laticauda.cli.view import check_film, write_film
-from laticauda.robot import Environment
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Scenario
 
 if TYPE_CHECKING:
-    from laticauda.scenarios import Model, Scenario
     from laticauda.trial import Trial
 
-DURATION = 30.0  # [s]
 PICTURES = (".png", ".pdf")
-COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
-CLOCK = ("duration", "sample_interval")
-# All else is in the stored trial.
-WITH_RESUME = ("resume", *CLOCK, "json", "save", "plot", "video")
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunFlags:
-    """From where, how long, and what is logged."""
-
-    duration: Annotated[Number, default(f"{DURATION:g}")] = None
-    """How long to swim [s]."""
-    sample_interval: Annotated[Number, default("0.05")] = None
-    """Between two samples of the log [s]."""
-    heading_deg: Annotated[Number, default("0")] = None
-    """Initial heading, counter-clockwise from the x axis [deg]."""
-    link_forces: Switch = False
-    """Log the force on every link too."""
-    resume: File = None
-    """Go on from the end of this stored trial, with its robot, gait and water; the result is the whole run."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class OutputFlags:
+@value
+class Outputs:
     """What becomes of it."""
 
-    json: Switch = False
-    """Print one JSON object in SI units instead of the table."""
-    save: File = None
-    """Write the trial to this netCDF file (.nc)."""
-    save_scenario: File = None
-    """Write what was run, with all its numbers, to this TOML file, from which it can be run again."""
-    plot: File = None
-    """Draw path, speed, joint angles and torques into this picture (.png or .pdf)."""
-    video: File = None
-    """Show the run in 3D in this film (.mp4)."""
+    json: bool = option("Print one JSON object in SI units instead of the table", default=False)
+    save: File = option("Write the trial to this netCDF file (.nc)", default=None)
+    plot: File = option("Draw path, speed, joint angles and torques into this picture (.png or .pdf)", default=None)
+    video: File = option("Show the run in 3D in this film (.mp4)", default=None)
+
+    def check(self) -> None:
+        """Refuse files that cannot be written, before the run."""
+        check_output("save", self.save, (".nc",))
+        check_output("plot", self.plot, PICTURES)
+        check_film(self.video)
+
+    def write(self, trial: "Trial", sheet: str) -> None:
+        """Write what is asked for.
+
+        Args:
+            trial: The run.
+            sheet: Name of its figure in `laticauda.figures`.
+        """
+        if self.save is not None:
+            trial.save(self.save)
+        if self.plot is not None:
+            from laticauda import figures
+
+            figures.save_figure(getattr(figures, sheet)(trial), self.plot)
+        if self.video is not None:
+            write_film(trial, self.video)
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Swim:
     """Let a robot swim a gait, from straight and at rest, and print its speed and power.
 
@@ -74,140 +60,119 @@ class Swim:
     --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
     """
 
-    scenario: Annotated[
-        str | None, tyro.conf.Positional, tyro.conf.arg(metavar="SCENARIO", help_behavior_hint="(default: none)")
-    ] = None
-    """A TOML file that says all; other options change it."""
-    robot: RobotFlags = field(default_factory=RobotFlags)
-    gait: GaitFlags = field(default_factory=GaitFlags)
-    environment: EnvironmentFlags = field(default_factory=EnvironmentFlags)
-    coefficients: Coefficients = field(default_factory=WaterChanges)
-    """Replace what the chosen water has."""
-    model: ModelFlags = field(default_factory=ModelFlags)
-    run: RunFlags = field(default_factory=RunFlags)
-    output: OutputFlags = field(default_factory=OutputFlags)
+    file: Annotated[Maybe, tyro.conf.Positional] = option(
+        "A scenario file (.toml) that the flags change; it comes first", default=None
+    )
+    names: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    link_forces: bool = option("Log the force on every link too", default=False)
+    save_scenario: File = option("Write what runs to this scenario file (.toml)", default=None)
+    resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
+    output: Outputs = option("What becomes of it", default=Outputs())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Callable[[], int]:
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        if was_typed("resume", words):
+            return SwimOn.read(words, prog)
+        names = Names.read(words, prog)
+        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
-        check_output("save", self.output.save, (".nc",))
-        check_output("save_scenario", self.output.save_scenario, (".toml",))
-        check_output("plot", self.output.plot, PICTURES)
-        check_film(self.output.video)
-        trial, origin = self._swim() if self.run.resume is None else self._go_on(self.run.resume)
-        if self.output.save is not None:
-            trial.save(self.output.save)
-        if self.output.plot is not None:
-            from laticauda.figures import save_figure, swim_sheet
+        return run_and_report(self, self.scenario, "swim_sheet")
 
-            save_figure(swim_sheet(trial), self.output.plot)
-        if self.output.video is not None:
-            write_film(trial, self.output.video)
-        self._print(trial, origin)
-        return 0 if trial.succeeded else 1
 
-    def _swim(self) -> tuple["Trial", str]:
-        """The run, and where its coefficients are from."""
+def run_and_report(command: Any, scenario: Scenario, sheet: str, after: Callable[["Trial"], str] | None = None) -> int:
+    """Run a scenario, write and print what is asked for, and return the exit status.
+
+    Args:
+        command: Its options, with `file`, `names`, `link_forces`, `save_scenario` and `output`.
+        scenario: With the numbers that were typed.
+        sheet: Name of its figure in `laticauda.figures`.
+        after: What is printed below the table.
+    """
+    from laticauda.simulate import swim
+
+    output: Outputs = command.output
+    output.check()
+    check_output("save_scenario", command.save_scenario, (".toml",))
+    scenario = named(scenario, command.names, command.file)
+    origin = command.names.origin(command.file)
+    if command.save_scenario is not None:
         from laticauda.scenarios import save_scenario
-        from laticauda.simulate import swim
 
-        chosen, origin = self._chosen() if self.scenario is None else self._changed(self.scenario)
-        if self.output.save_scenario is not None:
-            save_scenario(chosen, self.output.save_scenario)
-        trial = swim(
-            chosen,
-            link_forces=self.run.link_forces,
-            progress=announced(chosen.environment, chosen.duration, model=chosen.model),
-        )
-        return trial, origin
+        save_scenario(scenario, command.save_scenario)
+    trial = swim(scenario, link_forces=command.link_forces, progress=announced(scenario))
+    output.write(trial, sheet)
+    return print_trial(trial, origin, output.json, after)
 
-    def _chosen(self) -> tuple["Scenario", str]:
-        """The scenario that the options say."""
-        from laticauda.interfaces import Start
-        from laticauda.scenarios import scenario
 
-        gait = self.gait.chosen()
-        environment, origin = self.environment.chosen(gait, self.coefficients)
-        chosen = scenario(
-            self.environment.equipped(self.robot.chosen(), gait),
-            gait,
-            environment=environment,
-            start=Start(heading=radians(self.run.heading_deg, 0.0)),
-            **self.environment.model_settings(self.model),
-            **self._clock(),
-        )
-        return chosen, origin
+def print_trial(trial: "Trial", origin: str, as_one_object: bool, after: Callable[["Trial"], str] | None = None) -> int:
+    """Print a run, and return the exit status.
 
-    def _changed(self, path: str) -> tuple["Scenario", str]:
-        """The scenario of a file, with what other options say."""
-        from laticauda.gaits import Gait
-        from laticauda.interfaces import Start
-        from laticauda.scenarios import load_scenario, model_of
+    Args:
+        trial: The run.
+        origin: Where its coefficients are from, in words.
+        as_one_object: Whether as JSON.
+        after: What is printed below the table.
+    """
+    from laticauda.cli.report import as_json, as_text
 
-        base, origin = load_scenario(path), f"as {path} says"
-        parts: dict[str, Any] = {name: one for name, one in given(self.run).items() if name in CLOCK}
-        if given(self.gait):
-            if not isinstance(base.motion, Gait):
-                raise ValueError(f"`{next(iter(given(self.gait)))}` must not be given: `scenario` has a controller.")
-            parts["motion"] = self.gait.changed(base.motion)
-        gait = parts.get("motion", base.gait)
-        if given(self.environment):
-            parts["environment"], origin = self.environment.chosen(gait, self.coefficients)
-        elif given(self.coefficients):
-            parts["environment"] = changed(base.environment, self.coefficients)
-        if given(self.robot) or self.environment.parameters is not None:
-            robot = self.robot.chosen() if given(self.robot) else base.robot
-            parts["robot"] = self.environment.equipped(robot, gait)
-        settings = self.environment.model_settings(self.model)
-        if settings:
-            parts["model"] = model_of(settings.pop("model", base.model), **settings)
-        if self.run.heading_deg is not None:
-            parts["start"] = Start(heading=radians(self.run.heading_deg, 0.0))
-        return replace(base, **parts), origin
+    text = as_json(trial) if as_one_object else as_text(trial, origin)
+    print(text if after is None or as_one_object else f"{text}\n\n{after(trial)}")
+    if not trial.succeeded:
+        print(trial.status, file=sys.stderr)
+    return 0 if trial.succeeded else 1
 
-    def _go_on(self, path: str) -> tuple["Trial", str]:
-        """The stored run and its continuation as one, and where its coefficients are from."""
+
+@value
+class SwimOn:
+    """Go on from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
+
+    resume: File = option("The stored trial")
+    duration: float = quantity("s", "How much longer", gt=0.0, default=30.0)
+    sample_interval: float = quantity("s", "Between two samples of the log", gt=0.0, default=0.05)
+    output: Outputs = option("What becomes of it", default=Outputs())
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
+        """The command that was typed; arguments as for `Swim.read`.
+
+        Raises:
+            BadFlag: If an option says what the stored trial says.
+        """
+        allowed = {flag(name) for name in options_of(cls(resume=None))} | {"--help", "-h"}
+        for word in words:
+            if word.startswith("--") and word.split("=")[0] not in allowed:
+                raise BadFlag(f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own.")
+        return read(cls, words, prog)
+
+    def __call__(self) -> int:
+        """Run, write, print, and return the exit status."""
         from laticauda.logs import load_trial
         from laticauda.simulate import plant, resume
         from laticauda.trial import joined
 
-        for name in given(self):
-            if name not in WITH_RESUME:
-                raise ValueError(f"`{name}` must not be given with `resume`: the stored trial has its own.")
-        first = load_trial(path)
+        self.output.check()
+        assert self.resume is not None
+        first = load_trial(self.resume)
+        if not isinstance(first.scenario, Scenario):
+            raise BadFlag(f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}")
+        scenario = replace(first.scenario, duration=self.duration)
         second = resume(
-            plant(first.scenario),
+            plant(scenario),
             first,
+            self.duration,
+            sample_interval=self.sample_interval,
             link_forces=first.link_force is not None,
-            progress=announced(first.environment, model=first.scenario.model, **self._clock()),
-            **self._clock(),
+            progress=announced(scenario),
         )
-        return joined(first, second), f"as stored in {path}"
-
-    def _clock(self) -> dict[str, Any]:
-        """How long, and how often to sample."""
-        return {"duration": DURATION} | {name: value for name, value in given(self.run).items() if name in CLOCK}
-
-    def _print(self, trial: "Trial", origin: str) -> None:
-        from laticauda.cli.report import as_json, as_text
-
-        print(as_json(trial) if self.output.json else as_text(trial, origin))
-        if not trial.succeeded:
-            print(in_flags(trial.status, self), file=sys.stderr)
-
-
-def announced(
-    environment: Environment, duration: float, *, model: "Model | str | None" = None, **_: object
-) -> Callable[[float], None]:
-    """Say that kernels will be compiled, if so, and return what shows the progress of the run.
-
-    Args:
-        environment: Where it will swim.
-        duration: How long [s].
-        model: By which model; None: planar.
-    """
-    from laticauda.cli.progress import progress
-    from laticauda.simulate import needs_compiling
-
-    if needs_compiling(environment, model=model):
-        print(COMPILING, file=sys.stderr, flush=True)
-    return progress(duration)
+        trial = joined(first, second)
+        self.output.write(trial, "swim_sheet")
+        return print_trial(trial, f"as stored in {self.resume}", self.output.json)

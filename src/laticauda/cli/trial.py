@@ -1,35 +1,29 @@
 """`laticauda trial show | compare | convert`: stored trials."""
 
 import json
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import tyro
-
-from laticauda.cli.flags import File, Switch
+from laticauda.cli.flags import File, Input, Inputs, Output
 from laticauda.cli.outputs import check_output
+from laticauda.quantities import option, value
 
 if TYPE_CHECKING:
     from laticauda.trial import Trial
 
+COLUMNS = "What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs"
+TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 
-def _positional(metavar: str, hint: str = "(required)") -> object:
-    return tyro.conf.arg(metavar=metavar, help_behavior_hint=hint)
 
-
-@dataclass(frozen=True, kw_only=True)
+@value
 class Show:
     """Print the figures of a stored trial.
 
     For example: laticauda trial show run.nc
     """
 
-    file: Annotated[str, tyro.conf.Positional, _positional("FILE")]
-    """The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)."""
-    columns: File = None
-    """What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs."""
-    json: Switch = False
-    """Print one JSON object in SI units."""
+    file: Input = option(TRIAL)
+    columns: File = option(COLUMNS, default=None)
+    json: bool = option("Print one JSON object in SI units", default=False)
 
     def __call__(self) -> int:
         """Print, and return the exit status."""
@@ -45,19 +39,18 @@ class Show:
         return 0
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Compare:
     """Print the figures of stored trials side by side, with their differences to the first.
 
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: Annotated[tuple[str, ...], tyro.conf.Positional, _positional("FILES ...", "(two or more)")]
-    """The trials; the one to compare with first. Logs of other programs need --columns."""
-    columns: File = None
-    """What the columns of those files are that laticauda did not write: a TOML file."""
-    json: Switch = False
-    """Print one JSON object in SI units."""
+    files: Inputs = option(
+        "Two trials or more; the one to compare with first. Logs of other programs need --columns", default=()
+    )
+    columns: File = option(COLUMNS, default=None)
+    json: bool = option("Print one JSON object in SI units", default=False)
 
     def __call__(self) -> int:
         """Print, and return the exit status."""
@@ -70,21 +63,19 @@ class Compare:
         return 0
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Convert:
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
     For example: laticauda trial convert run.nc run.mcap
     """
 
-    file: Annotated[str, tyro.conf.Positional, _positional("FILE")]
-    """The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)."""
-    output: Annotated[str, tyro.conf.Positional, _positional("OUTPUT")]
-    """The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced."""
-    columns: File = None
-    """What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs."""
-    json: Switch = False
-    """Print one JSON object."""
+    file: Input = option(TRIAL)
+    output: Output = option(
+        "The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced"
+    )
+    columns: File = option(COLUMNS, default=None)
+    json: bool = option("Print one JSON object", default=False)
 
     def __call__(self) -> int:
         """Write, and return the exit status."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.cli.tables import aligned, read_in
+from laticauda.errors import BadArgument
 
 if TYPE_CHECKING:
     from laticauda.simulate import Parameter
@@ -22,7 +23,7 @@ SHORT = ("gait", "water", "ground")
 SUFFIXES = {"rad": "-deg", "rad/s": "-deg-s"}
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
-SAMPLES_FORM = "NAME=LOW:HIGH with `samples`, as amplitude-deg=10:50"
+SAMPLES_FORM = "NAME=LOW:HIGH with --samples, as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
 
 
@@ -102,7 +103,7 @@ def ranges(words: Sequence[str], known: Mapping[str, "Parameter"], form: str) ->
         _once(name, parameter.name in found)
         ends = [_number(word, part, form) for part in text.split(":")]
         if len(ends) != 2:
-            raise ValueError(f"`vary` must be {form}, got {word!r}.")
+            raise BadArgument("vary", f"must be {form}, got {word!r}")
         found[parameter.name] = (factor * ends[0], factor * ends[1])
     return found
 
@@ -124,7 +125,7 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
         lines = csv.reader(file)
         names = [name.strip() for name in next(lines, ())]
         if not names:
-            raise ValueError(f"`list` must be a CSV file with the names of parameters in its first line, got {path}.")
+            raise BadArgument("list", f"must be a CSV file with the names of parameters in its first line, got {path}")
         meant = [_meant(name, known) for name in names]
         for i, name in enumerate(names):
             _once(name, meant[i][0].name in [parameter.name for parameter, _ in meant[:i]])
@@ -134,7 +135,7 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
                 continue
             where = f"{path}, line {lines.line_num}"
             if len(line) != len(names):
-                raise ValueError(f"`list` must have {len(names)} numbers in every line, got {len(line)} in {where}.")
+                raise BadArgument("list", f"must have {len(names)} numbers in every line, got {len(line)} in {where}")
             for column, (_, factor), text in zip(columns, meant, line, strict=True):
                 column.append(factor * _number(f"{text} in {where}", text, "a table of numbers", "list"))
     return Rows(values={parameter.name: column for (parameter, _), column in zip(meant, columns, strict=True)})
@@ -143,7 +144,7 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
 def _split(word: str, form: str = FORM) -> tuple[str, str]:
     name, equals, text = word.partition("=")
     if not (name and equals and text):
-        raise ValueError(f"`vary` must be {form}, got {word!r}.")
+        raise BadArgument("vary", f"must be {form}, got {word!r}")
     return name, text
 
 
@@ -162,12 +163,12 @@ def _meant(name: str, known: Mapping[str, "Parameter"]) -> tuple["Parameter", fl
     near = difflib.get_close_matches(plain, words, n=3, cutoff=0.6)
     near += [word for word in words if word.rsplit(".", 1)[-1] == plain and word not in near]
     listed = f"; the nearest are {', '.join(near)}" if near else ""
-    raise ValueError(f"`vary` must name what the robot, gait or water has, got {name!r}{listed} (`names` lists all).")
+    raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{listed} (--names lists all)")
 
 
 def _once(name: str, is_there: bool) -> None:
     if is_there:
-        raise ValueError(f"`vary` must name a parameter once, got {name!r} again.")
+        raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
 
 
 def _values(word: str, text: str) -> list[float]:
@@ -175,10 +176,10 @@ def _values(word: str, text: str) -> list[float]:
         return [_number(word, part, FORM) for part in text.split(",")]
     parts = text.split(":")
     if len(parts) != 3:
-        raise ValueError(f"`vary` must be {FORM}, got {word!r}.")
+        raise BadArgument("vary", f"must be {FORM}, got {word!r}")
     low, high, count = (_number(word, part, FORM) for part in parts)
     if not (count.is_integer() and 1 <= count <= MOST_COUNT):
-        raise ValueError(f"`vary` must have a COUNT that is a whole number >= 1, got {word!r}.")
+        raise BadArgument("vary", f"must have a COUNT that is a whole number >= 1, got {word!r}")
     return np.linspace(low, high, int(count)).tolist()
 
 
@@ -188,5 +189,5 @@ def _number(word: str, text: str, form: str, option: str = "vary") -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"`{option}` must be {form}, got {word!r}.")
+        raise BadArgument(option, f"must be {form}, got {word!r}")
     return number

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from laticauda.control.averaged import AveragedModel
+from laticauda.errors import BadArgument
 from laticauda.robot import Water
 from laticauda.trial import Trial
 
@@ -122,20 +123,20 @@ def _check(trials: Sequence[Trial]) -> None:
         trial.need("an averaged model", "heading", "work")
         gait = trial.gait
         if gait is None or gait.frequency <= 0.0:
-            raise ValueError(f"`trials[{i}]` must have a gait that moves, got {gait}.")
+            raise BadArgument(f"trials[{i}]", f"must have a gait that moves, got {gait}")
         least = 2.0 * (2.0 * math.pi / gait.frequency)
         if trial.duration < least:
-            raise ValueError(
-                f"`trials[{i}]` must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s."
+            raise BadArgument(
+                f"trials[{i}]", f"must last at least two gait cycles, {least:.4g} s, got {trial.duration:.4g} s"
             )
         shapes.add((gait.amplitude, gait.phase_shift, gait.envelope))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:
-        raise ValueError(f"`trials` must have at least 3 different frequencies, got {len(frequencies)}.")
+        raise BadArgument("trials", f"must have at least 3 different frequencies, got {len(frequencies)}")
     if len(shapes) > 1:
-        raise ValueError(f"`trials` must be of one gait but for its frequency and offset, got {len(shapes)} gaits.")
+        raise BadArgument("trials", f"must be of one gait but for its frequency and offset, got {len(shapes)} gaits")
     if not any(np.ptp(_offset(trial)) > 0.0 or _offset(trial)[0] != 0.0 for trial in trials):
-        raise ValueError("`trials` must have an offset that turns the robot in at least one of them, got none.")
+        raise BadArgument("trials", "must have an offset that turns the robot in at least one of them, got none")
 
 
 def _offset(trial: Trial) -> Array:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import BadArgument
+
 Numbers = Float[np.ndarray, " n_points"]
 Vectors = Float[np.ndarray, "n_points 2"]
 Knots = Float[np.ndarray, " n_knots"]
@@ -108,7 +110,9 @@ def natural_cubic(points: Vectors) -> Curve:
     slowest = int(np.argmin(speed))
     if speed[slowest] < 1e-6 * np.max(speed):
         x, y = corners[slowest]
-        raise ValueError(f"`waypoints` must give a curve with a direction, but it turns on the spot at ({x:g}, {y:g}).")
+        raise BadArgument(
+            "waypoints", f"must give a curve with a direction, but it turns on the spot at ({x:g}, {y:g})"
+        )
     pieces = _length(knots, cubics, nodes[:-1], nodes[1:])
     lengths = np.concatenate(([0.0], np.cumsum(pieces)))
     return Curve(knots=knots, cubics=cubics, nodes=nodes, corners=corners, lengths=lengths)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
@@ -27,7 +28,7 @@ class OffsetSteps(Controller[int]):
     def __post_init__(self) -> None:
         """Check every field once."""
         if not self.offsets:
-            raise ValueError("`offsets` must hold at least one offset in rad, got none.")
+            raise BadArgument("offsets", "must hold at least one offset in rad, got none")
 
     @property
     def duration(self) -> float:

@@ -4,7 +4,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from laticauda.angles import wrap_to_pi
-from laticauda.errors import not_negative
+from laticauda.errors import BadArgument, not_negative
 from laticauda.quantities import quantity, value
 
 _ROUNDING = 1e-9  # [s]: two control instants are never that close
@@ -97,7 +97,7 @@ class HeadingEstimate:
             return first, heading
         step = time - state.time[-1]
         if step <= _ROUNDING:
-            raise ValueError(f"`time` must grow from step to step, got {state.time[-1]} s and then {time} s.")
+            raise BadArgument("time", f"must grow from step to step, got {state.time[-1]} s and then {time} s")
         integral = state.integral[-1] + 0.5 * step * (state.heading[-1] + heading)
         begin = max(time - self.window, state.time[0])
         oldest = max(bisect_right(state.time, begin + _ROUNDING) - 1, 0)  # the last one not inside the window

@@ -7,7 +7,7 @@ from typing import Any
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
-from laticauda.errors import one_of, positive
+from laticauda.errors import BadArgument, one_of, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
@@ -156,7 +156,8 @@ def refuse_offset(robot: Robot, gait: Gait, max_offset: float) -> None:
     for i, (joint, g) in enumerate(zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)):
         room = joint.limit - gait.amplitude * abs(g) - abs(gait.offset)
         if max_offset > room:
-            raise ValueError(
-                f"`max_offset` must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
-                f"{joint.limit:.4g} rad with this gait; got {max_offset}."
+            raise BadArgument(
+                "max_offset",
+                f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
+                f"{joint.limit:.4g} rad with this gait; got {max_offset}",
             )

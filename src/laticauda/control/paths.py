@@ -11,6 +11,7 @@ import numpy as np
 from laticauda.angles import wrap_to_pi
 from laticauda.control.curve import Curve, natural_cubic
 from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
+from laticauda.errors import BadArgument
 from laticauda.quantities import quantity, value
 
 Waypoints = tuple[tuple[float, float], ...]
@@ -202,7 +203,7 @@ def _curvature(first: Position, second: Position) -> float:
 
 def _check_waypoints(points: Waypoints) -> None:
     if len(points) < 2:
-        raise ValueError(f"`waypoints` must hold at least 2 points, got {len(points)}.")
+        raise BadArgument("waypoints", f"must hold at least 2 points, got {len(points)}")
     for i in range(1, len(points)):
         if points[i] == points[i - 1]:
-            raise ValueError(f"`waypoints[{i}]` must differ from the point before it, got {points[i]} twice.")
+            raise BadArgument(f"waypoints[{i}]", f"must differ from the point before it, got {points[i]} twice")

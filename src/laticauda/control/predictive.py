@@ -15,7 +15,7 @@ from laticauda.control.heading import HeadingController
 from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
 from laticauda.control.path_following import refuse_offset
 from laticauda.control.planning import Given, HorizonProblem, Plan, plan
-from laticauda.errors import positive
+from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
@@ -93,15 +93,17 @@ class ModelPredictive(Controller[PredictiveState]):
         low, high = self.frequencies
         positive("frequency_limits[0]", low, "rad/s")
         if not low <= self.gait.frequency <= high:
-            raise ValueError(
-                f"`frequency_limits` must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them, "
-                f"got {low:.4g} and {high:.4g}."
+            raise BadArgument(
+                "frequency_limits",
+                f"must hold the gait's frequency of {self.gait.frequency:.4g} rad/s between them, "
+                f"got {low:.4g} and {high:.4g}",
             )
         least = max(self.model.power(low, offset) for offset in (0.0, self.max_offset))
         if not self.power_limit >= least:
-            raise ValueError(
-                f"`power_limit` must be >= {least:.4g} W, what the least frequency takes with the largest offset, "
-                f"got {self.power_limit}."
+            raise BadArgument(
+                "power_limit",
+                f"must be >= {least:.4g} W, what the least frequency takes with the largest offset, "
+                f"got {self.power_limit}",
             )
 
     @property

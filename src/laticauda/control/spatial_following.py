@@ -15,6 +15,7 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
@@ -106,7 +107,9 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
             ValueError: If the observation is of a planar model.
         """
         if observation.center_of_mass.size != 3:
-            raise ValueError("`observation` must be of a spatial model for a path in space, got one of a planar model.")
+            raise BadArgument(
+                "observation", "must be of a spatial model for a path in space, got one of a planar model"
+            )
         plan, turn = self._plan.step(state.plan, observation)
         at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
         along = velocity[0] * math.cos(plan.path_tangential_angle) + velocity[1] * math.sin(plan.path_tangential_angle)
@@ -136,11 +139,12 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         self._plan.check(robot)
         limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
         if not limits:
-            raise ValueError(f"`robot` must have pitch joints for a path in space, got `{robot.name}`.")
+            raise BadArgument("robot", f"must have pitch joints for a path in space, got `{robot.name}`")
         pitch = self.gait.pitch
         room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
         if self.climb.max_offset > room:
-            raise ValueError(
-                f"`climb.max_offset` must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait; "
-                f"got {self.climb.max_offset}."
+            raise BadArgument(
+                "climb.max_offset",
+                f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait; "
+                f"got {self.climb.max_offset}",
             )

@@ -7,7 +7,7 @@ from typing import Any, NoReturn, TypeAlias, cast
 
 import numpy as np
 
-from laticauda.errors import nearest
+from laticauda.errors import BadArgument, nearest
 
 PROTOCOL_VERSION = 1
 """Goes up when a message that was answered is answered otherwise; new fields do not count."""
@@ -48,7 +48,7 @@ def write_message(message: Message) -> bytes:
     """
     count = sum(np.size(values) for values in message.get("series", {}).values())
     if count > MOST_NUMBERS:
-        raise ValueError(f"`series` must hold {MOST_NUMBERS} numbers or fewer in one answer, got {count}.")
+        raise BadArgument("series", f"must hold {MOST_NUMBERS} numbers or fewer in one answer, got {count}")
     return json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
 
 
@@ -77,7 +77,7 @@ def table(name: str, value: object) -> dict[str, Any]:
         ValueError: If not.
     """
     if not isinstance(value, dict):
-        raise ValueError(f"`{name}` must be a JSON object, got {_shown(value)}.")
+        raise BadArgument(name, f"must be a JSON object, got {_shown(value)}")
     return cast("dict[str, Any]", value)
 
 
@@ -92,7 +92,7 @@ def numbers(name: str, value: object, count: int | None = None) -> tuple[Any, ..
     entries: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
     if isinstance(value, str | dict | bool) or value is None or (count is not None and len(entries) != count):
         wanted = "an array of numbers" if count is None else f"an array of {count} numbers"
-        raise ValueError(f"`{name}` must be {wanted}, got {_shown(cast(object, value))}.")
+        raise BadArgument(name, f"must be {wanted}, got {_shown(cast(object, value))}")
     return tuple(entries)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from laticauda.cosim.messages import MESSAGE_BYTES, write_message
 from laticauda.cosim.session import Session
-from laticauda.errors import LaticaudaError, whole
+from laticauda.errors import BadArgument, LaticaudaError, whole
 from laticauda.robot import Robot
 
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
@@ -50,7 +50,7 @@ class Server:
         own_robots: Mapping[str, Robot] | None = None,
     ) -> None:
         if whole("port", port, 0) > 65535:
-            raise ValueError(f"`port` must be between 0 and 65535, got {port}.")
+            raise BadArgument("port", f"must be between 0 and 65535, got {port}")
         self.host, self.port = host, port
         self.max_clients = whole("max_clients", max_clients, 1)
         self._own_robots = dict(own_robots or {})

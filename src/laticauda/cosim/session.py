@@ -9,7 +9,7 @@ from typing import Any, cast
 from laticauda.cosim.messages import PROTOCOL_VERSION, Message, known, read_message, write_message
 from laticauda.cosim.setup import HELD, MADE_FROM, read_setup
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
-from laticauda.errors import LaticaudaError, finite, one_of, positive
+from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__
 from laticauda.robot import Robot, Water
 from laticauda.scenarios import settings_of
@@ -71,7 +71,7 @@ class Session:
     def _answer(self, message: Message) -> dict[str, Any]:
         asked = message.get("protocol", PROTOCOL_VERSION)
         if asked != PROTOCOL_VERSION:
-            raise ValueError(f"`protocol` must be {PROTOCOL_VERSION}, which this server speaks, got {asked!r}.")
+            raise BadArgument("protocol", f"must be {PROTOCOL_VERSION}, which this server speaks, got {asked!r}")
         return self._requests[one_of("do", message.get("do"), tuple(self._requests))](message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
@@ -114,14 +114,14 @@ class Session:
 
     def _there(self) -> World:
         if self._world is None:
-            raise ValueError("`reset` must come before this request: there is no robot in the water yet.")
+            raise BadArgument("reset", "must come before this request: there is no robot in the water yet")
         return self._world
 
 
 def _names(value: object) -> list[str]:
     names: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
     if not all(isinstance(name, str) for name in names):
-        raise ValueError(f"`series` must be an array of names, got {value!r}.")
+        raise BadArgument("series", f"must be an array of names, got {value!r}")
     return names
 
 

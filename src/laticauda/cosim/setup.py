@@ -152,7 +152,7 @@ def _read_switches(value: object) -> tuple[bool, ...] | None:
         return None
     switches: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
     if not all(isinstance(one, bool) for one in switches):
-        raise ValueError(f"`enabled` must be an array of true and false, one per joint, or null, got {value!r}.")
+        raise BadArgument("enabled", f"must be an array of true and false, one per joint, or null, got {value!r}")
     return tuple(switches)
 
 

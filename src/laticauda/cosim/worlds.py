@@ -14,7 +14,7 @@ import numpy as np
 
 from laticauda.cosim.messages import Message, known
 from laticauda.cosim.setup import Setup, read_command, read_current
-from laticauda.errors import positive, within
+from laticauda.errors import BadArgument, positive, within
 from laticauda.interfaces import Command, Log, OpenLoop, Plant
 from laticauda.robot import Water
 from laticauda.scenarios import Spatial
@@ -125,7 +125,7 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
         if message.get("current") is not None:
             water = plant.environment
             if not isinstance(water, Water):
-                raise ValueError(f"`current` must be null on the ground, got {message['current']}.")
+                raise BadArgument("current", f"must be null on the ground, got {message['current']}")
             current = read_current(message["current"])
             if current != water.current:
                 body: Any = plant
@@ -193,16 +193,18 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
     """
     within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
     if duration / sample_interval > MOST_SAMPLES:
-        raise ValueError(
-            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}."
+        raise BadArgument(
+            "duration",
+            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}",
         )
     dt = float(plant.settings.dt)
     most = MOST_WORK / plant.robot.n_links * dt
     if duration > most:
-        raise ValueError(
-            f"`duration` must be <= {most:g} s in one request for {plant.robot.n_links} links and steps of "
-            f"{dt:g} s, got {duration:g}."
+        raise BadArgument(
+            "duration",
+            f"must be <= {most:g} s in one request for {plant.robot.n_links} links and steps of "
+            f"{dt:g} s, got {duration:g}",
         )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.actuation.laws import Prescribed
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.gaits import lateral_undulation
 from laticauda.interfaces import Command, Plant, Start
 from laticauda.robot import Robot
@@ -77,9 +77,9 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
     instance("plant", plant, Plant)
     n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
     if n != expected or (plant.robot.n_joints != n and isinstance(plant.settings, Spatial)):
-        raise ValueError(f"`plant` must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}.")
+        raise BadArgument("plant", f"must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}")
     if isinstance(plant.settings.joints, Prescribed):
-        raise ValueError("`plant` must have joints that follow references, `pd` or `servo`, got 'prescribed'.")
+        raise BadArgument("plant", "must have joints that follow references, `pd` or `servo`, got 'prescribed'")
 
 
 def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:

@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.estimation.samples import Sample
 from laticauda.interfaces import Observation
 from laticauda.quantities import quantity, value
@@ -88,7 +88,7 @@ class Mount:
         """
         instance("robot", robot, Robot)
         if self.module >= len(robot.modules):
-            raise ValueError(f"`module` must be < {len(robot.modules)}, the number of modules, got {self.module}.")
+            raise BadArgument("module", f"must be < {len(robot.modules)}, the number of modules, got {self.module}")
         plane = reduce_to_plane(robot.modules, robot.joints)
         along, across = self.offset
         return plane.link[self.module], (plane.shift[self.module] + along, across)

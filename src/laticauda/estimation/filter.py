@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
+from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
 from laticauda.estimation.estimate import Estimate, Mount, status_at
 from laticauda.estimation.filter_state import (
@@ -66,7 +67,7 @@ class Estimator:
         """Refuse a plant that cannot be the robot's twin, and a mount that is not on the robot."""
         check_plant(self.plant, self.robot)
         if self.plant is not None and self.swim_speed is not None:
-            raise ValueError(f"`swim_speed` must be None beside a `plant`, which knows it, got {self.swim_speed}.")
+            raise BadArgument("swim_speed", f"must be None beside a `plant`, which knows it, got {self.swim_speed}")
         _ = self.model.link
 
     @cached_property

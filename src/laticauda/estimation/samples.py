@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, not_negative
+from laticauda.errors import BadArgument, finite, not_negative
 from laticauda.robot import Robot
 
 Vector: TypeAlias = Float[np.ndarray, " _"]
@@ -90,7 +90,7 @@ def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarra
     fits = array.ndim == len(shape) and all(size in (None, have) for size, have in zip(shape, array.shape, strict=True))
     if not fits:
         expected = " x ".join("n" if size is None else str(size) for size in shape)
-        raise ValueError(f"`{name}` must hold {expected} numbers, got an array of shape {array.shape}.")
+        raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {array.shape}")
     array.flags.writeable = False
     return array
 
@@ -111,4 +111,4 @@ def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
         return angle[is_yaw]
     if angle.size == sum(is_yaw):
         return angle
-    raise ValueError(f"`{name}` must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}.")
+    raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}")

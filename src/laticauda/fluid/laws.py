@@ -17,6 +17,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible
 from laticauda.formulas import Formula, Law
 from laticauda.quantities import option, quantity, value
@@ -215,7 +216,7 @@ class FunctionDrag(DragLaw):
         """The function, which has no numbers."""
         function: Any = getattr(self.function, "py_func", self.function)
         if not hasattr(function, "__code__"):
-            raise ValueError(f"`function` must be a plain Python function, got {function!r}.")
+            raise BadArgument("function", f"must be a plain Python function, got {function!r}")
 
         def call(law: Any, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Any:
             return function(v_t, v_n, across, rate, element)

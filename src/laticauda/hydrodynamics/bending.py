@@ -5,6 +5,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import BadArgument
 from laticauda.hydrodynamics.coefficients import link_coefficients
 from laticauda.robot import Environment, Robot
 
@@ -35,7 +36,7 @@ def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndar
     """
     fin, strips = robot.caudal_fin, link_coefficients(robot, environment).fin
     if fin is None or strips is None or not fin.hinges:
-        raise ValueError("`robot` must have a fin that bends (`caudal_fin.n_hinges` > 0), got one that does not.")
+        raise BadArgument("robot", "must have a fin that bends (`caudal_fin.n_hinges` > 0), got one that does not")
     hinge = np.array([one.position for one in fin.hinges])
     pieces = [(0.5 * (p.begin + p.end), p.mass, p.mass * p.length**2 / 12.0) for p in fin.pieces]
     water = zip(-strips.position, strips.mu_n, strips.lambda_1, strict=True)

@@ -27,6 +27,7 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import BadArgument
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
@@ -113,7 +114,7 @@ def immersion_factor(half_height: float, depth: float | None) -> float:
     if depth is None:
         return 1.0
     if not depth > half_height:
-        raise ValueError(f"`depth` must be > {half_height:g} m, the element's half height, got {depth}.")
+        raise BadArgument("depth", f"must be > {half_height:g} m, the element's half height, got {depth}")
     return 1.0 + half_height**2 / (2.0 * depth**2)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, positive
+from laticauda.errors import BadArgument, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Measurement
@@ -239,7 +239,7 @@ def _towed(problem: Problem, one: Candidate, values: np.ndarray) -> tuple[float,
 def _force(scenario: Scenario, speed: float, values: Mapping[str, float]) -> float:
     swims = changed(scenario, values)
     if not isinstance(swims.environment, Water):
-        raise ValueError("`candidates` must be in water for a tow, got ground.")
+        raise BadArgument("candidates", "must be in water for a tow, got ground")
     tether = getattr(swims.robot.tether, "drag", 0.0) * speed**2
     return towing_drag(swims.robot, swims.environment, speed) + tether
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of, whole
+from laticauda.errors import BadArgument, one_of, whole
 from laticauda.identify.candidates import Candidate, information_of
 from laticauda.identify.identifiability import LIMIT, combination_of, deviations
 from laticauda.identify.model import scaled_jacobian
@@ -128,7 +128,7 @@ def design(
     """
     whole("n_trials", n_trials, 1)
     if not candidates:
-        raise ValueError("`candidates` must hold at least one trial, got none.")
+        raise BadArgument("candidates", "must hold at least one trial, got none")
     names = problem.names
     one_of("criterion", criterion, (*CRITERIA, *names))
     at = problem.start if values is None else values

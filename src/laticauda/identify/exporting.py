@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.identify.problem import Problem
@@ -52,7 +53,7 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Pa
     """What was identified as a parameter file has it; see `Fit.parameters`."""
     bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, Water)}
     if not bases:
-        raise ValueError("`measurements` must be made in water for a parameter file, got ground.")
+        raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
     first = problem.scenarios[0].environment
     first = first if isinstance(first, Water) else next(iter(bases.values()))
     common = _water(problem, values, first, "")
@@ -100,9 +101,10 @@ def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
         way, _, last = name.rpartition(".")
         table = _TABLES.get(way)
         if table is None or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
-            raise ValueError(
-                f"`parameters` must be numbers that a parameter file has a table for, got `{name}`; `Fit.robot` "
-                "makes a robot with it."
+            raise BadArgument(
+                "parameters",
+                f"must be numbers that a parameter file has a table for, got `{name}`; `Fit.robot` "
+                "makes a robot with it",
             )
         result.setdefault(table, {})[last] = value
     return result

@@ -7,7 +7,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import SimulationFailed
+from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.identify.estimates import fit_of, information_of
 from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.least_squares import Method, Minimum, minimize
@@ -153,18 +153,19 @@ def _check_enough(problem: Problem, method: Method) -> None:
     more = 1 if method.noise == "estimated" else 0
     if n_data < n_free + more:
         also = " and the noise" if more else ""
-        raise ValueError(
-            f"`measurements` must hold at least {n_free + more} numbers for {n_free} unknowns without a prior{also}, "
-            f"got {n_data}."
+        raise BadArgument(
+            "measurements",
+            f"must hold at least {n_free + more} numbers for {n_free} unknowns without a prior{also}, got {n_data}",
         )
 
 
 def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
     measurement = problem.measurements[int(problem.owner[np.flatnonzero(~np.isfinite(predicted))[0]])]
     names = ", ".join(measurement.figures)
-    raise ValueError(
-        f"`figures` of `{measurement.name}` must be ones that its simulation has, got {names}; a trial of "
-        f"{measurement.scenario.duration:g} s may be too short for a steady velocity."
+    raise BadArgument(
+        "figures",
+        f"of `{measurement.name}` must be ones that its simulation has, got {names}; a trial of "
+        f"{measurement.scenario.duration:g} s may be too short for a steady velocity",
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, instance, one_of, positive, whole
+from laticauda.errors import BadArgument, finite, instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import load_robot
@@ -57,7 +57,7 @@ class Measurement:
     def __post_init__(self) -> None:
         """Check every field once, and freeze what it holds."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ValueError(f"`name` must be a text that is not empty, got {self.name!r}.")
+            raise BadArgument("name", f"must be a text that is not empty, got {self.name!r}")
         instance("scenario", self.scenario, Scenario)
         instance("scenario.motion", self.scenario.motion, Gait)
         instance("scenario.start", self.scenario.start, Start)
@@ -67,7 +67,7 @@ class Measurement:
             "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
         }
         if (self.time is None) != (not self.series):
-            raise ValueError(f"`time` of `{self.name}` must be given for series, and only for them.")
+            raise BadArgument("time", f"of `{self.name}` must be given for series, and only for them")
         if self.time is not None:
             checked["time"] = self._checked_time(self.time)
             series = {name: self._one_series(name, pair, checked["time"].size) for name, pair in self.series.items()}
@@ -75,8 +75,8 @@ class Measurement:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if not self.figures and not self.series:
-            raise ValueError(
-                f"`figures` or `series` of `{self.name}` must hold something that was measured, got nothing."
+            raise BadArgument(
+                "figures", f"or `series` of `{self.name}` must hold something that was measured, got nothing"
             )
 
     def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
@@ -88,13 +88,14 @@ class Measurement:
     def _checked_time(self, given: object) -> Numbers:
         time = _frozen(f"time` of `{self.name}", given)
         if time.ndim != 1 or time.size == 0 or np.any(np.diff(time) <= 0.0):
-            raise ValueError(
-                f"`time` of `{self.name}` must be moments that increase, got an array of shape {time.shape}."
+            raise BadArgument(
+                "time", f"of `{self.name}` must be moments that increase, got an array of shape {time.shape}"
             )
         if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
-            raise ValueError(
-                f"`time` of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s, "
-                f"got {time[0]:g} to {time[-1]:g} s."
+            raise BadArgument(
+                "time",
+                f"of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s, "
+                f"got {time[0]:g} to {time[-1]:g} s",
             )
         return time
 
@@ -106,7 +107,7 @@ class Measurement:
         n_axes = 1 if known == "heading" else 2
         if values.ndim != n_axes or len(values) != n or (known == "center_of_mass" and values.shape[1] != 2):
             shape = {"center_of_mass": f"({n}, 2)", "heading": f"({n},)"}.get(known, f"({n}, n_joints)")
-            raise ValueError(f"`{where}` must have the shape {shape}, got {values.shape}.")
+            raise BadArgument(where, f"must have the shape {shape}, got {values.shape}")
         return values, positive(f"sigma of {where}", sigma, SERIES[known])
 
     @property
@@ -154,7 +155,7 @@ def from_trial(
     """
     instance("trial", trial, Trial)
     if trial.gait is None:
-        raise ValueError("`trial` must have a gait to be identified from, got one without.")
+        raise BadArgument("trial", "must have a gait to be identified from, got one without")
     step = whole("every", every, 1)
     time = trial.time[::step] - trial.time[0]
     at_end = {"x": trial.center_of_mass[-1, 0], "y": trial.center_of_mass[-1, 1], "heading": trial.heading[-1]}
@@ -264,7 +265,7 @@ def with_noise(measurement: Measurement, rng: np.random.Generator) -> Measuremen
 
 def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:
     if not isinstance(pair, Sequence) or len(pair) != 2:  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ValueError(f"`{where}` must be a pair: what was measured, and the sigma of its noise, got {pair!r}.")
+        raise BadArgument(where, f"must be a pair: what was measured, and the sigma of its noise, got {pair!r}")
     return pair[0], pair[1]
 
 
@@ -273,6 +274,6 @@ def _frozen(name: str, given: object) -> np.ndarray:
     values = np.array(given, dtype=float)
     if not np.all(np.isfinite(values)):
         at = int(np.argwhere(~np.isfinite(values))[0][0]) if values.ndim else 0
-        raise ValueError(f"`{name}` must be finite numbers; sample {at} is {values[at] if values.ndim else values}.")
+        raise BadArgument(name, f"must be finite numbers; sample {at} is {values[at] if values.ndim else values}")
     values.setflags(write=False)
     return values

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.identify.measurement_model import shifted
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.resolution import dependence, known_numbers, resolve, split_name, with_tied
@@ -210,7 +210,7 @@ def _common_model(measurements: Sequence[Measurement], model: Model | str | None
     models = [model_of(model or m.scenario.model, **changes) for m in measurements]
     for measurement, one in zip(measurements, models, strict=True):
         if one != models[0]:
-            raise ValueError(f"`measurements` must be of one model, got another one in `{measurement.name}`.")
+            raise BadArgument("measurements", f"must be of one model, got another one in `{measurement.name}`")
     return models[0]
 
 
@@ -221,12 +221,12 @@ def _flat(measurement: Measurement) -> np.ndarray:
 
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
     if isinstance(measurements, Measurement) or not len(measurements):
-        raise ValueError("`measurements` must be a list of at least one Measurement, got none.")
+        raise BadArgument("measurements", "must be a list of at least one Measurement, got none")
     names: set[str] = set()
     for i, measurement in enumerate(measurements):
         instance(f"measurements[{i}]", measurement, Measurement)
         if measurement.name in names:
-            raise ValueError(f"`measurements` must have different names, got `{measurement.name}` twice.")
+            raise BadArgument("measurements", f"must have different names, got `{measurement.name}` twice")
         names.add(measurement.name)
     return tuple(measurements)
 
@@ -236,7 +236,8 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
     for measurement in measurements:
         other = measurement.scenario.robot
         if other.modules != body.modules or other.joints != body.joints:
-            raise ValueError(
-                f"`measurements` must be of one body, with or without fin; `{measurement.name}` is of robot "
-                f"`{other.name}`, whose modules or joints are not those of `{body.name}`."
+            raise BadArgument(
+                "measurements",
+                f"must be of one body, with or without fin; `{measurement.name}` is of robot "
+                f"`{other.name}`, whose modules or joints are not those of `{body.name}`",
             )

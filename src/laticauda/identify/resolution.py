@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from laticauda.errors import nearest
+from laticauda.errors import BadArgument, nearest
 from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown, Unknown, size_of
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, changed, look_up, parameters, value_of
@@ -88,9 +88,9 @@ def dependence(
             j for j, (_, other) in enumerate(split) if j != k and other == name and (moves[:, j] & moves[:, k]).any()
         ]
         if twice:
-            raise ValueError(
-                f"`parameters` must say once per measurement what `{name}` is for, got both `{scope}` and "
-                f"`{split[twice[0]][0]}`."
+            raise BadArgument(
+                "parameters",
+                f"must say once per measurement what `{name}` is for, got both `{scope}` and `{split[twice[0]][0]}`",
             )
     return moves
 
@@ -105,16 +105,17 @@ def resolve(
 ) -> ResolvedUnknown:
     """An unknown with everything filled in."""
     if not applies.any():
-        raise ValueError(f"`parameters` must leave something to `{unknown.name}`: more special ones take all of it.")
+        raise BadArgument("parameters", f"must leave something to `{unknown.name}`: more special ones take all of it")
     first = int(np.argmax(applies))
     scenario, parameter = scenarios[first], known[first][name]
     if name.startswith("gait."):
-        raise ValueError(
-            f"`parameters` must not be of the gait, which is what was asked for, got `{unknown.name}`; what the joints "
-            "make of it is the actuator's, `robot.joint.actuator`."
+        raise BadArgument(
+            "parameters",
+            f"must not be of the gait, which is what was asked for, got `{unknown.name}`; what the joints "
+            "make of it is the actuator's, `robot.joint.actuator`",
         )
     if parameter.is_whole:
-        raise ValueError(f"`parameters` must be numbers that may change a little, got `{unknown.name}`, a count.")
+        raise BadArgument("parameters", f"must be numbers that may change a little, got `{unknown.name}`, a count")
     _check_tied(unknown, name, scenarios, known, applies)
     start = unknown.start
     if start is None:
@@ -128,7 +129,7 @@ def resolve(
     may_be_less = name in NUISANCE or _is_allowed(is_allowed, -1e-9 * max(1.0, abs(start)))
     is_log = unknown.scale == "log" if unknown.scale else start > 0.0 and not may_be_less
     if is_log and start <= 0.0:
-        raise ValueError(f"`start` of `{unknown.name}` must be > 0 on a log scale, got {start:g}.")
+        raise BadArgument("start", f"of `{unknown.name}` must be > 0 on a log scale, got {start:g}")
     low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
     lower = _end(is_allowed, start, low) if unknown.lower is None else unknown.lower
     upper = _end(is_allowed, start, high) if unknown.upper is None else unknown.upper

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of
+from laticauda.errors import BadArgument, one_of
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import Identifiability
 from laticauda.identify.least_squares import Method
@@ -209,7 +209,7 @@ class Fit:
         mine = [residual for residual in self.residuals if residual.what == figure]
         if not mine:
             measured = sorted({residual.what for residual in self.residuals})
-            raise ValueError(f"`figure` must be one that was measured, of {', '.join(measured)}, got {figure!r}.")
+            raise BadArgument("figure", f"must be one that was measured, of {', '.join(measured)}, got {figure!r}")
         return 100.0 * float(np.mean([abs(r.deviation / r.measured) for r in mine if r.measured]))
 
     def robot(self, robot: Robot, gait_kind: str) -> Robot:

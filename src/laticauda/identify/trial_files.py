@@ -105,4 +105,4 @@ def _check_there(name: str, trial: Trial, wanted: list[str]) -> None:
     for what in wanted:
         one_of(f"measured` of `{name}", what, (*UNITS, *SERIES))
         if what in trial.not_measured:
-            raise ValueError(f"`{what}` of `{name}` must have been measured to count; the file does not have it.")
+            raise BadArgument(what, f"of `{name}` must have been measured to count; the file does not have it")

@@ -61,7 +61,7 @@ class Unknown:
     def __post_init__(self) -> None:
         """Check every field once."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ValueError(f"`parameters` must be names or `Unknown`s, got {self.name!r}.")
+            raise BadArgument("parameters", f"must be names or `Unknown`s, got {self.name!r}")
         for end in ("start", "lower", "upper"):
             if getattr(self, end) is not None:
                 object.__setattr__(self, end, finite(f"{end}` of `{self.name}", getattr(self, end)))
@@ -79,11 +79,11 @@ class Unknown:
             object.__setattr__(self, "size", positive(f"size` of `{self.name}", self.size))
         low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
         if low >= high:
-            raise ValueError(f"`lower` of `{self.name}` must be < its `upper` of {high:g}, got {low:g}.")
+            raise BadArgument("lower", f"of `{self.name}` must be < its `upper` of {high:g}, got {low:g}")
         if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
-            raise ValueError(f"`lower` of `{self.name}` must be > 0 on a log scale, got {self.lower:g}.")
+            raise BadArgument("lower", f"of `{self.name}` must be > 0 on a log scale, got {self.lower:g}")
         if self.start is not None and not low <= self.start <= high:
-            raise ValueError(f"`start` of `{self.name}` must be between {low:g} and {high:g}, got {self.start:g}.")
+            raise BadArgument("start", f"of `{self.name}` must be between {low:g} and {high:g}, got {self.start:g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,17 +134,17 @@ def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float
         ValueError: If there is none, or a name twice.
     """
     if isinstance(parameters, str):
-        raise ValueError(f"`parameters` must be a list of names, got the text {parameters!r}.")
+        raise BadArgument("parameters", f"must be a list of names, got the text {parameters!r}")
     if isinstance(parameters, Mapping):
         found = [Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()]
     else:
         found = [item if isinstance(item, Unknown) else Unknown(name=item) for item in parameters]
     if not found:
-        raise ValueError("`parameters` must name at least one number to identify, got none.")
+        raise BadArgument("parameters", "must name at least one number to identify, got none")
     names = [unknown.name for unknown in found]
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"`parameters` must name every number once, got `{name}` {names.count(name)} times.")
+            raise BadArgument("parameters", f"must name every number once, got `{name}` {names.count(name)} times")
     return tuple(found)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of
+from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import GAIT_WORDS
 from laticauda.identify.fitting import refitted
 from laticauda.identify.model import predict, scaled_jacobian
@@ -76,7 +76,7 @@ def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None 
     names = [m.name for m in problem.measurements] if one_of("by", by, BY) == "measurement" else list(problem.groups)
     different = list(dict.fromkeys(names))
     if len(different) < 2:
-        raise ValueError(f"`by` must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`.")
+        raise BadArgument("by", f"must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`")
     predictions = np.full(problem.observed.size, np.nan)
     values: list[np.ndarray] = []
     for number, name in enumerate(different):
@@ -168,7 +168,7 @@ def figure_places(found: Fit, figure: str) -> np.ndarray:
         if figure in measurement.figures:
             places.append(int(np.argmax(problem.owner == i)) + list(measurement.figures).index(figure))
     if not places:
-        raise ValueError(f"`figure` must be one that was measured, got {figure!r}.")
+        raise BadArgument("figure", f"must be one that was measured, got {figure!r}")
     return np.array(places)
 
 

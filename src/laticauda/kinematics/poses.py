@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import whole
+from laticauda.errors import BadArgument, whole
 from laticauda.robot import Robot
 
 FinAngles = Float[np.ndarray, "*batch n_fin_joints"]
@@ -370,21 +370,21 @@ def _columns(
 ) -> Float[np.ndarray, "*batch columns"]:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != n:
-        raise ValueError(f"`{name}` must have {n} columns, one per {of}, got shape {array.shape}.")
+        raise BadArgument(name, f"must have {n} columns, one per {of}, got shape {array.shape}")
     return array
 
 
 def _vector(name: str, values: Float[np.ndarray, "*batch columns"]) -> Float[np.ndarray, "*batch columns"]:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 2:
-        raise ValueError(f"`{name}` must have 2 columns, x and y, got shape {array.shape}.")
+        raise BadArgument(name, f"must have 2 columns, x and y, got shape {array.shape}")
     return array
 
 
 def _link_index(link: int, n_links: int) -> int:
     index = whole("link", link, 0)
     if index >= n_links:
-        raise ValueError(f"`link` must be < {n_links}, the number of links, got {link}.")
+        raise BadArgument("link", f"must be < {n_links}, the number of links, got {link}")
     return index
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.lab.faults import KINDS, fault_from_words
 from laticauda.lab.tank import Tank
@@ -46,6 +47,6 @@ def _carry(tank: Tank, words: list[str]) -> str:
         x, y, heading = (float(word) for word in words)
     except ValueError:
         got = " ".join(words)
-        raise ValueError(f"`carry` must have three numbers, x y [m] and heading [deg], got {got!r}.") from None
+        raise BadArgument("carry", f"must have three numbers, x y [m] and heading [deg], got {got!r}") from None
     tank.carry(Start(center_of_mass=(x, y), heading=math.radians(heading)))
     return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg"

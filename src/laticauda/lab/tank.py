@@ -9,6 +9,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.lab.electronics import Electronics
 from laticauda.lab.faults import Fault, Faults
@@ -38,7 +39,7 @@ class Tank:
 
     def __init__(self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
         if not 1 <= body.robot.n_joints <= N_NODES:
-            raise ValueError(f"`robot` must have 1 to {N_NODES} joints, got {body.robot.n_joints}.")
+            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, got {body.robot.n_joints}")
         self.settings = settings or LabSettings()
         self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)

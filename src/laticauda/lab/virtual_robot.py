@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.actuation.laws import Servo
-from laticauda.errors import SimulationFailed
+from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Log, Plant, Start
@@ -61,14 +61,15 @@ class VirtualRobot:
     def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
         joints: object = plant.settings.joints
         if not isinstance(joints, Servo):
-            raise ValueError(f"`plant` must have `servo` joints, got {name_of(type(joints))!r}.")
+            raise BadArgument("plant", f"must have `servo` joints, got {name_of(type(joints))!r}")
         driven = list(range(robot.n_joints))
         if plant.robot.n_joints != robot.n_joints:
             driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
         if plant.robot.n_joints != len(driven):
-            raise ValueError(
-                f"`plant` must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints, "
-                f"got {plant.robot.n_joints}."
+            raise BadArgument(
+                "plant",
+                f"must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints, "
+                f"got {plant.robot.n_joints}",
             )
         self.robot, self.plant, self.depth = robot, plant, depth
         self.driven = np.array(driven, dtype=int)

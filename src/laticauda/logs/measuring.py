@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from laticauda import kinematics
+from laticauda.errors import BadArgument
 from laticauda.logs import flat
 from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
 from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
@@ -83,9 +84,7 @@ def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n
     else:
         raise ValueError("The map must say `time.column` or `time.rate`: the file does not say when its rows were.")
     if not np.all(np.isfinite(time)):
-        raise ValueError(
-            f"`{name}` must hold numbers, and has none in its row {int(np.argmin(np.isfinite(time))) + 1}."
-        )
+        raise BadArgument(name, f"must hold numbers, and has none in its row {int(np.argmin(np.isfinite(time))) + 1}")
     rows = np.ones(n, dtype=np.bool_)
     if given.start is not None:
         rows &= time >= given.start
@@ -105,9 +104,10 @@ def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n
     longest = float(np.max(np.diff(kept)))
     if longest > max(given.longest_gap, 3.0 * step):
         at = float(kept[np.argmax(np.diff(kept))])
-        raise ValueError(
-            f"`{name}` must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of "
-            f"{longest:.4g} s after {at:.6g} s; cut it off by `start` and `stop`."
+        raise BadArgument(
+            name,
+            f"must have no gap longer than `longest_gap` = {given.longest_gap:g} s, got one of "
+            f"{longest:.4g} s after {at:.6g} s; cut it off by `start` and `stop`",
         )
     # Counted from the start that the user asked for, or from the first row.
     return kept - (given.start if given.start is not None else float(kept[0])), rows

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
 
-from laticauda.errors import StorageFailed, finite, positive, whole
+from laticauda.errors import BadArgument, StorageFailed, finite, positive, whole
 from laticauda.extras import optional_import
 from laticauda.logs import ros2
 
@@ -42,7 +42,7 @@ def moment(time: float) -> int:
     """
     now = nanoseconds(finite("time", time, "s"))
     if now < 0:
-        raise ValueError(f"`time` must be >= 0 s, got {time}.")
+        raise BadArgument("time", f"must be >= 0 s, got {time}")
     return now
 
 
@@ -158,10 +158,10 @@ class MessageFile:
         found = self._channels.get(topic)
         if found is not None:
             if found[1] != kind:
-                raise ValueError(f"`topic` {topic} must keep its type {found[1]}, got {kind}.")
+                raise BadArgument("topic", f"{topic} must keep its type {found[1]}, got {kind}")
             return found[0]
         if not topic:
-            raise ValueError("`topic` must be a name such as /joint_states, got ''.")
+            raise BadArgument("topic", "must be a name such as /joint_states, got ''")
         if kind not in self._schemas:
             text = ros2.schema_text(kind).encode()
             self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)

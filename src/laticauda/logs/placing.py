@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import kinematics
+from laticauda.errors import BadArgument
 from laticauda.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
 from laticauda.logs.smoothing import filled
 from laticauda.logs.tables import Table
@@ -107,7 +108,7 @@ def place_of(log: Log, chain: Robot) -> Place:
 
 def _from_body(log: Log, chain: Robot, body: Body) -> Place:
     if body.link >= chain.n_links:
-        raise ValueError(f"`body.link` must be < {chain.n_links}, the number of links, got {body.link}.")
+        raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
     if body.name is not None:
         body = _of_qtm(log.table, body)
     frame = _axes(log.column_map.frame)
@@ -133,7 +134,7 @@ def _from_ends(log: Log, chain: Robot) -> Place:
     assert ends is not None
     if len(ends.markers) != chain.n_links + 1:
         need = f"{chain.n_links + 1} names: tail end, {chain.n_joints} joints, head end"
-        raise ValueError(f"`ends.markers` must have {need}; got {len(ends.markers)}.")
+        raise BadArgument("ends.markers", f"must have {need}; got {len(ends.markers)}")
     frame = _axes(log.column_map.frame)
     place: list[Points] = []
     for marker in ends.markers:
@@ -168,7 +169,7 @@ def _forward(log: Log, body: Body) -> Float[np.ndarray, "n_samples 3"]:
     assert body.yaw is not None
     angle = log.angle(body.yaw, body.angle_unit)
     if axis == 2:
-        raise ValueError("`body.forward` must be x or y, or its opposite, with `yaw`: z does not turn with it.")
+        raise BadArgument("body.forward", "must be x or y, or its opposite, with `yaw`: z does not turn with it")
     angle = angle + 0.5 * math.pi * axis
     return sign * np.stack((np.cos(angle), np.sin(angle), 0.0 * angle), axis=1)
 
@@ -192,7 +193,7 @@ def _plane(log: Log, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"
     place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
     if place.shape[1] == 2:
         if np.any(axes[:, 2]):
-            raise ValueError("`frame` must not name z: the position has no z.")
+            raise BadArgument("frame", "must not name z: the position has no z")
         place = np.hstack((place, np.zeros((len(place), 1))))
     frame = log.column_map.frame
     return (place @ axes.T - np.array(frame.origin)) @ _turn(frame).T

@@ -12,6 +12,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from laticauda.errors import BadArgument
 from laticauda.logs import ros2
 from laticauda.logs.message_file import MessageFile, moment, nanoseconds
 
@@ -191,10 +192,10 @@ class Recorder(MessageFile):
             ValueError: If there are more than 8 bytes.
         """
         if len(data) > 8:
-            raise ValueError(f"`data` must have at most 8 bytes, got {len(data)}.")
+            raise BadArgument("data", f"must have at most 8 bytes, got {len(data)}")
         now = moment(time)
         if not 0 <= identifier < 1 << 32:
-            raise ValueError(f"`identifier` must be from 0 to 2^32 - 1, got {identifier}.")
+            raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # What the codec of can_msgs/Frame writes, at once: there are thousands of these a second.
         seconds, rest = divmod(now, 1_000_000_000)
         flags = bool(is_rtr), bool(is_extended), bool(is_error)
@@ -224,11 +225,11 @@ class Recorder(MessageFile):
             ValueError: If the level is not known, or the data are not for JSON.
         """
         if level not in LEVELS:
-            raise ValueError(f"`level` must be one of {', '.join(LEVELS)}, got {level!r}.")
+            raise BadArgument("level", f"must be one of {', '.join(LEVELS)}, got {level!r}")
         try:
             text = "" if data is None else json.dumps(data)
         except TypeError as error:
-            raise ValueError(f"`data` must be data that JSON can hold: {error}.") from error
+            raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
         content = {
             "stamp": ros2.stamp(nanoseconds(time)),
             "level": LEVELS[level],

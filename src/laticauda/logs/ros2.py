@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extras import optional_import
 
 if TYPE_CHECKING:
@@ -174,7 +175,7 @@ def _struct(name: str) -> Write:
             try:
                 write(body, value[member])
             except (KeyError, TypeError, struct.error) as error:
-                raise ValueError(f"`{name}` must have a fitting `{member}`: {error}.") from error
+                raise BadArgument(name, f"must have a fitting `{member}`: {error}") from error
 
     return write_struct
 

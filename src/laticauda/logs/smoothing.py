@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.errors import BadArgument
 from laticauda.trial.arrays import Samples
 
 Columns = Float[np.ndarray, "n_samples n_columns"]
@@ -33,17 +34,18 @@ def filled(
     known = np.flatnonzero(~lost)
     advice = "cut it off by `start` and `stop`, or fill it by hand"
     if not known.size:
-        raise ValueError(f"`{name}` must hold numbers, and it holds none from {time[0]:g} s to {time[-1]:g} s.")
+        raise BadArgument(name, f"must hold numbers, and it holds none from {time[0]:g} s to {time[-1]:g} s")
     if lost[0] or lost[-1]:
         end, at = ("begins", time[known[0]]) if lost[0] else ("ends", time[known[-1]])
-        raise ValueError(f"`{name}` must hold numbers at both ends, and it {end} at {at:.6g} s; {advice}.")
+        raise BadArgument(name, f"must hold numbers at both ends, and it {end} at {at:.6g} s; {advice}")
     steps = np.diff(time[known])
     gap = int(np.argmax(np.where(np.diff(known) > 1, steps, 0.0)))
     if steps[gap] > longest * (1.0 + 1e-9):
         begin, end = time[known[gap]], time[known[gap + 1]]
-        raise ValueError(
-            f"`{name}` must have no gap longer than `longest_gap` = {longest:g} s, got one of {steps[gap]:.4g} s "
-            f"from {begin:.6g} s to {end:.6g} s; {advice}."
+        raise BadArgument(
+            name,
+            f"must have no gap longer than `longest_gap` = {longest:g} s, got one of {steps[gap]:.4g} s "
+            f"from {begin:.6g} s to {end:.6g} s; {advice}",
         )
     return np.interp(time, time[known], signal[known]), lost
 

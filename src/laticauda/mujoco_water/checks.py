@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import Element as Coefficients
 from laticauda.mujoco_water.elements import Element
@@ -23,9 +24,9 @@ def body_of(model: Any, name: str) -> int:
     mujoco = load_mujoco()
     body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
     if body < 0:
-        raise ValueError(f"`body` of an element must be a body of the model, got {name!r}.")
+        raise BadArgument("body", f"of an element must be a body of the model, got {name!r}")
     if body == 0:
-        raise ValueError("`body` of an element must move, got the world.")
+        raise BadArgument("body", "of an element must move, got the world")
     return int(body)
 
 
@@ -100,37 +101,41 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
     names = {getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}"): name for name in INTEGRATORS}
     integrator = names.get(option.integrator)
     if option.density > 0.0 or option.viscosity > 0.0:
-        raise ValueError(
-            "`model` must have option density and viscosity 0, or MuJoCo's own fluid model would act as well, got "
-            f"{option.density:g} and {option.viscosity:g}."
+        raise BadArgument(
+            "model",
+            "must have option density and viscosity 0, or MuJoCo's own fluid model would act as well, got "
+            f"{option.density:g} and {option.viscosity:g}",
         )
     if (
         option.disableflags & mujoco.mjtDisableBit.mjDSBL_SPRING
         and option.disableflags & mujoco.mjtDisableBit.mjDSBL_DAMPER
     ):
-        raise ValueError("`model` must have passive forces, but springs and dampers are both disabled.")
+        raise BadArgument("model", "must have passive forces, but springs and dampers are both disabled")
     if integrator is None:
-        raise ValueError(f"`model` must have one of the integrators {', '.join(INTEGRATORS)}, got {option.integrator}.")
+        raise BadArgument(
+            "model", f"must have one of the integrators {', '.join(INTEGRATORS)}, got {option.integrator}"
+        )
     if implicit_drag and integrator not in ("Euler", "implicitfast"):
-        raise ValueError(f"`implicit_drag` must go with the integrator Euler or implicitfast, got {integrator}.")
+        raise BadArgument("implicit_drag", f"must go with the integrator Euler or implicitfast, got {integrator}")
     if option.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
-        raise ValueError("`model` must not override contact parameters: the mark of its water stands in `o_margin`.")
+        raise BadArgument("model", "must not override contact parameters: the mark of its water stands in `o_margin`")
     if not heavy:
         return
     if option.solver == mujoco.mjtSolver.mjSOL_PGS:
-        raise ValueError(
-            "`model` must have the solver Newton or CG: PGS sees the constraints before the added mass is there."
+        raise BadArgument(
+            "model", "must have the solver Newton or CG: PGS sees the constraints before the added mass is there"
         )
     if option.enableflags & getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0):
-        raise ValueError("`model` must not have sleeping bodies enabled: their inertia is not computed anew.")
+        raise BadArgument("model", "must not have sleeping bodies enabled: their inertia is not computed anew")
     if model.ntendon and np.any(model.tendon_armature > 0.0):
-        raise ValueError("`model` must not have tendons with armature.")
+        raise BadArgument("model", "must not have tendons with armature")
     for body in heavy:
         dofs = _dofs_above(model, body)
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
-            raise ValueError(
-                f"`model` must store the whole inertia matrix of body `{model.body(body).name}`, but keeps its "
-                "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`."
+            raise BadArgument(
+                "model",
+                f"must store the whole inertia matrix of body `{model.body(body).name}`, but keeps its "
+                "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`",
             )
 
 

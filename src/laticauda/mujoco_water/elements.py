@@ -5,6 +5,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground import Contact
@@ -77,7 +78,7 @@ class Element:
         """Normalize the quaternion."""
         norm = math.sqrt(sum(q * q for q in self.orientation))
         if norm < 1e-6:
-            raise ValueError(f"`orientation` must be a quaternion that is not zero, got {self.orientation}.")
+            raise BadArgument("orientation", f"must be a quaternion that is not zero, got {self.orientation}")
         w, x, y, z = (q / norm for q in self.orientation)
         object.__setattr__(self, "orientation", (w, x, y, z))
 

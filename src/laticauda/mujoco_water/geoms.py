@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import positive
+from laticauda.errors import BadArgument, positive
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water.elements import Element, Shape, Three
@@ -84,7 +84,7 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
     positive("density", density, "kg/m^3")
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
     if not 0 <= number < model.ngeom:
-        raise ValueError(f"`geom` must be a geom of the model, got {geom!r}.")
+        raise BadArgument("geom", f"must be a geom of the model, got {geom!r}")
     shape, half, share_of_box, turn = _fitted(model, number)
     volume = share_of_box * 8.0 * half[0] * half[1] * half[2]
     share, turning = lamb(half)
@@ -130,9 +130,9 @@ def _fitted(model: Any, number: int) -> tuple[Shape, Three, float, tuple[float, 
         "capsule": ("cylinder", (y + x, x, x), (_ROUND * y + ball * x) / (y + x or 1.0), along_z),
     }
     if kind not in fitted:
-        raise ValueError(f"`geom` must be a sphere, capsule, ellipsoid, cylinder or box, got `{name}`, a {kind}.")
+        raise BadArgument("geom", f"must be a sphere, capsule, ellipsoid, cylinder or box, got `{name}`, a {kind}")
     if not min(fitted[kind][1]) > 0.0:
-        raise ValueError(f"`geom` must have a volume, got `{name}`, whose size is {[x, y, z]}.")
+        raise BadArgument("geom", f"must have a volume, got `{name}`, whose size is {[x, y, z]}")
     return fitted[kind]
 
 

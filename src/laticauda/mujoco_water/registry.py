@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import loads, native
 
@@ -71,7 +72,7 @@ def enter(model: Any, table: np.ndarray, keep: Any) -> int:
             _forget(_gone[0])
             free = np.flatnonzero(rows[1:, 0] == 0) + 1
         if not free.size:
-            raise ValueError(f"`model` must be one of less than {loads.MOST_MODELS} models with water at a time.")
+            raise BadArgument("model", f"must be one of less than {loads.MOST_MODELS} models with water at a time")
         place = int(free[0])
         mark = secrets.randbits(52 - loads.PLACE_BITS) << loads.PLACE_BITS | place
         rows[place] = mark, table.ctypes.data

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import finite, one_of, positive
+from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry
 from laticauda.mujoco_water import table as rows
@@ -97,7 +97,7 @@ class Water:
     def _live(self) -> Any:
         model = self.model()
         if model is None:
-            raise ValueError("`model` must still exist, but the model of this water is gone.")
+            raise BadArgument("model", "must still exist, but the model of this water is gone")
         return model
 
 
@@ -138,10 +138,10 @@ def attach(
     """
     mujoco = load_mujoco()
     if not isinstance(model, mujoco.MjModel):
-        raise ValueError(f"`model` must be a mujoco.MjModel, got {type(model).__name__}.")
+        raise BadArgument("model", f"must be a mujoco.MjModel, got {type(model).__name__}")
     elements = tuple(elements)
     if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ValueError(f"`elements` must hold one Element at least, and nothing else, got {elements!r:.60}.")
+        raise BadArgument("elements", f"must hold one Element at least, and nothing else, got {elements!r:.60}")
     one_of("form", form, FORMS)
     water = np.zeros(rows.WATER_SIZE)
     water[rows.DENSITY] = positive("density", density, "kg/m^3")
@@ -161,7 +161,7 @@ def attach(
         keep.append(flow)
     else:
         if len(current) != 3:
-            raise ValueError(f"`current` must be a function or 3 numbers, got {current!r}.")
+            raise BadArgument("current", f"must be a function or 3 numbers, got {current!r}")
         water[[rows.V_X, rows.V_Y, rows.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     positive("usual_speed", usual_speed, "m/s")
     registry.install()

@@ -218,7 +218,7 @@ class Operation:
         if not self.name.replace("-", "").replace("_", "").isalnum():
             raise BadArgument("name", f"must be letters, digits, `-` and `_`, as in a file's name, got {self.name!r}")
         if self.gait.pitch is not None:
-            raise ValueError("`gait.pitch` must not be given: the operated robot swims at the surface, in the plane.")
+            raise BadArgument("gait.pitch", "must not be given: the operated robot swims at the surface, in the plane")
         if self.supply_voltage is None and self.connection.meter_port:
             rule = "must be given in V beside a power meter, whose current it turns into power, got None"
             raise BadArgument("supply_voltage", rule)

@@ -3,23 +3,20 @@
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-import tyro
-
-from laticauda.cli.flags import File, Preset, Switch, Text, Whole, choice, default
-from laticauda.cli.swim import COMPILING
+from laticauda.cli.flags import File, Folder, Maybe, MaybeName
+from laticauda.cli.scene import COMPILING
 from laticauda.paper.printed import as_json, as_text
+from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.robot import Parameters
 
-FOLDER = "reproduction"
 FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Reproduce:
     """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
 
@@ -28,24 +25,26 @@ class Reproduce:
     needs no network, go into one folder. For example: laticauda reproduce --joints prescribed --output reproduction
     """
 
-    only: Annotated[str | None, choice("efficiency", "path-following"), default("all")] = None
-    """Run this half of the paper only."""
-    model: Annotated[str | None, choice("planar", "spatial"), default("planar")] = None
-    """The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one."""
-    joints: Annotated[str | None, choice("prescribed", "pd", "servo"), default("the parameters', or prescribed")] = None
-    """How the joints follow the gait: exactly, by the published simulations' law, or as the real robot's servos do."""
-    parameters: Annotated[Preset, default("the paper's")] = None
-    """A preset or a parameter file (TOML): its numbers for water and robots instead of the paper's, which stay beside
-    them for efficiency, and its joint law unless `joints` is given."""
-    repeats: File = None
-    """Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the
-    figures of the efficiency study with their scatter."""
-    workers: Annotated[Whole, default("one per core")] = None
-    """Processes to spread the work over."""
-    output: Annotated[Text, tyro.conf.arg(metavar="DIR"), default(FOLDER)] = None
-    """The folder; made if need be, files of the same names are replaced."""
-    json: Switch = False
-    """Print one JSON object instead of the tables."""
+    only: Literal["efficiency", "path-following"] | None = option("Run this half of the paper only", default=None)
+    model: Literal["planar", "spatial"] = option(
+        "The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one", default="planar"
+    )
+    joints: Maybe = option("The joint law; the parameters', or prescribed, if left out", default=None)
+    parameters: MaybeName = option(
+        "A preset or a parameter file (TOML): its numbers for water and robots instead of the paper's, which stay "
+        "beside them for efficiency, and its joint law unless --joints is given",
+        default=None,
+    )
+    repeats: File = option(
+        "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show on the "
+        "figures of the efficiency study with their scatter",
+        default=None,
+    )
+    workers: int | None = quantity(
+        "", "Processes to spread the work over; one per core if left out", ge=1, default=None
+    )
+    output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
+    json: bool = option("Print one JSON object instead of the tables", default=False)
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
@@ -54,7 +53,6 @@ class Reproduce:
         from laticauda.paper.report.experiments import paper_experiments
         from laticauda.paper.report.reproduce import reproduce
 
-        folder = FOLDER if self.output is None else self.output
         parameters = self._parameters()
         settings = paper_experiments(parameters)
         joints = self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
@@ -62,10 +60,10 @@ class Reproduce:
         _warn_of_compiling()
         try:
             done = reproduce(
-                folder,
+                self.output,
                 settings,
                 only=self.only,
-                model=self.model or "planar",
+                model=self.model,
                 joints=joints,
                 repeats=repeats,
                 workers=os.cpu_count() or 1 if self.workers is None else self.workers,
@@ -74,8 +72,6 @@ class Reproduce:
         except SimulationFailed as error:
             print(error, file=sys.stderr)
             return 1
-        except ValueError as error:
-            raise ValueError(str(error).replace("`folder`", "--output")) from error
         print(as_json(done) if self.json else as_text(done))
         return 0
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.paper.beyond import BeyondStudy
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.following_run import FollowingRun
@@ -71,7 +72,7 @@ def to_dataset(study: Any) -> xarray.Dataset:
     Raises:
         ValueError: If it is none of these.
     """
-    raise ValueError(f"`study` must be an efficiency, path-following or stability study or one beyond, got {study!r}.")
+    raise BadArgument("study", f"must be an efficiency, path-following or stability study or one beyond, got {study!r}")
 
 
 @to_dataset.register(EfficiencyStudy)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import one_of
+from laticauda.errors import BadArgument, one_of
 from laticauda.identify.fitting import fit
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict
@@ -88,9 +88,10 @@ def paper_procedure(
     ]
     fitted = [m.scenario.gait.kind == gait_kind and m.scenario.robot.caudal_fin is None for m in placed]
     if not any(fitted) or all(fitted):
-        raise ValueError(
-            f"`measurements` must hold speeds of gait `{gait_kind}` without fin, and others to predict, got "
-            f"{sum(fitted)} of {len(fitted)}."
+        raise BadArgument(
+            "measurements",
+            f"must hold speeds of gait `{gait_kind}` without fin, and others to predict, got "
+            f"{sum(fitted)} of {len(fitted)}",
         )
     found = fit([m for m, mine in zip(placed, fitted, strict=True) if mine], parameters=parameters, **options)
     rest = make_problem(placed, parameters, model=found.problem.model)

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from laticauda.errors import TrialFileError, finite, nearest, not_negative, one_of, positive
+from laticauda.errors import BadArgument, TrialFileError, finite, nearest, not_negative, one_of, positive
 from laticauda.files import read_text
 from laticauda.gaits import Gait, envelope_of
 
@@ -130,7 +130,7 @@ def _number(row: Mapping[str, str], name: str) -> float:
     try:
         return float(row[name])
     except ValueError:
-        raise ValueError(f"`{name}` must be a number, got {row[name]!r}.") from None
+        raise BadArgument(name, f"must be a number, got {row[name]!r}") from None
 
 
 def _mean_and_deviation(values: Iterable[float]) -> tuple[float, float | None]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import positive, whole, within
+from laticauda.errors import BadArgument, positive, whole, within
 from laticauda.extras import load_mujoco
 from laticauda.pictures import lines
 from laticauda.pictures.camera import aim, ripple_period, view
@@ -55,7 +55,7 @@ def video(
     size = _pixels("width", width), _pixels("height", height)
     for name, pixels in zip(("width", "height"), size, strict=True):
         if pixels % 2:
-            raise ValueError(f"`{name}` must be even for a video, got {pixels}.")
+            raise BadArgument(name, f"must be even for a video, got {pixels}")
     check_video()
     with closing(_Studio(trial, *size)) as studio:
 
@@ -164,5 +164,5 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
 def _pixels(name: str, value: int) -> int:
     number = whole(name, value, LEAST_PIXELS)
     if number > MOST_PIXELS:
-        raise ValueError(f"`{name}` must be at most {MOST_PIXELS} pixels, got {number}.")
+        raise BadArgument(name, f"must be at most {MOST_PIXELS} pixels, got {number}")
     return number

@@ -15,7 +15,7 @@ from typing import Any, TypeVar, cast, no_type_check
 import numpy as np
 
 from laticauda.compiling import Target
-from laticauda.errors import MissingExtra
+from laticauda.errors import BadArgument, MissingExtra
 from laticauda.planar import rows
 from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
 from laticauda.planar.specialize import specialize
@@ -47,7 +47,7 @@ def march_many(
         ValueError: If there is no GPU that it can use.
     """
     if not cuda.is_available():
-        raise ValueError("`device` must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'.")
+        raise BadArgument("device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'")
     n_intervals = max(1, round(duration / sample_interval))
     at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
     for alike in kinds_of(runs, duration / n_intervals):

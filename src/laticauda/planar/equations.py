@@ -24,7 +24,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import not_negative, one_of, positive
+from laticauda.errors import BadArgument, not_negative, one_of, positive
 from laticauda.fluid.laws import DragLaw, Element, PolynomialDrag
 
 AddedMassForm = Literal["relative", "kirchhoff", "classic"]
@@ -75,7 +75,7 @@ class Chain:
         for name in (f.name for f in fields(self)):
             values, check = getattr(self, name), positive if name in _SOLID else not_negative
             if np.ndim(values) != 1 or np.shape(values) != np.shape(self.half_length):
-                raise ValueError(f"`{name}` must have one value per link, got shape {np.shape(values)}.")
+                raise BadArgument(name, f"must have one value per link, got shape {np.shape(values)}")
             for i, value in enumerate(values):
                 check(f"{name}[{i}]", value)
 
@@ -98,9 +98,9 @@ class Options:
         one_of("form", self.form, get_args(AddedMassForm))
         not_negative("wake_mass", self.wake_mass, "kg/m")
         if np.shape(self.current) != (2,) or not np.all(np.isfinite(self.current)):
-            raise ValueError(f"`current` must be 2 finite numbers in m/s, got {self.current}.")
+            raise BadArgument("current", f"must be 2 finite numbers in m/s, got {self.current}")
         if self.wake_mass > 0 and self.form != "kirchhoff":
-            raise ValueError(f"`wake_mass` must be 0 kg/m unless `form` is `kirchhoff`, got {self.wake_mass}.")
+            raise BadArgument("wake_mass", f"must be 0 kg/m unless `form` is `kirchhoff`, got {self.wake_mass}")
 
 
 class Matrices(NamedTuple):

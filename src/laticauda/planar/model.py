@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.errors import instance, not_negative, positive, within
+from laticauda.errors import BadArgument, instance, not_negative, positive, within
 from laticauda.fluid.laws import DragLaw
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
@@ -200,9 +200,10 @@ class PlanarPlant:
         expected = rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
         values = np.asarray(stored.get("planar", ()), dtype=float)
         if values.shape != (expected,):
-            raise ValueError(
-                f"`state` must be that of a planar run of {self.robot.n_links} links ({expected} numbers), "
-                f"got {values.size} numbers."
+            raise BadArgument(
+                "state",
+                f"must be that of a planar run of {self.robot.n_links} links ({expected} numbers), "
+                f"got {values.size} numbers",
             )
         return PlanarState(values=values)
 
@@ -210,9 +211,10 @@ class PlanarPlant:
         """All rows: the layout's parameters, the command, the state."""
         a, gait = self.layout, command.gait
         if gait.pitch is not None or command.pitch_offset != 0.0:
-            raise ValueError(
-                "`gait.pitch` must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
-                f"{'an offset of them' if gait.pitch is None else gait.pitch}."
+            raise BadArgument(
+                "gait.pitch",
+                "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
+                f"{'an offset of them' if gait.pitch is None else gait.pitch}",
             )
         check_fin(self.robot, gait)
         S = a.template.copy()
@@ -325,8 +327,9 @@ def _stable_step(robot: Robot, c: Coefficients, environment: Environment) -> flo
         for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
     )
     if not rate < 1.0 / LEAST_DT:
-        raise ValueError(
-            f"`environment` must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
-            f"within {1.0 / rate:.3g} s; lower its coefficients."
+        raise BadArgument(
+            "environment",
+            f"must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
+            f"within {1.0 / rate:.3g} s; lower its coefficients",
         )
     return 1.0 / rate if rate > 0.0 else math.inf

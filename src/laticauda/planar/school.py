@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import positive, whole
+from laticauda.errors import BadArgument, positive, whole
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import WIDTH, aligned
@@ -82,7 +82,7 @@ class School:
 
     def __init__(self, plant: PlanarPlant, command: Command, n: int, interval: float, *, threads: int = 1) -> None:
         if not isinstance(plant.environment, Water):
-            raise ValueError("`plant` must swim in water, got one on the ground.")
+            raise BadArgument("plant", "must swim in water, got one on the ground")
         self.plant, self.n = plant, whole("n", n, 1)
         self.interval = positive("interval", interval, "s")
         # One robot is faster in a kernel of one lane, and does the same in it.

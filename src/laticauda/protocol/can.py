@@ -14,6 +14,7 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
+from laticauda.errors import BadArgument
 from laticauda.extras import optional_import
 from laticauda.protocol.dbc import FILE, LAYOUTS
 from laticauda.protocol.layout import Packer
@@ -82,7 +83,7 @@ def encode(message: CanMessage) -> tuple[int, bytes]:
     kind = _KINDS[type(message)]
     number = kind.number(message)
     if not kind.first <= number <= kind.last:
-        raise ValueError(f"`node` must be a number from {kind.first} to {kind.last}, got {number}.")
+        raise BadArgument("node", f"must be a number from {kind.first} to {kind.last}, got {number}")
     return BASE[kind.name] + number, PACKERS[kind.name].packed(kind.signals(message))
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from laticauda.errors import positive, whole
+from laticauda.errors import BadArgument, positive, whole
 from laticauda.protocol.dbc import LAYOUTS, Layout
 from laticauda.protocol.messages import N_NODES, PER_FRAME
 
@@ -73,7 +73,7 @@ def frame_bits(n_bytes: int) -> int:
         Refuted, revisited and revised", Real-Time Systems 35, 2007, eq. (1).
     """
     if whole("n_bytes", n_bytes, 0) > 8:
-        raise ValueError(f"`n_bytes` must be <= 8, got {n_bytes}.")
+        raise BadArgument("n_bytes", f"must be <= 8, got {n_bytes}")
     return 8 * n_bytes + 47 + (34 + 8 * n_bytes - 1) // 4
 
 
@@ -93,7 +93,7 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
         ValueError: If an argument is out of its range.
     """
     if whole("n_nodes", n_nodes, 1) > N_NODES:
-        raise ValueError(f"`n_nodes` must be <= {N_NODES}, got {n_nodes}.")
+        raise BadArgument("n_nodes", f"must be <= {N_NODES}, got {n_nodes}")
     positive("rate", rate, "Hz")
     positive("bitrate", bitrate, "bit/s")
     kinds: list[tuple[Layout, int, float]] = []

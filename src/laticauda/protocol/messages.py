@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TypeAlias
 
-from laticauda.errors import LaticaudaError
+from laticauda.errors import BadArgument, LaticaudaError
 
 N_NODES = 18
 PER_FRAME = 4  # references in one frame
@@ -213,7 +213,7 @@ def references(angles: Sequence[float]) -> tuple[References, ...]:
         ValueError: If there are more joints than nodes, or none.
     """
     if not 1 <= len(angles) <= N_NODES:
-        raise ValueError(f"`angles` must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}.")
+        raise BadArgument("angles", f"must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}")
     padded = [float(angle) for angle in angles]
     padded += [0.0] * (-len(padded) % PER_FRAME)
     return tuple(

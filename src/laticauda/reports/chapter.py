@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from laticauda.errors import BadArgument
 from laticauda.files import write
 from laticauda.reports.page import Section
 from laticauda.reports.tables import Table
@@ -44,14 +45,14 @@ def writable_folder(folder: str | Path) -> Path:
     """
     path = Path(folder)
     if path.exists() and not path.is_dir():
-        raise ValueError(f"`folder` must be a folder, got the file {folder}.")
+        raise BadArgument("folder", f"must be a folder, got the file {folder}")
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):  # rights alone do not tell
             pass
     except OSError as error:
         why = (error.strerror or str(error)).lower()
-        raise ValueError(f"`folder` must be a folder that can be written, got {folder}: {why}.") from error
+        raise BadArgument("folder", f"must be a folder that can be written, got {folder}: {why}") from error
     return path
 
 

@@ -5,6 +5,8 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from laticauda.errors import BadArgument
+
 Cell = str | float | int | bool | None
 
 
@@ -39,7 +41,7 @@ class Table:
         """Check that every row has all its cells."""
         for i, row in enumerate(self.rows):
             if len(row) != len(self.columns):
-                raise ValueError(f"`rows[{i}]` must have {len(self.columns)} cells, one per column, got {len(row)}.")
+                raise BadArgument(f"rows[{i}]", f"must have {len(self.columns)} cells, one per column, got {len(row)}")
 
     @property
     def csv(self) -> str:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from laticauda.errors import BadArgument
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.files import KINDS, find, from_toml, preset_names
 from laticauda.robot.robot import Robot
@@ -74,6 +75,6 @@ def load_ground(name_or_path: str | Path) -> Ground:
 
 def _load(name_or_path: object, kind: str) -> Any:
     if not isinstance(name_or_path, str | Path):
-        raise ValueError(f"`name_or_path` must be a preset's name or a path, got {name_or_path!r}.")
+        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
     kind_of: type[Any] = KINDS[kind]
     return from_toml(find(name_or_path, kind), kind_of)

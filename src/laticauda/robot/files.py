@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, overload
 
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
-from laticauda.errors import RobotFileError, nearest
+from laticauda.errors import BadArgument, RobotFileError, nearest
 from laticauda.files import parse_toml, read_toml
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
@@ -54,7 +54,7 @@ def to_toml(thing: Described) -> str:
     import tomli_w
 
     if not isinstance(thing, tuple(KINDS.values())):
-        raise ValueError(f"`thing` must be a Robot, Water or Ground, got {type(thing).__name__}.")
+        raise BadArgument("thing", f"must be a Robot, Water or Ground, got {type(thing).__name__}")
     kind = next(word for word, found in KINDS.items() if isinstance(thing, found))
     return tomli_w.dumps(stamped(kind, encode(thing)))
 

@@ -180,7 +180,7 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
         0.17
     """
     if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ValueError(f"`name_or_path` must be a preset's name or a path, got {name_or_path!r}.")
+        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
     path = find(name_or_path, "parameter")
     with keys_of(path, RobotFileError):
         return _parameters(read_table(path))

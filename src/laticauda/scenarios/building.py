@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import instance, nearest, one_of
+from laticauda.errors import BadArgument, instance, nearest, one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Controller, Start
 from laticauda.robot import (
@@ -107,7 +107,7 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         if name in known:
             continue
         if name in {field.name for field in fields(Spatial)}:
-            raise ValueError(f"`{name}` must be left out unless `model` is `spatial`, got {given!r}.")
+            raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {given!r}")
         raise TypeError(f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}.")
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])

@@ -18,7 +18,7 @@ class Planar:
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("rad/s", "Of the reference generator's filters", default=10.0, gt=0.0)
+    offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
     ramp: float | None = quantity(
         "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
     )
@@ -34,7 +34,7 @@ class Spatial:
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("rad/s", "Of the reference generator's filters", default=10.0, gt=0.0)
+    offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
     ramp: float | None = quantity(
         "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
     )

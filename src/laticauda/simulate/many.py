@@ -9,7 +9,7 @@ from typing import TypeVar, Unpack, cast
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from laticauda.errors import instance, one_of, positive, whole
+from laticauda.errors import BadArgument, instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar import rows
@@ -160,7 +160,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
         ValueError: If they are not.
     """
     if not scenarios:
-        raise ValueError("`scenarios` must hold at least one item, got none.")
+        raise BadArgument("scenarios", "must hold at least one item, got none")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
     runs: list[Run] = []
     for i, one in enumerate(scenarios):
@@ -170,7 +170,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
             plants[key] = cast(PlanarPlant, plant(one))
         for name in ("duration", "sample_interval"):
             if getattr(one, name) != getattr(scenarios[0], name):
-                raise ValueError(f"`{name}` must be the same in all scenarios, got {getattr(one, name):g} s too.")
+                raise BadArgument(name, f"must be the same in all scenarios, got {getattr(one, name):g} s too")
         instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
         command = one.motion.command if isinstance(one.motion, OpenLoop) else Command(gait=one.gait)
         instance(f"scenarios[{i}].start", one.start, Start)
@@ -218,9 +218,10 @@ def collected(
     positive("duration", duration, "s")
     positive("sample_interval", sample_interval, "s")
     if duration > MOST_SAMPLES * sample_interval:
-        raise ValueError(
-            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}."
+        raise BadArgument(
+            "duration",
+            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}",
         )
     if threads is not None:
         whole("threads", threads, 1)
@@ -336,7 +337,7 @@ def _common_length(given: Mapping[str, object]) -> int:
     lengths = {name: len(cast(Sequence[object], value)) for name, value in given.items() if isinstance(value, Sequence)}
     if 0 in lengths.values():
         empty = next(name for name, length in lengths.items() if length == 0)
-        raise ValueError(f"`{empty}` must hold at least one item, got none.")
+        raise BadArgument(empty, "must hold at least one item, got none")
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{length} {name}" for name, length in lengths.items())
         raise ValueError(f"`{'`, `'.join(lengths)}` must be of equal length, got {listed}.")

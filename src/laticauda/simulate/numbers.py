@@ -17,6 +17,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.quantities import hints_of, quantities_of, texts_of
 from laticauda.robot import Environment, Water
 from laticauda.scenarios import Scenario
@@ -226,11 +227,11 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     # A module's or fin's own coefficient that is None is the water's.
     things = [getattr(environment, way[-1], None) if thing is None else thing for thing in things]
     if len(set(things)) > 1:
-        raise ValueError(
-            f"`{argument}` must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}."
+        raise BadArgument(
+            argument, f"must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}"
         )
     if things[0] is None:
-        raise ValueError(f"`{argument}` must be of numbers that the trial has, got `{name}`, which is None.")
+        raise BadArgument(argument, f"must be of numbers that the trial has, got `{name}`, which is None")
     return float(things[0])
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any, Unpack, cast
 
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
@@ -30,12 +30,13 @@ def plant(
         MissingExtra: If the model needs a package that is not installed.
     """
     if isinstance(robot, Experiment):
-        raise ValueError(f"`scenario` must be that of a simulated run to be run again; this one lacks {robot.lacks}.")
+        raise BadArgument("scenario", f"must be that of a simulated run to be run again; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
         for one in unknown_in(robot):
-            raise ValueError(
-                f"`scenario` cannot be run here: nobody has defined its `{one.kind}`; import the module that does, or "
-                "install the package that brings it."
+            raise BadArgument(
+                "scenario",
+                f"cannot be run here: nobody has defined its `{one.kind}`; import the module that does, or "
+                "install the package that brings it",
             )
         return _plant(robot.robot, robot.environment, robot.model)
     instance("robot", robot, Robot)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import SimulationFailed, instance
+from laticauda.errors import BadArgument, SimulationFailed, instance
 from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Resumed, Start
 from laticauda.packaging import __version__
 from laticauda.scenarios import Motion, Scenario
@@ -66,9 +66,10 @@ def run(
         sample_interval=sample_interval,
     )
     if duration > MOST_SAMPLES * sample_interval:
-        raise ValueError(
-            f"`duration` must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer."
+        raise BadArgument(
+            "duration",
+            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
+            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer",
         )
     controller.check(plant.robot)
     if isinstance(scenario.start, Resumed):
@@ -137,7 +138,7 @@ def resume(
         raise ValueError(f"`trial` must have run to its end and hold its final state; it says: {trial.status}")
     if controller is None:
         if trial.gait is None:
-            raise ValueError("`controller` must be given to go on with a trial that has no gait.")
+            raise BadArgument("controller", "must be given to go on with a trial that has no gait")
         controller = OpenLoop(command=Command(gait=trial.gait))
     start = Resumed(state=trial.state)
     return run(

@@ -8,7 +8,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import one_of
+from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
@@ -122,7 +122,7 @@ def sensitivities(
     from laticauda.simulate.many import batch_of, runs_of
 
     if isinstance(names, str) or not names:
-        raise ValueError(f"`names` must hold at least one name of a parameter, got {names!r}.")
+        raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
     runs = runs_of(scenarios)
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
@@ -162,7 +162,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
         raise ValueError(str(err).replace("`points`", "`names`", 1)) from None
     for parameter in found:
         if parameter.is_whole:
-            raise ValueError(f"`names` must be of numbers that may change a little, got `{parameter.name}`, a count.")
+            raise BadArgument("names", f"must be of numbers that may change a little, got `{parameter.name}`, a count")
     return found
 
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
@@ -43,10 +44,10 @@ def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
     """
     files = [Path(file) for file in meshes]
     if files and len(files) != n_links:
-        raise ValueError(f"`meshes` must be one file per module, {n_links}, or none, got {len(files)}.")
+        raise BadArgument("meshes", f"must be one file per module, {n_links}, or none, got {len(files)}")
     for file in files:
         if file.suffix.lower() not in SUFFIXES or not file.is_file():
-            raise ValueError(f"`meshes` must be files that exist and end in .stl or .obj, got {file}.")
+            raise BadArgument("meshes", f"must be files that exist and end in .stl or .obj, got {file}")
     return files
 
 

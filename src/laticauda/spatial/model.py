@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import mujoco_water as water
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.gaits import Wave
 from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
@@ -159,9 +160,10 @@ class SpatialPlant(SpatialSetup):
         expected = rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links
         values = np.asarray(stored.get("spatial", ()), dtype=float)
         if values.shape != (expected,):
-            raise ValueError(
-                f"`state` must be that of a spatial run of {self.robot.n_links} links with a {self.root} root "
-                f"({expected} numbers), got {values.size} numbers."
+            raise BadArgument(
+                "state",
+                f"must be that of a spatial run of {self.robot.n_links} links with a {self.root} root "
+                f"({expected} numbers), got {values.size} numbers",
             )
         return SpatialState(values=values)
 
@@ -220,9 +222,9 @@ class SpatialPlant(SpatialSetup):
         if command.gait.pitch is None and command.pitch_offset == 0.0:
             return
         if all(joint.axis == "yaw" for joint in self.robot.joints):
-            raise ValueError(f"`gait.pitch` must be None for a robot without pitch joints, got {command.gait.pitch}.")
+            raise BadArgument("gait.pitch", f"must be None for a robot without pitch joints, got {command.gait.pitch}")
         if self.root == "planar":
-            raise ValueError(f"`gait.pitch` must be None with a planar root, got {command.gait.pitch}.")
+            raise BadArgument("gait.pitch", f"must be None with a planar root, got {command.gait.pitch}")
 
     def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
         """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.

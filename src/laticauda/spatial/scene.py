@@ -3,7 +3,7 @@
 import math
 from typing import Any, Literal
 
-from laticauda.errors import one_of
+from laticauda.errors import BadArgument, one_of
 from laticauda.extras import load_mujoco
 from laticauda.robot import Environment, Ground
 
@@ -35,7 +35,7 @@ def add(
     if ground is not None:
         one_of("ground", ground, GROUNDS)
     if ground == "ramp" and (tank or isinstance(environment, Ground)):
-        raise ValueError("`ground` must not be `ramp` in the tank or without water: it leads down into open water.")
+        raise BadArgument("ground", "must not be `ramp` in the tank or without water: it leads down into open water")
     dressed = visuals and (tank or ground is not None)
     if dressed:
         _add_materials(model)

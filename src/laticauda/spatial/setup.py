@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.errors import finite, instance, not_negative, one_of, positive, within
+from laticauda.errors import BadArgument, finite, instance, not_negative, one_of, positive, within
 from laticauda.robot import Environment, Ground, Robot, check_fits
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf
@@ -51,11 +51,11 @@ class SpatialSetup:
         check_fits(self.robot, self.environment)
         instance("shore", self.shore, Ground, type(None))
         if self.shore is not None and (self.tank or isinstance(self.environment, Ground)):
-            raise ValueError("`shore` must be None in the tank or without water, got a Ground.")
+            raise BadArgument("shore", "must be None in the tank or without water, got a Ground")
         if isinstance(self.environment, Ground) and self.root == "free" and not self.gravity:
-            raise ValueError("`root` must be `planar` on the ground without `gravity`, got 'free'.")
+            raise BadArgument("root", "must be `planar` on the ground without `gravity`, got 'free'")
         if self.shore is not None and not (self.root == "free" and self.gravity):
-            raise ValueError("`root` must be `free`, with `gravity`, for a robot that begins on a shore.")
+            raise BadArgument("root", "must be `free`, with `gravity`, for a robot that begins on a shore")
         if self.dt is not None:
             object.__setattr__(self, "dt", within("dt", self.dt, LEAST_DT, 1e3, "s"))
         object.__setattr__(self, "offset_bandwidth", positive("offset_bandwidth", self.offset_bandwidth, "rad/s"))

@@ -8,7 +8,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.robot import Joint, Module, Robot
 from laticauda.spatial.appearance import MATERIALS, Box, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
@@ -30,7 +30,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     """
     instance("robot", robot, Robot)
     if meshes and len(meshes) != robot.n_links:
-        raise ValueError(f"`meshes` must be one file per module, {robot.n_links}, or none, got {len(meshes)}.")
+        raise BadArgument("meshes", f"must be one file per module, {robot.n_links}, or none, got {len(meshes)}")
     root = ET.Element("robot", name=robot.name)
     ET.SubElement(ET.SubElement(root, "mujoco"), "compiler", MUJOCO)
     for name in SHOWN:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.fluid.laws import CoulombFriction, ViscousFriction
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.mujoco_water.elements import Element
@@ -76,7 +77,7 @@ def contact(mass: float, ground: Ground) -> Contact:
     weight = mass * ground.gravity
     law = ground.friction
     if not isinstance(law, CoulombFriction | ViscousFriction):
-        raise ValueError(f"`friction` must be coulomb or viscous where a robot lies with its weight, got {law.words}.")
+        raise BadArgument("friction", f"must be coulomb or viscous where a robot lies with its weight, got {law.words}")
     dry = law.of_weight
     return Contact(
         stiffness=0.5 * weight / SINK,

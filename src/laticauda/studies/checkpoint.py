@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.files import write
 from laticauda.studies.folder import check_same, storage
 from laticauda.studies.optimization import VIOLATION
@@ -58,10 +59,10 @@ class Checkpoint:
                 stored: Any = json.loads(str(file[DEFINITION]))
                 points, columns = file[POINTS], {name: file[name] for name in COLUMNS}
         except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise ValueError(f"`folder` must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}.") from error
+            raise BadArgument("folder", f"must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}") from error
         check_same(self.folder, JOB, stored, self.definition)
         if points.ndim != 2 or any(len(column) != len(points) for column in columns.values()):
-            raise ValueError(f"`folder` must hold a whole `{CHECKPOINT}`, got {self.folder}.")
+            raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
         self.points, self.found = [points], [columns]
 
     @property

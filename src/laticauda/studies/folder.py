@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.errors import StorageFailed
+from laticauda.errors import BadArgument, StorageFailed
 
 FORMAT = 2
 """Of the definitions: 1, without a number, held no scenario."""
@@ -35,7 +35,7 @@ def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
     try:
         return json.loads(json.dumps({"format": FORMAT, **definition}, allow_nan=False))
     except TypeError as error:
-        raise ValueError(f"`scenario` must be one that a file can hold: {error}.") from error
+        raise BadArgument("scenario", f"must be one that a file can hold: {error}") from error
 
 
 def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
@@ -51,15 +51,16 @@ def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[
         ValueError: If they differ; the message says in what.
     """
     if stored.get("format") != FORMAT:
-        raise ValueError(
-            f"`folder` must be empty, or hold this {job}, got {path} with one that another release of laticauda began: "
-            "take another folder, or go on with that release; the results of a sweep can still be read."
+        raise BadArgument(
+            "folder",
+            f"must be empty, or hold this {job}, got {path} with one that another release of laticauda began: "
+            "take another folder, or go on with that release; the results of a sweep can still be read",
         )
     found = list(_differences(stored, wanted))
     if found:
         more = f" and {len(found) - MOST_DIFFERENCES} more" if len(found) > MOST_DIFFERENCES else ""
         listed = "; ".join(found[:MOST_DIFFERENCES]) + more
-        raise ValueError(f"`folder` must be empty, or hold this {job}, got {path} with another one: {listed}.")
+        raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with another one: {listed}")
 
 
 @contextmanager
@@ -76,7 +77,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
         StorageFailed: If it cannot be made.
     """
     if path.exists() and not path.is_dir():
-        raise ValueError(f"`folder` must be a folder, got the file {path}.")
+        raise BadArgument("folder", f"must be a folder, got the file {path}")
     with storage(path, "0 trials are stored"):
         path.mkdir(parents=True, exist_ok=True)
     if not (path / mark).exists():
@@ -84,7 +85,7 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
         others = sorted(file.name for file in path.iterdir() if file not in unfinished)
         if others:
             listed = ", ".join(others[:MOST_DIFFERENCES]) + (", ..." if len(others) > MOST_DIFFERENCES else "")
-            raise ValueError(f"`folder` must be empty, or hold this {job}, got {path} with {listed}.")
+            raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with {listed}")
     with _locked(path):
         for left in path.glob(_UNFINISHED):
             left.unlink(missing_ok=True)
@@ -127,7 +128,7 @@ def _locked(path: Path) -> Generator[None]:
         fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         os.close(folder)
-        raise ValueError(f"`folder` must be one that no other process writes to now, got {path}.") from error
+        raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
     except OSError:
         pass  # a file system without locks
     try:

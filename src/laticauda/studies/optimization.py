@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import finite, one_of, positive
+from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
 from laticauda.studies.trials import (
@@ -71,7 +71,7 @@ class Optimization:
         for name in wanted:
             one_of("objectives", name, OBJECTIVES)
         if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
-            raise ValueError(f"`objectives` must be one, or two that differ, got {', '.join(wanted) or 'none'}.")
+            raise BadArgument("objectives", f"must be one, or two that differ, got {', '.join(wanted) or 'none'}")
         object.__setattr__(self, "objectives", wanted)
         if self.joint_rate_limit is not None:
             positive("joint_rate_limit", self.joint_rate_limit, "rad/s")
@@ -168,13 +168,13 @@ def _beyond(scenario: Scenario, joint_rate_limit: float | None) -> float:
 
 def _checked(bounds: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
     if not bounds:
-        raise ValueError("`bounds` must name at least one parameter, got none.")
+        raise BadArgument("bounds", "must name at least one parameter, got none")
     found: dict[str, tuple[float, float]] = {}
     for name, ends in bounds.items():
         if len(ends) != 2:
-            raise ValueError(f"`bounds` must be a low and a high value of `{name}`, got {len(ends)} numbers.")
+            raise BadArgument("bounds", f"must be a low and a high value of `{name}`, got {len(ends)} numbers")
         low, high = finite(name, ends[0]), finite(name, ends[1])
         if not low < high:
-            raise ValueError(f"`bounds` must have low < high, got {low:g} and {high:g} for `{name}`.")
+            raise BadArgument("bounds", f"must have low < high, got {low:g} and {high:g} for `{name}`")
         found[name] = low, high
     return found

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from laticauda.errors import instance, whole
+from laticauda.errors import BadArgument, instance, whole
 from laticauda.studies.checkpoint import CHECKPOINT, JOB, Checkpoint
 from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, unbeaten
@@ -89,9 +89,10 @@ def _search(
         stop = n_done + len(generation)
         known, figures = remembered[n_done:stop], {name: column[n_done:stop] for name, column in figures_before.items()}
         if not np.array_equal(known, generation[: len(known)]):
-            raise ValueError(
-                f"`folder` must hold a `{CHECKPOINT}` that this computer can repeat, got {memory.folder}, where the "
-                f"search went another way after {n_done} trials; it may be from another kind of computer."
+            raise BadArgument(
+                "folder",
+                f"must hold a `{CHECKPOINT}` that this computer can repeat, got {memory.folder}, where the "
+                f"search went another way after {n_done} trials; it may be from another kind of computer",
             )
         new = generation[len(known) : n_points]
         if len(new):

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import finite, whole
+from laticauda.errors import BadArgument, finite, whole
 from laticauda.extras import optional_import
 
 Values = Float[np.ndarray, " n_values"]
@@ -42,7 +42,7 @@ class Grid:
         object.__setattr__(self, "values", _checked(self.values, "values"))
         for name, values in self.values.items():
             if len(set(values)) < len(values):
-                raise ValueError(f"`{name}` must have different values in a grid, got one of them twice.")
+                raise BadArgument(name, "must have different values in a grid, got one of them twice")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -98,7 +98,7 @@ class Rows:
         lengths = {name: len(values) for name, values in self.values.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-            raise ValueError(f"`values` must have as many values of one parameter as of another, got {listed}.")
+            raise BadArgument("values", f"must have as many values of one parameter as of another, got {listed}")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -166,12 +166,12 @@ class Samples:
     def __post_init__(self) -> None:
         """Check every field once."""
         if not self.ranges:
-            raise ValueError("`ranges` must name at least one parameter, got none.")
+            raise BadArgument("ranges", "must name at least one parameter, got none")
         checked: dict[str, tuple[float, float]] = {}
         for name, (low, high) in self.ranges.items():
             checked[name] = finite(name, low), finite(name, high)
             if not low < high:
-                raise ValueError(f"`{name}` must have a range with low < high, got {low} and {high}.")
+                raise BadArgument(name, f"must have a range with low < high, got {low} and {high}")
         object.__setattr__(self, "ranges", checked)
         object.__setattr__(self, "n_points", whole("n_points", self.n_points, 1))
         object.__setattr__(self, "seed", whole("seed", self.seed, 0))
@@ -231,13 +231,13 @@ def _halton(n_names: int, seed: int) -> Any:
 
 def _checked(values: Mapping[str, Any], argument: str) -> dict[str, Values]:
     if not values:
-        raise ValueError(f"`{argument}` must name at least one parameter, got none.")
+        raise BadArgument(argument, "must name at least one parameter, got none")
     found: dict[str, Values] = {}
     for name, given in values.items():
         if isinstance(given, str) or not hasattr(given, "__len__"):
-            raise ValueError(f"`{name}` must be a list of numbers, got {given!r}.")
+            raise BadArgument(name, f"must be a list of numbers, got {given!r}")
         if len(given) == 0:
-            raise ValueError(f"`{name}` must have at least one value, got none.")
+            raise BadArgument(name, "must have at least one value, got none")
         array: Any = np.array(given)
         if array.ndim != 1 or array.dtype.kind not in "iuf":
             array = np.array([finite(f"{name}[{i}]", value) for i, value in enumerate(given)])

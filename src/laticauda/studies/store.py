@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.extras import optional_import
 from laticauda.files import read_text, write
 from laticauda.simulate.numbers import parameters
@@ -90,9 +91,9 @@ class Store:
                 group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
             done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
             if done.size != regions.count:
-                raise ValueError(f"`folder` must hold whole files, got a `{DONE}` of {done.size} bytes in {path}.")
+                raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
             if done.any() and not resume:
-                raise ValueError(f"`folder` must have no results yet unless `resume` is set, got {path}.")
+                raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
             return cls(
                 folder=path,
                 sweep=sweep,
@@ -143,7 +144,7 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
     path = Path(folder)
     regions = regions_of(path)
     if not (path / DONE).exists():
-        raise ValueError(f"`folder` must hold the results of a sweep, got {folder}.")
+        raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
     done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
     dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
     dataset = dataset[list(QUANTITIES)]  # in our order
@@ -175,7 +176,7 @@ def regions_of(folder: str | Path) -> Regions:
     """
     found = _definition(Path(folder))
     if found is None:
-        raise ValueError(f"`folder` must hold the results of a sweep, got {folder}.")
+        raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
     return Regions(shape=tuple(found["shape"]), block=tuple(found[BLOCK]))
 
 
@@ -186,9 +187,9 @@ def _definition(path: Path) -> dict[str, Any] | None:
     try:
         found = json.loads(read_text(file))
     except ValueError as error:
-        raise ValueError(f"`folder` must hold a readable `{DEFINITION}`, got {path}: {error}.") from error
+        raise BadArgument("folder", f"must hold a readable `{DEFINITION}`, got {path}: {error}") from error
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
-        raise ValueError(f"`folder` must hold a `{DEFINITION}` of a sweep, got {path} with another one.")
+        raise BadArgument("folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one")
     return cast("dict[str, Any]", found)
 
 

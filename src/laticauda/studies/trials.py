@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from laticauda.codec import encode
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.extensions import name_of
 from laticauda.packaging import __version__
 from laticauda.scenarios import Planar, Scenario
@@ -94,9 +94,8 @@ def check_ranges(scenario: Scenario, ranges: Mapping[str, tuple[float, float]], 
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             reason = str(error).replace("`", "")  # these are no arguments of the caller
-            raise ValueError(
-                f"`{argument}` must be within the bounds of what is swept, got {listed}: {reason}"
-            ) from error
+            rule = f"must be within the bounds of what is swept, got {listed}: {reason.removesuffix('.')}"
+            raise BadArgument(argument, rule) from error
 
 
 def swim_points(

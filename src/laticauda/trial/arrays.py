@@ -6,6 +6,8 @@ from typing import TypeAlias, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
+from laticauda.errors import BadArgument
+
 # The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 Plane: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
@@ -26,14 +28,14 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
     except ValueError:  # rows of different lengths
         given = np.empty((), dtype=object)
     if given.dtype.kind not in "iuf":
-        raise ValueError(f"`{name}` must be an array of numbers, got {type(values).__name__} of {given.dtype}.")
+        raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
     array = np.asarray(given, dtype=np.float64, order="C")
     wanted = tuple("any" if n is None else str(n) for n in shape)
     if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
-        raise ValueError(f"`{name}` must have shape ({', '.join(wanted)}), got {array.shape}.")
+        raise BadArgument(name, f"must have shape ({', '.join(wanted)}), got {array.shape}")
     if not np.all(np.isfinite(array)):
         row = int(np.argwhere(~np.isfinite(array))[0][0])
-        raise ValueError(f"`{name}` must hold finite numbers only, got {array[row]} at sample {row}.")
+        raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
     return _read_only(array, values)
 
 
@@ -41,11 +43,11 @@ def times(name: str, values: object) -> Samples:
     """`values` as read-only moments, at least one, strictly increasing."""
     time = floats(name, values, (None,))
     if time.size < 1:
-        raise ValueError(f"`{name}` must have at least 1 sample, got 0.")
+        raise BadArgument(name, "must have at least 1 sample, got 0")
     increases = np.diff(time) > 0.0
     if not np.all(increases):
         i = int(np.argmin(increases))
-        raise ValueError(f"`{name}` must increase strictly, got {time[i]} s and then {time[i + 1]} s.")
+        raise BadArgument(name, f"must increase strictly, got {time[i]} s and then {time[i + 1]} s")
     return time
 
 
@@ -64,7 +66,7 @@ def signals(value: object, n_samples: int) -> dict[str, Samples]:
 def mapping(name: str, value: object) -> Mapping[str, object]:
     """`value` as a mapping from names that can be those of variables in a file."""
     if not isinstance(value, Mapping):
-        raise ValueError(f"`{name}` must map names to values, got {type(value).__name__}.")
+        raise BadArgument(name, f"must map names to values, got {type(value).__name__}")
     items = cast("Mapping[object, object]", value)
     return {_key(name, key): item for key, item in items.items()}
 
@@ -82,7 +84,7 @@ def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]
     given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
     for one in given:
         if one not in choices:
-            raise ValueError(f"`{name}` must hold only {', '.join(choices)}, got {one!r}.")
+            raise BadArgument(name, f"must hold only {', '.join(choices)}, got {one!r}")
     return tuple(choice for choice in choices if choice in given)
 
 
@@ -101,7 +103,7 @@ def same(one: object, other: object) -> bool:
 
 def _key(field: str, name: object) -> str:
     if not isinstance(name, str) or not name.isidentifier():
-        raise ValueError(f"`{field}` must have names of letters, digits and underscores as keys, got {name!r}.")
+        raise BadArgument(field, f"must have names of letters, digits and underscores as keys, got {name!r}")
     return name
 
 

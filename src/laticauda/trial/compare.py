@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from laticauda.angles import wrap_to_pi
+from laticauda.errors import BadArgument
 from laticauda.trial.figures import FIGURES, Figure, figures
 from laticauda.trial.trial import Trial
 
@@ -44,7 +45,7 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
         ValueError: If there are fewer than two trials.
     """
     if len(trials) < 2:
-        raise ValueError(f"`trials` must hold at least 2 trials to compare, got {len(trials)}.")
+        raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(trials)}")
     columns = [figures(trial)[0] for trial in trials]
     # A mechanical and an electrical power differ by a factor of ten: side by side they would mislead.
     mixed = len({trial.mean_power_kind for trial in trials}) > 1

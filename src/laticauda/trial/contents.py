@@ -4,7 +4,7 @@ import dataclasses
 import datetime
 from collections.abc import Mapping
 
-from laticauda.errors import flag, instance, text
+from laticauda.errors import BadArgument, flag, instance, text
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water
 from laticauda.scenarios import Experiment, Scenario
@@ -126,7 +126,7 @@ class Contents:
         center_of_mass = arrays.floats("center_of_mass", self.center_of_mass, (n, None))
         n_axes = center_of_mass.shape[1]
         if n_axes not in (2, 3):
-            raise ValueError(f"`center_of_mass` must have 2 or 3 columns, got {n_axes}.")
+            raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
         n_links = (self.robot if n_axes == 3 else self.robot.planar()).n_links
 
         shapes: dict[str, tuple[int, ...]] = {

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Inexact
 
+from laticauda.errors import BadArgument
+
 Time = Float[np.ndarray, " n_samples"]
 Signal = Float[np.ndarray, "n_samples ..."]
 Points = Float[np.ndarray, "n_points ..."]
@@ -57,15 +59,16 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     rest = duration - max(duration / 3.0, TRANSIENT)
     if period is None:
         if rest <= 0.0:
-            raise ValueError(f"`time` must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s.")
+            raise BadArgument("time", f"must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s")
         return SteadyPart(stop - rest, stop, None)
     _refuse_coarse(time, period)
     n_cycles = int(np.floor(rest / period + _ROUNDING)) if rest > 0.0 else 0
     if n_cycles < 1:
         least = max(TRANSIENT + period, 1.5 * period)
-        raise ValueError(
-            f"`time` must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third, "
-            f"then one whole cycle of {period:.4g} s; got {duration:.6g} s."
+        raise BadArgument(
+            "time",
+            f"must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third, "
+            f"then one whole cycle of {period:.4g} s; got {duration:.6g} s",
         )
     return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
 
@@ -169,8 +172,8 @@ def cycle_middles(time: Time, period: float) -> Middles:
     if not middle.size and time[-1] - time[0] >= period - slack:
         middle = np.array([0.5 * (time[0] + time[-1])])
     if not middle.size:
-        raise ValueError(
-            f"`time` must span at least one gait cycle of {period:.4g} s, got {float(time[-1] - time[0]):.6g} s."
+        raise BadArgument(
+            "time", f"must span at least one gait cycle of {period:.4g} s, got {float(time[-1] - time[0]):.6g} s"
         )
     return middle
 
@@ -190,10 +193,11 @@ def direction(displacement: Float[np.ndarray, "n_points n_axes"]) -> Float[np.nd
 
 def _refuse_coarse(time: Time, period: float) -> None:
     if time.size < 2:
-        raise ValueError(f"`time` must have at least 2 samples, got {time.size}.")
+        raise BadArgument("time", f"must have at least 2 samples, got {time.size}")
     step = float(time[-1] - time[0]) / (time.size - 1)
     if step * SAMPLES_PER_CYCLE > period * (1.0 + _ROUNDING):
-        raise ValueError(
-            f"`time` must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s, "
-            f"got one every {step:.4g} s."
+        raise BadArgument(
+            "time",
+            f"must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s, "
+            f"got one every {step:.4g} s",
         )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from laticauda.codec import decode, keys_of
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water, from_toml
 from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
@@ -266,5 +267,5 @@ def _gait(table: Any) -> Gait:
 def _environment(text: str) -> Water | Ground:
     read = from_toml(text)
     if isinstance(read, Robot):
-        raise ValueError("`environment` must be water or ground, got a robot.")
+        raise BadArgument("environment", "must be water or ground, got a robot")
     return read

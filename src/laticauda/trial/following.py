@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import positive
+from laticauda.errors import BadArgument, positive
 from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
 from laticauda.trial.trial import Trial
 
@@ -120,7 +120,7 @@ def saturated_share(time: Time, is_saturated: Time) -> float:
         ValueError: If there are fewer than two samples.
     """
     if time.size < 2:
-        raise ValueError(f"`time` must have at least 2 samples for a share of time, got {time.size}.")
+        raise BadArgument("time", f"must have at least 2 samples for a share of time, got {time.size}")
     return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
 
 
@@ -146,7 +146,7 @@ def summary(trial: Trial) -> dict[str, float | None]:
         ValueError: If the trial has no such signals.
     """
     if "cross_track_error" not in trial.signals:
-        raise ValueError("`trial` must be a run that followed a path: it has no signal `cross_track_error`.")
+        raise BadArgument("trial", "must be a run that followed a path: it has no signal `cross_track_error`")
     found: dict[str, float | None] = dict.fromkeys(FIGURES)
     time, error = trial.time, trial.signals["cross_track_error"]
     period = trial.period
@@ -177,7 +177,7 @@ def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
 
 def _rate(time: Time, signal: Time) -> Time:
     if time.size < 3:
-        raise ValueError(f"`time` must have at least 3 samples for a mean over a cycle, got {time.size}.")
+        raise BadArgument("time", f"must have at least 3 samples for a mean over a cycle, got {time.size}")
     return np.asarray(np.gradient(signal, time), dtype=np.float64)
 
 
@@ -186,7 +186,7 @@ def _since(begin: float, middle: Middles, start: float) -> Bool[np.ndarray, " n_
     inside = middle - begin >= start
     if not np.any(inside):
         last = float(middle[-1] - begin)
-        raise ValueError(f"`start` must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s.")
+        raise BadArgument("start", f"must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s")
     return inside
 
 

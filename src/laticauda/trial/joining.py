@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial.trial import Trial
@@ -76,13 +77,13 @@ def _check_belong(first: Trial, second: Trial) -> None:
         raise ValueError(f"`first` must have reached its end, got a failed run: {first.status}")
     for name in ("robot", "gait", "environment"):
         if getattr(first, name) != getattr(second, name):
-            raise ValueError(f"`second` must have the same `{name}` as `first`.")
+            raise BadArgument("second", f"must have the same `{name}` as `first`")
     if _logged(first) != _logged(second):
-        raise ValueError("`second` must log the same as `first`: electrical work, link forces, signals, or not.")
+        raise BadArgument("second", "must log the same as `first`: electrical work, link forces, signals, or not")
     for name in _CONTINUED:
         gap = np.max(np.abs(getattr(second, name)[0] - getattr(first, name)[-1]), initial=0.0)
         if gap > _TOLERANCE:
-            raise ValueError(f"`second` must begin where `first` ends, but `{name}` jumps by {gap:.3g}.")
+            raise BadArgument("second", f"must begin where `first` ends, but `{name}` jumps by {gap:.3g}")
 
 
 def _logged(trial: Trial) -> tuple[bool, set[str], set[str]]:

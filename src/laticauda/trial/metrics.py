@@ -7,7 +7,7 @@ stood still or a steady velocity of a run of two seconds, they raise a `ValueErr
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import positive
+from laticauda.errors import BadArgument, positive
 from laticauda.fluid.laws import Element
 from laticauda.kinematics import trailing_edge
 from laticauda.robot import Ground, Robot, Water
@@ -38,7 +38,7 @@ def duration(time: Time) -> float:
         ValueError: If it has fewer than two samples.
     """
     if time.size < 2:
-        raise ValueError(f"`time` must have at least 2 samples for a mean over time, got {time.size}.")
+        raise BadArgument("time", f"must have at least 2 samples for a mean over time, got {time.size}")
     return float(time[-1] - time[0])
 
 
@@ -131,9 +131,10 @@ def sideslip(
     traveled = course_cycle_mean(time, center_of_mass, velocity, period).value
     pointed = cycle_mean(time, heading, heading_rate, period).value
     if not np.any(inside):
-        raise ValueError(
-            "`time` must hold the middle of a whole gait cycle after the transient for a sideslip: "
-            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least."
+        raise BadArgument(
+            "time",
+            "must hold the middle of a whole gait cycle after the transient for a sideslip: "
+            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least",
         )
     angle = (traveled - pointed)[inside]
     # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
@@ -155,9 +156,10 @@ def turning_rate(time: Time, heading: Time, heading_rate: Time, period: float) -
     part = steady_part(time, period)
     inside = _in_steady_part(time, period)
     if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
-        raise ValueError(
-            "`time` must span at least two gait cycles after the transient for a turning rate; "
-            f"got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s."
+        raise BadArgument(
+            "time",
+            "must span at least two gait cycles after the transient for a turning rate; "
+            f"got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s",
         )
     mean = cycle_mean(time, heading, heading_rate, period)
     t, value = mean.time[inside], mean.value[inside]
@@ -312,7 +314,7 @@ def quasi_propulsive_efficiency(towing_drag: float, speed: float, mechanical_pow
         ValueError: If the joints did no work.
     """
     if not mechanical_power > 0.0:
-        raise ValueError(f"`mechanical_power` must be > 0 W for an efficiency, got {mechanical_power}.")
+        raise BadArgument("mechanical_power", f"must be > 0 W for an efficiency, got {mechanical_power}")
     return towing_drag * speed / mechanical_power
 
 

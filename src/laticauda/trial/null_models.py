@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from laticauda.errors import BadArgument
 from laticauda.gaits import GAIT_WORDS, Gait
 
 Values = Float[np.ndarray, " n_rows"]
@@ -135,7 +136,7 @@ def predict(
     groups = sorted({row.group for row in rows})
     unknown = sorted({row.group for row in others} - set(groups))
     if unknown:
-        raise ValueError(f"`rows` must hold every group of `others`, got none of {', '.join(unknown)}.")
+        raise BadArgument("rows", f"must hold every group of `others`, got none of {', '.join(unknown)}")
     if name == MEAN_STRIDE:
         stride = measured / np.array([row.gait.frequency for row in rows])
         means = {
@@ -159,7 +160,7 @@ def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) 
         ValueError: If there is no value, the numbers of values differ, or a measured one is not > 0.
     """
     if measured.size == 0 or measured.shape != predicted.shape:
-        raise ValueError(f"`predicted` must have {measured.size} values, at least 1, got {predicted.size}.")
+        raise BadArgument("predicted", f"must have {measured.size} values, at least 1, got {predicted.size}")
     if not np.all(measured > 0.0):
-        raise ValueError(f"`measured` must be > 0, got {np.min(measured)}.")
+        raise BadArgument("measured", f"must be > 0, got {np.min(measured)}")
     return 100.0 * float(np.mean(np.abs(predicted - measured) / measured))

@@ -31,6 +31,7 @@ from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
 from laticauda.compiling.sources import sources_digest
+from laticauda.errors import BadArgument
 from laticauda.files import write
 from laticauda.fluid.laws import MOTION, DragLaw, Element
 from laticauda.planar.rows import VX, VY
@@ -98,7 +99,7 @@ def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     """
     if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
         here = f"{sys.platform} on {platform.machine()}"
-        raise ValueError(f"`fmu` must be made on Linux on an x86-64 processor, for which it will be, got {here}.")
+        raise BadArgument("fmu", f"must be made on Linux on an x86-64 processor, for which it will be, got {here}")
     kept = _kept(law, joints)
     try:
         return kept.read_bytes()

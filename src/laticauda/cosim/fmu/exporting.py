@@ -11,7 +11,7 @@ from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
 from laticauda.cosim.fmu.linking import FOLDER, c_compiler, digest, library, tables_in_c
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
-from laticauda.errors import instance, one_of
+from laticauda.errors import BadArgument, instance, one_of
 from laticauda.extensions import name_of
 from laticauda.files import write
 from laticauda.gaits import Gait
@@ -68,7 +68,7 @@ def export_fmu(
     """
     file = Path(path)
     if file.suffix.lower() != ".fmu":
-        raise ValueError(f"`path` must be a file that ends in .fmu, got {path}.")
+        raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
     one_of("inputs", inputs, INPUTS)
     one_of("fmi", fmi, VERSIONS)
     instance("gait", gait, Gait)
@@ -83,9 +83,9 @@ def export_fmu(
     )
     assert isinstance(body, PlanarPlant)
     if inputs == "references" and body.joints.prescribed:
-        raise ValueError(
-            "`inputs` must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, "
-            "got 'references'."
+        raise BadArgument(
+            "inputs",
+            "must be 'gait' for prescribed joints, which cannot jump; pd and servo joints can, got 'references'",
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.cosim.gym.environments import SwimmingVectorEnv
-from laticauda.errors import MissingExtra, instance
+from laticauda.errors import BadArgument, MissingExtra, instance
 
 try:
     from stable_baselines3.common.vec_env.base_vec_env import VecEnv
@@ -33,7 +33,7 @@ class StableBaselines(VecEnv):
     def __init__(self, envs: SwimmingVectorEnv) -> None:
         instance("envs", envs, SwimmingVectorEnv)
         if envs.autoreset_mode.value != "SameStep":
-            raise ValueError(f"`envs.autoreset_mode` must be `SameStep`, got {envs.autoreset_mode.value!r}.")
+            raise BadArgument("envs.autoreset_mode", f"must be `SameStep`, got {envs.autoreset_mode.value!r}")
         self.envs, self.render_mode = envs, None
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
@@ -70,7 +70,7 @@ class StableBaselines(VecEnv):
         Raises:
             ValueError: Always.
         """
-        raise ValueError(f"`{attr_name}` must be given when the environment is made: its lanes share it.")
+        raise BadArgument(attr_name, "must be given when the environment is made: its lanes share it")
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
         """Refused, for the same reason. Arguments as for `VecEnv`.
@@ -78,7 +78,7 @@ class StableBaselines(VecEnv):
         Raises:
             ValueError: Always.
         """
-        raise ValueError(f"`{method_name}` must be called on `envs`: its lanes are no environments of their own.")
+        raise BadArgument(method_name, "must be called on `envs`: its lanes are no environments of their own")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """They never are. Arguments as for `VecEnv`."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from laticauda.cosim.gym.swimming import Numbers, Range, Sight, Step, Swimming, settle, settle_ends
-from laticauda.errors import not_negative, positive
+from laticauda.errors import BadArgument, not_negative, positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +53,10 @@ class Efficiency(Swimming):
         for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
             room = joint.limit - abs(self.gait.offset)
             if abs(g) * self.amplitudes[1] > room:
-                raise ValueError(
-                    f"`amplitudes[1]` must be <= {room / abs(g):.4g} rad, or joint {i} goes beyond its limit of "
-                    f"{joint.limit:.4g} rad; got {self.amplitudes[1]}."
+                raise BadArgument(
+                    "amplitudes[1]",
+                    f"must be <= {room / abs(g):.4g} rad, or joint {i} goes beyond its limit of "
+                    f"{joint.limit:.4g} rad; got {self.amplitudes[1]}",
                 )
 
     @property

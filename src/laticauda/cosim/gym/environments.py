@@ -20,7 +20,7 @@ from laticauda.cosim.gym.following import PathFollowing
 from laticauda.cosim.gym.station import StationKeeping
 from laticauda.cosim.gym.swimming import Swimming
 from laticauda.cosim.messages import known
-from laticauda.errors import one_of, whole
+from laticauda.errors import BadArgument, one_of, whole
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
 _NOT_BEGUN = "`reset` must be called before the first `step`."
@@ -38,7 +38,7 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
     """
     if isinstance(task, Swimming):
         if settings:
-            raise ValueError(f"`task` must be a name where fields of it are given, got {task} and {set(settings)}.")
+            raise BadArgument("task", f"must be a name where fields of it are given, got {task} and {set(settings)}")
         return task
     kind = TASKS[one_of("task", task, tuple(TASKS))]
     known(f"`{task}`", settings, [field.name for field in dataclasses.fields(kind)])
@@ -58,7 +58,7 @@ def _checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
         numbers = np.array(np.nan)
     if numbers.shape != shape or not np.isfinite(numbers).all():
         wrong = "one that is not finite" if numbers.shape == shape else f"shape {np.shape(numbers)}"
-        raise ValueError(f"`action` must be finite numbers of shape {shape}, got {wrong}.")
+        raise BadArgument("action", f"must be finite numbers of shape {shape}, got {wrong}")
     return numbers
 
 
@@ -80,7 +80,7 @@ class SwimmingEnv(gymnasium.Env):
         self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
     ) -> None:
         if render_mode is not None:
-            raise ValueError(f"`render_mode` must be None, got {render_mode!r}.")
+            raise BadArgument("render_mode", f"must be None, got {render_mode!r}")
         self.task = task_of(task, settings)
         self.episodes = Episodes(self.task, 1)
         self.observation_space, self.action_space = _spaces(self.task)
@@ -161,7 +161,7 @@ class SwimmingVectorEnv(VectorEnv):
         **settings: Any,
     ) -> None:
         if render_mode is not None:
-            raise ValueError(f"`render_mode` must be None, got {render_mode!r}.")
+            raise BadArgument("render_mode", f"must be None, got {render_mode!r}")
         mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
         self.autoreset_mode = AutoresetMode(one_of("autoreset_mode", mode, [each.value for each in AutoresetMode]))
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
@@ -220,7 +220,7 @@ class SwimmingVectorEnv(VectorEnv):
         waiting = self._is_over
         if self.autoreset_mode is AutoresetMode.DISABLED and waiting.any():
             lanes = np.flatnonzero(waiting).tolist()
-            raise ValueError(f"`reset` must be called with a `reset_mask` for the lanes that are over, {lanes}.")
+            raise BadArgument("reset", f"must be called with a `reset_mask` for the lanes that are over, {lanes}")
         done = self.episodes.step(_checked(actions, self.action_space.shape or ()))
         self._observation, infos = done.observation, {}
         reward, terminated, truncated = done.reward, done.terminated, done.truncated
@@ -273,7 +273,7 @@ class SwimmingVectorEnv(VectorEnv):
 
     def _mask(self, given: object) -> np.ndarray:
         if not isinstance(given, np.ndarray) or given.dtype != bool or given.shape != (self.num_envs,):
-            raise ValueError(f"`reset_mask` must be an array of {self.num_envs} truth values, got {given!r}.")
+            raise BadArgument("reset_mask", f"must be an array of {self.num_envs} truth values, got {given!r}")
         return given
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
@@ -282,5 +282,5 @@ class SwimmingVectorEnv(VectorEnv):
         if isinstance(seed, int | np.integer):
             return [int(seed) + lane for lane in range(self.num_envs)]
         if len(seed) != self.num_envs:
-            raise ValueError(f"`seed` must be a number or one for each of {self.num_envs} lanes, got {len(seed)}.")
+            raise BadArgument("seed", f"must be a number or one for each of {self.num_envs} lanes, got {len(seed)}")
         return seed

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.cosim.gym.episodes import Episodes
+from laticauda.errors import BadArgument
 from laticauda.interfaces import Command, Controller
 
 
@@ -22,7 +23,7 @@ class Pilots:
     def __init__(self, controller: Controller[Any], episodes: Episodes) -> None:
         interval = episodes.task.interval
         if abs(controller.interval - interval) > 1e-9:
-            raise ValueError(f"`controller.interval` must be the task's, {interval} s, got {controller.interval}.")
+            raise BadArgument("controller.interval", f"must be the task's, {interval} s, got {controller.interval}")
         self._controller, self._episodes = controller, episodes
         self._thoughts = [controller.init() for _ in range(episodes.n)]
 

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import finite, instance, not_negative, positive, within
+from laticauda.errors import BadArgument, finite, instance, not_negative, positive, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
 from laticauda.planar.model import PlanarPlant
@@ -161,10 +161,10 @@ def settle_ends(task: object, unit: str, *names: str) -> None:
     for name in names:
         given = getattr(task, name)
         if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2:
-            raise ValueError(f"`{name}` must be two numbers in {unit}, the lower one first, got {given!r}.")
+            raise BadArgument(name, f"must be two numbers in {unit}, the lower one first, got {given!r}")
         low, high = (finite(f"{name}[{i}]", value, unit) for i, value in enumerate(given))
         if low > high:
-            raise ValueError(f"`{name}` must be two numbers in {unit}, the lower one first, got {given!r}.")
+            raise BadArgument(name, f"must be two numbers in {unit}, the lower one first, got {given!r}")
         object.__setattr__(task, name, (low, high))
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from laticauda.errors import TrialFileError
+from laticauda.errors import BadArgument, TrialFileError
 from laticauda.estimation import Estimate
 from laticauda.logs import Logged, open_recording
 from laticauda.operate.recording.entries import Decision, Event, Measurement, Tick
@@ -90,7 +90,7 @@ def _header(texts: Mapping[str, str]) -> Header:
     robot = from_toml(texts["robot"], Robot)
     environment = from_toml(texts["environment"])
     if isinstance(environment, Robot):
-        raise ValueError("`environment` must be water or ground, got a robot.")
+        raise BadArgument("environment", "must be water or ground, got a robot")
     return Header(
         robot=robot,
         environment=environment,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from laticauda.errors import instance
+from laticauda.errors import BadArgument, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.interfaces import Command, Controller, Plant
 from laticauda.operate.recording.entries import Decision
@@ -74,14 +74,14 @@ def rerun_controller(
     """
     chosen: Any = log.header.controller if controller is None else controller
     if chosen is None:
-        raise ValueError("`controller` must be given: the recording holds none, got None.")
+        raise BadArgument("controller", "must be given: the recording holds none, got None")
     begin, end = run_span(log)
     recorded = [item for item in log.of(Decision) if begin <= item.time <= end]
     known = {item.time: item for item in (log.of(Estimate) if estimates is None else estimates)}
     state, again = chosen.init(), list[Decision]()
     for decision in recorded:
         if decision.time not in known:
-            raise ValueError(f"`estimates` must have one at every control instant, got none at {decision.time} s.")
+            raise BadArgument("estimates", f"must have one at every control instant, got none at {decision.time} s")
         state, command = chosen.step(state, known[decision.time].observation())
         instance("command", command, Command)
         again.append(Decision(time=decision.time, command=command, signals={}))
@@ -92,9 +92,9 @@ def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | No
     """The one of the recording, with its digital twin."""
     estimator, twin = log.header.estimator, log.header.twin
     if estimator is None:
-        raise ValueError("`estimator` must be given: the recording holds none, got None.")
+        raise BadArgument("estimator", "must be given: the recording holds none, got None")
     if twin is None or not isinstance(estimator, Estimator):
         return estimator
     if plant is None:
-        raise ValueError("`plant` must be `laticauda.plant`, which makes the recorded twin again, got None.")
+        raise BadArgument("plant", "must be `laticauda.plant`, which makes the recorded twin again, got None")
     return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias, get_args
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import BadArgument
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.estimate import Status
 from laticauda.operate.recording.entries import Measurement, PowerReading
@@ -71,7 +72,7 @@ class Schema:
             else:
                 values[name] = _value(name, size, part) if part.size == count else None
         if at != data.size:
-            raise ValueError(f"`{topic}` must hold {at} numbers, got {data.size}.")
+            raise BadArgument(topic, f"must hold {at} numbers, got {data.size}")
         return self.kind(**values)
 
 

@@ -89,7 +89,9 @@ def from_json(text: str, *, robot: Robot | None = None) -> Any:
     try:
         return _built(json.loads(text), robot)
     except (TypeError, KeyError, json.JSONDecodeError) as error:
-        raise ValueError(f"`text` must be settings that this version of laticauda knows, got {text[:60]!r}.") from error
+        raise BadArgument(
+            "text", f"must be settings that this version of laticauda knows, got {text[:60]!r}"
+        ) from error
 
 
 def twin_from_json(text: str) -> Experiment | None:
@@ -119,7 +121,7 @@ def _plain(value: object) -> Any:
         return [_plain(item) for item in cast("tuple[object, ...]", value)]
     if value is None or isinstance(value, str | bool | int | float):
         return value
-    raise ValueError(f"`value` must be made of numbers, texts and settings, got {type(value).__name__}.")
+    raise BadArgument("value", f"must be made of numbers, texts and settings, got {type(value).__name__}")
 
 
 def _built(plain: Any, robot: Robot | None) -> Any:

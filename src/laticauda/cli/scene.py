@@ -1,0 +1,214 @@
+"""What swims, how and where: names are read first, and what they stand for is what further flags change."""
+
+import math
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+from importlib import import_module
+from typing import Any, Self, TypeVar, cast
+
+from laticauda.cli.flags import Maybe, MaybeName, Name, Text, flag, read
+from laticauda.cli.progress import progress
+from laticauda.errors import BadArgument
+from laticauda.extensions import Extensible, name_of
+from laticauda.gaits import Gait
+from laticauda.gaits.envelopes import Custom, Envelope
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Environment, Robot, Water, load_robot
+from laticauda.scenarios import Choice, Scenario, load_scenario, model_of, named_after
+
+Kind = TypeVar("Kind", bound=Extensible)
+
+COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
+
+
+@value
+class Names(Choice):
+    """What swims, how and where, by name. The other flags change single numbers of it."""
+
+    robot: Name = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
+    water: MaybeName = option("A preset or a TOML file; if left out the paper's for the gait", default=None)
+    ground: MaybeName = option("A preset or a TOML file: crawl on land instead", default=None)
+    parameters: MaybeName = option(
+        "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
+        "robot's (not with a water)",
+        default=None,
+    )
+    gait: Text = option(
+        "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
+        "(1), eel-like ((n-i)/(n+1)), custom, or MODULE:CLASS of one's own",
+        default="lateral-undulation",
+    )
+    envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)
+    law: Maybe = option("The drag law by its name, or MODULE:CLASS of one's own, which is imported", default=None)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Self:
+        """The names among the words; what else is there is left to be read behind them.
+
+        Args:
+            words: What was typed.
+            prog: What the help calls the command.
+        """
+        return read(cls, words, prog, first=True)
+
+    def origin(self, file: str | None = None) -> str:
+        """Where the environment is from, in words.
+
+        Args:
+            file: The scenario file, if there was one.
+        """
+        return self.scenario([file] if file else [])[1]
+
+    def motion(self) -> Gait:
+        """Mamba's first trial of the paper, with the envelope that is asked for."""
+        return Gait(
+            envelope=self._envelope(),
+            amplitude=math.radians(30.0),
+            frequency=math.radians(130.0),
+            phase_shift=math.radians(40.0),
+        )
+
+    def _envelope(self) -> Envelope:
+        if (self.envelope is None) == (self.gait == "custom"):
+            rule = f"must be given for the gait custom, and only for it; --gait is {self.gait}, got {self.envelope}"
+            raise BadArgument("envelope", rule)
+        if self.envelope is not None:
+            return Custom(values=self.envelope)
+        return member(Envelope, self.gait.replace("_", "-"), "gait")
+
+    def scenario(self, words: Sequence[str]) -> tuple[Scenario, str]:
+        """What the names stand for, and where the environment is from, in words.
+
+        Args:
+            words: What was typed. A file may come first: its scenario is changed by those names that were typed.
+        """
+        if words and not words[0].startswith("-"):
+            return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
+        gait = self.motion()
+        chosen = self._known().resolved(gait)
+        environment = self._with_law(chosen.environment)
+        found = Scenario(robot=chosen.robot, motion=gait, environment=environment, model=chosen.model)
+        return found, chosen.origin
+
+    def _changed(self, found: Scenario, words: Sequence[str]) -> Scenario:
+        """A file's scenario with what was typed besides."""
+        typed = {name for name in NAMES if was_typed(name, words)}
+        gait = replace(found.gait, envelope=self._envelope()) if typed & {"gait", "envelope"} else found.gait
+
+        def find_robot(name: str, n_links: int | None) -> Robot:
+            if "robot" in typed:
+                return load_robot(name, n_links)
+            return found.robot if n_links is None else found.robot.with_links(n_links)
+
+        chosen = self._known().resolved(gait, find_robot)
+        where = chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
+        model = chosen.model if "model" in typed else found.model
+        return replace(
+            found,
+            robot=chosen.robot,
+            motion=gait if isinstance(found.motion, Gait) else replace(cast("Any", found.motion), gait=gait),
+            environment=self._with_law(where),
+            model=model_of(model, joints=self._known().joints) if "joints" in typed else model,
+        )
+
+    def _known(self) -> Self:
+        """These names, with a joint law that is imported if it says from where."""
+        return self if self.joints is None else replace(self, joints=imported(self.joints, "joints"))
+
+    def _with_law(self, environment: Environment) -> Environment:
+        if self.law is None:
+            return environment
+        from laticauda.fluid.laws import DragLaw
+
+        law = member(DragLaw, self.law, "law")
+        return replace(environment, **{"drag" if isinstance(environment, Water) else "friction": law})
+
+
+def imported(name: str, option: str) -> str:
+    """The name of a law or an envelope. MODULE:CLASS is imported: the only way that something named is.
+
+    Args:
+        name: What was typed.
+        option: The option's field, for messages.
+
+    Raises:
+        ValueError: If there is no such class.
+    """
+    module, colon, word = name.partition(":")
+    if not colon:
+        return name
+    if "" not in sys.path:  # as for `python -m`: one's own file lies in the folder that one is in
+        sys.path.insert(0, "")
+    try:
+        return name_of(getattr(import_module(module), word))
+    except (ImportError, AttributeError) as error:
+        raise BadArgument(option, f"must be a name or MODULE:CLASS, got {name}: {error}") from None
+
+
+def member(base: type[Kind], name: str, option: str) -> Kind:
+    """One of those that a base has, by its name or as MODULE:CLASS, with its own defaults.
+
+    Args:
+        base: Of drag laws, envelopes or the like.
+        name: What was typed.
+        option: The option's field, for messages.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    try:
+        return base.named(imported(name, option))()
+    except TypeError:
+        raise BadArgument(option, f"must be one whose numbers all have defaults, got {name}") from None
+    except BadArgument as error:
+        raise BadArgument(option, error.rule) from None
+
+
+def was_typed(name: str, words: Sequence[str]) -> bool:
+    """Whether an option is among the words.
+
+    Args:
+        name: Of its field.
+        words: What was typed.
+    """
+    return any(word == flag(name) or word.startswith(f"{flag(name)}=") for word in words)
+
+
+def named(scenario: Scenario, names: Names, file: str | None = None) -> Scenario:
+    """A scenario whose water says by its name in what it differs from what the names stand for.
+
+    Args:
+        scenario: With the numbers that were typed.
+        names: What they changed.
+        file: The scenario file, if there was one.
+    """
+    before = names.scenario([file] if file else [])[0].environment
+    if not isinstance(scenario.environment, Water) or not isinstance(before, Water):
+        return scenario
+    return replace(scenario, environment=named_after(scenario.environment, before))
+
+
+def announced(scenario: Scenario) -> Callable[[float], None]:
+    """Say that kernels will be compiled, if so, and return what shows the progress of the run.
+
+    Args:
+        scenario: What is going to run.
+    """
+    warn_of_compiling(scenario)
+    return progress(scenario.duration)
+
+
+def warn_of_compiling(scenario: Scenario) -> None:
+    """Say that kernels will be compiled, if so.
+
+    Args:
+        scenario: What is going to run.
+    """
+    from laticauda.simulate import needs_compiling
+
+    if needs_compiling(scenario.environment, scenario.model):
+        print(COMPILING, file=sys.stderr, flush=True)
+
+
+NAMES = tuple(field.name for field in fields(Names))
