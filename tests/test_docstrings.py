@@ -66,9 +66,17 @@ def undocumented_parameters(function: Any) -> list[str]:
     return [name for name in names if name not in starts and f"`{name}`" not in docstring]
 
 
+# What `laticauda.codec` and `laticauda.extensions` look for in any class, and say what it is.
+OF_THE_CODEC = {"called", "counted", "former"}
+
+
 def undocumented_fields(cls: type) -> list[str]:
-    """Fields of a dataclass that no docstring of their own follows, and that are not declared with a text."""
-    declared = {name for name, text in texts_of(cls).items() if text}
+    """Fields of a dataclass that no docstring of their own follows, and that are not declared with a text.
+
+    What a base has too is documented there.
+    """
+    declared = {name for name, text in texts_of(cls).items() if text} | OF_THE_CODEC
+    declared |= {name for base in cls.__mro__[1:] for name in vars(base) if base is not object}
     body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0].body  # pyright: ignore
     return [
         ast.unparse(node.target)

@@ -1,9 +1,12 @@
 """Rules of the house that no other tool checks."""
 
+import ast
 import importlib.metadata
+import io
 import re
 import subprocess
 import sys
+import tokenize
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -145,3 +148,29 @@ def test_the_extra_all_is_all_of_them():
     extras = dict(PYPROJECT["project"]["optional-dependencies"])
     (everything,) = extras.pop("all")
     assert everything == f"laticauda[{','.join(extras)}]"
+
+
+SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+MODULES = sorted((ROOT / "src").rglob("*.py"))
+
+
+def source_lines(text: str) -> int:
+    """Lines that hold code: no docstrings, comments or blank lines."""
+    docs: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        body = getattr(node, "body", None)
+        for statement in body if isinstance(body, list) else ():
+            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                docs.update(range(statement.lineno, statement.end_lineno + 1))
+    tokens = [t for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in SILENT]
+    return len({line for t in tokens for line in range(t.start[0], t.end[0] + 1)} - docs)
+
+
+def test_the_house_does_not_grow():
+    # On its way to 29 000, and then 34 000 with what comes: lower it when something has gone, and do not raise it.
+    assert sum(source_lines(module.read_text(encoding="utf-8")) for module in MODULES) <= 36_900
+
+
+def test_a_module_is_one_idea_and_can_be_read_in_one_go():
+    long = {module.name: n for module in MODULES if (n := len(module.read_text(encoding="utf-8").splitlines())) > 400}
+    assert not long

@@ -195,7 +195,7 @@ def merged(common: Table, own: Table, *, by_kind: bool = False) -> Table:
     """
     found = dict(common)
     for key, value in own.items():
-        mine, its = cast("tuple[Table, Table]", (value, found.get(key)))
+        mine, its = cast("tuple[Any, Any]", (value, found.get(key)))
         both = isinstance(mine, dict) and isinstance(its, dict)
         is_other = both and by_kind and mine.get("kind", its.get("kind")) != its.get("kind")
         found[key] = merged(its, mine, by_kind=by_kind) if both and not is_other else value

@@ -67,7 +67,7 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
 @pytest.mark.parametrize(
     ("model", "file", "old", "new"),
     [
-        ("planar", "fluid/laws.py", "f_n = -c_n", "f_n = -2.0 * c_n"),
+        ("planar", "fluid/laws.py", "f_n = -element.c_n", "f_n = -2.0 * element.c_n"),
         ("spatial", "scalars.py", "return where(x.real >= 0.0, x, -x)", "return 2.0 * where(x.real >= 0.0, x, -x)"),
     ],
 )

@@ -295,8 +295,8 @@ def test_dry_ground_gives_every_link_a_share_of_its_weight():
 
 
 def test_on_the_ground_the_fin_keeps_its_mass_and_dry_friction_acts_on_its_weight():
-    for friction, weight in (("coulomb", 10.0), ("viscous", 0.0)):
-        ground = Ground(friction=friction, tangential=0.1, normal=0.5, gravity=10.0)  # pyright: ignore
+    for friction, weight in ((CoulombFriction(), 10.0), (ViscousFriction(), 0.0)):
+        ground = Ground(friction=friction, tangential=0.1, normal=0.5, gravity=10.0)
         strips = fin_strips(ground)
         assert strips.mass.sum() == pytest.approx(CaudalFin().mass)
         np.testing.assert_allclose(strips.c_t, 0.1 * weight * strips.mass)

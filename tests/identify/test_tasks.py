@@ -50,7 +50,7 @@ def test_the_preset_is_where_its_file_leads():
         ),
         (
             'kind = "identification"\nparameters = [{name = "water.normal_drag", lower = 3, upper = 2}]\n[table1]\n',
-            r"key `parameters\[0\]`: `lower` of `water.normal_drag` must be <",
+            r"key `parameters\[0\].lower` of `water.normal_drag`: must be <",
         ),
     ],
 )

@@ -135,7 +135,7 @@ def test_a_run_that_blows_up_is_named(monkeypatch):
     [
         ({"joints": "magic"}, "`joints` must be one of"),
         ({"model": "magic"}, "`model` must be one of"),
-        ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0"),
+        ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 1/s, got 0.0"),
     ],
 )
 def test_a_bad_choice_is_refused(choices, message):

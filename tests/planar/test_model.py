@@ -240,7 +240,7 @@ def by_function(function):
         ({"duration": 1e9}, "`duration` must be <= 100000 s at a `sample_interval` of 0.05 s, got 1e+09"),
         ({"environment": replace(WATER, normal_drag=1e12)}, "`environment` must let a link glide for at least 1e-07 s"),
         ({"ramp": -1.0}, "`ramp` must be >= 0 s, got -1.0."),
-        ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 rad/s, got 0.0."),
+        ({"offset_bandwidth": 0.0}, "`offset_bandwidth` must be > 0 1/s, got 0.0."),
         ({"joints": "servos"}, "`joints` must be one of"),
         ({"model": "special"}, "`model` must be"),
         ({"environment": by_function(3)}, "`function` must be a plain Python function, got 3"),

@@ -112,7 +112,7 @@ def test_pitch_is_refused_where_there_are_no_pitch_joints():
         swim(gait, robot=lc.load_robot("mamba"))
     with pytest.raises(ValueError, match=r"`gait.pitch` must be None with a planar root"):
         swim(gait, root="planar")
-    with pytest.raises(ValueError, match="`pitch` must be of class Wave or NoneType, got float"):
+    with pytest.raises(ValueError, match="`pitch` must be of class Wave, got float"):
         replace(YAW, pitch=0.1)
     with pytest.raises(ValueError, match="`amplitude` must be >= 0"):
         replace(WAVE, amplitude=-0.1)

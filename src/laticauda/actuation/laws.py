@@ -111,7 +111,7 @@ class JointLaw(Law, Extensible, group="joint_laws"):
 
     @classmethod
     def of(cls, given: "JointLaw | str") -> "JointLaw":
-        """A law, which may be given by its name.
+        """A law, which may be `given` by its name.
 
         Raises:
             ValueError: If there is none of that name.

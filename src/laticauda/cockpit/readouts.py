@@ -47,7 +47,7 @@ class Numbers:
 
 
 def numbers(live: Live) -> Numbers:
-    """The figures of the run since the scenario was last changed."""
+    """The figures of a `live` run since the scenario was last changed."""
     record, now = live.record()
     time, place, scenario, robot = record["time"], record["center_of_mass"], now.scenario, now.plant.robot
     elapsed, found = float(time[-1] - time[0]), dict[str, float]()

@@ -1,11 +1,12 @@
 """The simulation behind the page: one value, that `advance` and `altered` make another one of."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda.cockpit.changes import checked, path_of
+from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Log, Plant, Start
 from laticauda.scenarios import Scenario
@@ -66,11 +67,12 @@ def begin(scenario: Scenario) -> Simulation:
     Raises:
         ValueError: If it does not go together, or a page cannot show it.
     """
-    body = plant(checked(scenario))
+    body, start = plant(checked(scenario)), scenario.start
+    instance("start", start, Start)
     return Simulation(
         scenario=scenario,
         plant=body,
-        state=body.init(scenario.start, Command(gait=scenario.gait)),
+        state=body.init(cast(Start, start), Command(gait=scenario.gait)),
         controller_state=scenario.controller.init(),
         shape=scenario.gait,
     )

@@ -107,11 +107,11 @@ class StateEstimator(Protocol):
         ...
 
     def step(self, state: Any, sample: Sample) -> Any:
-        """The state after one more sample."""
+        """The state that follows `state` by one more `sample`."""
         ...
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
-        """Where the robot is, at `time` [s] or at the last sample; None before that is known."""
+        """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known."""
         ...
 
 

@@ -82,7 +82,7 @@ class Custom(Envelope):
         return self.joints(n)[i - 1]
 
     def joints(self, n_links: int) -> tuple[float, ...]:
-        """The values, if there are as many as joints."""
+        """The values, if there are as many as joints of `n_links` links."""
         if len(self.values) != n_links - 1:
             need = f"one value per joint, {n_links - 1} for {n_links} links"
             raise BadArgument("envelope", f"must have {need}, got {len(self.values)}")

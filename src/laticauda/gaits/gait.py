@@ -65,7 +65,7 @@ class Gait:
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:
-        """A table of an older file as one of today: kind and values of the envelope stood beside each other."""
+        """A `table` of an older file as one of today: kind and values of the envelope stood beside each other."""
         new = dict(table)
         kind, values = new.pop("kind", None), new.get("envelope")
         if kind is not None or values is None or isinstance(values, list | tuple):

@@ -67,7 +67,7 @@ class Measurement:
             "figures": MappingProxyType({name: self._figure(name, pair) for name, pair in self.figures.items()}),
         }
         if (self.time is None) != (not self.series):
-            raise BadArgument("time", f"of `{self.name}` must be given for series, and only for them")
+            raise BadArgument(f"time` of `{self.name}", "must be given for series, and only for them")
         if self.time is not None:
             checked["time"] = self._checked_time(self.time)
             series = {name: self._one_series(name, pair, checked["time"].size) for name, pair in self.series.items()}

@@ -129,7 +129,7 @@ def resolve(
     may_be_less = name in NUISANCE or _is_allowed(is_allowed, -1e-9 * max(1.0, abs(start)))
     is_log = unknown.scale == "log" if unknown.scale else start > 0.0 and not may_be_less
     if is_log and start <= 0.0:
-        raise BadArgument("start", f"of `{unknown.name}` must be > 0 on a log scale, got {start:g}")
+        raise BadArgument(f"start` of `{unknown.name}", f"must be > 0 on a log scale, got {start:g}")
     low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
     lower = _end(is_allowed, start, low) if unknown.lower is None else unknown.lower
     upper = _end(is_allowed, start, high) if unknown.upper is None else unknown.upper

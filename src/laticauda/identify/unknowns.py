@@ -79,11 +79,11 @@ class Unknown:
             object.__setattr__(self, "size", positive(f"size` of `{self.name}", self.size))
         low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
         if low >= high:
-            raise BadArgument("lower", f"of `{self.name}` must be < its `upper` of {high:g}, got {low:g}")
+            raise BadArgument(f"lower` of `{self.name}", f"must be < its `upper` of {high:g}, got {low:g}")
         if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
-            raise BadArgument("lower", f"of `{self.name}` must be > 0 on a log scale, got {self.lower:g}")
+            raise BadArgument(f"lower` of `{self.name}", f"must be > 0 on a log scale, got {self.lower:g}")
         if self.start is not None and not low <= self.start <= high:
-            raise BadArgument("start", f"of `{self.name}` must be between {low:g} and {high:g}, got {self.start:g}")
+            raise BadArgument(f"start` of `{self.name}", f"must be between {low:g} and {high:g}, got {self.start:g}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,40 @@
+"""The reference of the API has every package, and every field that is declared has its text there."""
+
+import re
+from pathlib import Path
+
+import griffe
+import pytest
+
+ROOT = Path(__file__).parent.parent
+NOT_THERE = ("cli",)
+"""Read by people as commands: `laticauda --help`."""
+
+
+def packages() -> set[str]:
+    found = {path.parent.name for path in (ROOT / "src/laticauda").glob("*/__init__.py")} - set(NOT_THERE)
+    return found | {"interfaces"}  # a module of its own
+
+
+def test_every_package_has_its_page_and_stands_in_the_contents():
+    pages = {path.stem for path in (ROOT / "docs/api").glob("*.md")} - {"index", "values"}
+    listed = set(re.findall(r"api/(\w+)\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))) - {"index", "values"}
+    assert pages == listed == packages()
+
+
+def test_a_declared_field_shows_its_text_unit_and_range():
+    found = griffe.load(
+        "laticauda.robot.environment",
+        search_paths=[ROOT / "src"],
+        extensions=griffe.load_extensions(ROOT / "docs/declared_fields.py"),
+    )
+    water = found["Water"]
+    assert water["density"].docstring.value == "rho [kg/m^3, > 0.0]."
+    assert water["name"].docstring.value.endswith(".")
+    assert str(water["density"].value) == "1000.0"
+
+
+@pytest.mark.parametrize("page", ["architecture", "extending", "decisions", "release"])
+def test_those_who_carry_it_on_find_their_pages(page):
+    assert (ROOT / "docs/developing" / f"{page}.md").stat().st_size > 1000
+    assert f"developing/{page}.md" in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
