@@ -195,8 +195,8 @@ def merged(common: Table, own: Table, *, by_kind: bool = False) -> Table:
     """
     found = dict(common)
     for key, value in own.items():
-        mine, its = cast("tuple[Any, Any]", (value, found.get(key)))
-        both = isinstance(mine, dict) and isinstance(its, dict)
+        mine, its = cast("Table", value), cast("Table", found.get(key))
+        both = all(isinstance(one, dict) for one in (value, found.get(key)))
         is_other = both and by_kind and mine.get("kind", its.get("kind")) != its.get("kind")
         found[key] = merged(its, mine, by_kind=by_kind) if both and not is_other else value
     return found
