@@ -266,7 +266,8 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
 
 def _several(item: Check | None, things: str, count: int | None, name: str, given: Any) -> tuple[Any, ...]:
     """`given` as a tuple of checked items."""
-    if isinstance(given, str | Mapping) or not isinstance(given, Iterable):
+    is_scalar = getattr(given, "shape", None) == ()  # an array without axes cannot be gone through
+    if is_scalar or isinstance(given, str | Mapping) or not isinstance(given, Iterable):
         raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
     values: tuple[Any, ...] = tuple(cast("Iterable[Any]", given))
     if count is not None and len(values) != count:

@@ -110,7 +110,7 @@ def test_degrees_are_in_the_name():
         ("--vary amplitude-deg=1:2:3 --samples 4", "--vary must be NAME=LOW:HIGH with --samples"),
         ("--vary amplitude-deg=1:2:3 --seed 4", "--seed must be given with --samples"),
         ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
-        ("--list nothing.csv", "nothing.csv: no such file or directory"),
+        ("--list nothing.csv", "nothing.csv: no such file"),
         ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
         ("--list ragged.csv", "--list must have 2 numbers in every line, got 1 in ragged.csv, line 3"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),

@@ -210,3 +210,15 @@ def test_numbers_of_the_drag_law_may_be_given_one_by_one_also_under_their_older_
     for given in ({"reference_speed": 0.7}, {"drag": {"reference_speed": 0.7}}):
         setup = read_setup({"water": "paper-lateral", "coefficients": given}, {})
         assert setup.plant.environment == replace(lc.load_water("paper-lateral"), drag=law)
+
+
+@pytest.mark.parametrize(
+    ("gait", "rule"),
+    [
+        ({"kind": 3}, "`kind` must be the name of an envelope, got 3."),
+        ({"envelope": 0.1}, "`gait.envelope` must be a table, got 0.1."),
+    ],
+)
+def test_a_gait_that_is_none_is_refused_by_name(ask, gait, rule):
+    ask("reset")
+    assert ask("step", duration=0.1, gait=gait)["error"] == rule

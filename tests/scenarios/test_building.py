@@ -67,3 +67,8 @@ def test_a_batch_is_planar_and_of_one_length():
         lc.swim_many([short, replace(short, duration=5.0)])
     with pytest.raises(ValueError, match=r"`scenarios\[1\].model` must be of class Planar"):
         lc.swim_many([short, replace(short, model=lc.Spatial())])
+
+
+def test_a_model_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="`model` must be of class Planar or Spatial, got list"):
+        lc.swim("mamba", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7), model=[3])

@@ -5,6 +5,7 @@
 
 import csv
 import difflib
+import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ import numpy as np
 
 from laticauda.cli.tables import aligned, read_in
 from laticauda.errors import BadArgument
+from laticauda.files import read_text
 
 if TYPE_CHECKING:
     from laticauda.simulate import Parameter
@@ -121,7 +123,7 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
     """
     from laticauda.studies import Rows
 
-    with open(path, encoding="utf-8", newline="") as file:
+    with io.StringIO(read_text(path), newline="") as file:
         lines = csv.reader(file)
         names = [name.strip() for name in next(lines, ())]
         if not names:

@@ -165,7 +165,10 @@ def _read_gait(given: dict[str, Any], held: Gait) -> Gait:
     elif kind is not None:
         changes["envelope"] = held.envelope if kind == held.kind else envelope_of(kind)
     elif values:
-        changes["envelope"] = decode(Envelope, cast(object, values), "gait.envelope")
+        try:
+            changes["envelope"] = decode(Envelope, cast(object, values), "gait.envelope")
+        except BadKey as error:
+            raise BadArgument(error.key, error.rule) from error
     for name in ("pitch", "fin"):
         wave = changes.get(name)
         if wave is not None and wave != []:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import ClassVar
 
-from laticauda.errors import BadArgument, finite
+from laticauda.errors import BadArgument, finite, shown
 from laticauda.extensions import Extensible, name_of
 from laticauda.quantities import quantity, value
 
@@ -105,6 +105,8 @@ def envelope_of(kind: str | None, values: Sequence[float] | None = None) -> Enve
     """
     if kind is None:
         kind = "lateral-undulation" if values is None else "custom"
+    if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
     found = Envelope.named(kind.replace("_", "-"))
     if (values is None) == (found is Custom):
         raise BadArgument(

@@ -101,6 +101,8 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         ValueError: If there is no such model, or a field is out of its range.
         TypeError: If no model has such a field.
     """
+    if not isinstance(model, str):
+        instance("model", model, *MODELS.values())
     base = MODELS[one_of("model", model, tuple(MODELS))]() if isinstance(model, str) else model
     known = [field.name for field in fields(base)]
     for name, given in changes.items():
