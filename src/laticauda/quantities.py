@@ -11,6 +11,7 @@ flags, sweeps, FMUs, pages, the reference and `help` read the declarations by `q
 
 import dataclasses
 import functools
+import inspect
 import math
 import sys
 import types
@@ -287,7 +288,7 @@ def _things(kind: Any, count: int | None, declared: Quantity | None) -> str:
 
 def _with_fields(kind: type) -> str:
     """The docstring of a class with its fields."""
-    lines = [(kind.__doc__ or kind.__name__).rstrip(), "", "Fields:"]
+    lines = [inspect.cleandoc(kind.__doc__ or kind.__name__), "", "Fields:"]
     for field in dataclasses.fields(kind):
         text, declared = field.metadata.get("text", ""), field.metadata.get("quantity")
         if declared is not None:
