@@ -295,3 +295,8 @@ def test_a_scenario_is_a_file_that_options_change(run):
     assert run("swim none.toml").status == 2
     refused = run("swim run.toml --pitch-amplitude-deg 3")
     assert (refused.status, "`gait.pitch` must be None unless `model` is `spatial`" in refused.err) == (2, True)
+
+
+def test_a_water_that_is_named_beside_a_scenario_file_keeps_its_name(run):
+    assert run("swim --duration 1 --save-scenario run.toml").status == 0
+    assert json.loads(run("swim run.toml --water paper-eel --json").out)["environment"] == "paper-eel"

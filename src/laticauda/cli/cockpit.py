@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from laticauda.cli.flags import File, Maybe, Text, read
 from laticauda.cli.scene import Names, named, warn_of_compiling, was_typed
@@ -89,6 +89,7 @@ class CockpitCommand:
 
     names: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
     tank: Tank = option("A robot that somebody else operates", default=Tank())
     load: Maybe = option(
         "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None
@@ -109,7 +110,8 @@ class CockpitCommand:
         in_tank = tank.robot()
         if in_tank is not None and not was_typed("robot", words):
             names = replace(names, robot=in_tank)
-        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0], tank=tank))
+        found, _ = names.scenario(words)
+        return read(cls, words, prog, cls(names=names, scenario=found, before=found, tank=tank))
 
     def __call__(self) -> int:
         """Serve, and return the exit status."""
@@ -117,7 +119,7 @@ class CockpitCommand:
         from laticauda.cockpit.pages import LOCAL, load_viser
 
         load_viser()
-        scenario = named(self.scenario, self.names)
+        scenario = named(self.scenario, self.before)
         warn_of_compiling(scenario)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
         if self.host not in LOCAL:

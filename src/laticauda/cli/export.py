@@ -98,6 +98,7 @@ class Fmu:
     fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
     names: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
     json: bool = option("Print one JSON object", default=False)
 
     @classmethod
@@ -111,7 +112,7 @@ class Fmu:
         flags = list(words)
         names = Names.read(flags, prog)
         scenario, _ = names.scenario([])
-        return read(cls, flags, prog, cls(names=names, scenario=scenario))
+        return read(cls, flags, prog, cls(names=names, scenario=scenario, before=scenario))
 
     def __call__(self) -> int:
         """Write, and return the exit status."""
@@ -124,7 +125,7 @@ class Fmu:
             raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not in the FMU")
         from laticauda.cosim.fmu import export_fmu
 
-        scenario = named(self.scenario, self.names)
+        scenario = named(self.scenario, self.before)
         warn_of_compiling(scenario)
         model, start = scenario.model, scenario.start
         assert isinstance(scenario.environment, Water)

@@ -230,6 +230,8 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
     """What tyro is told about a field; None: it is no flag."""
     if get_origin(annotated) is Annotated:
         return annotated
+    if hint is Any:  # what a command keeps for itself
+        return None
     if declared is not None:
         return Annotated[Any, _numbers(declared, hint, name)]
     if hint is bool:

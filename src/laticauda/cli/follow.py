@@ -88,6 +88,8 @@ class Follow:
     names: Names = option("What swims, how and where, by name", default=Names())
     route: Route = option("Where to go, and by which law", default=Route())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
+    origin: Any = option("Where the environment is from, in words", default="")
     link_forces: bool = option("Log the force on every link too", default=False)
     save_scenario: File = option("Write what runs to this scenario file (.toml)", default=None)
     output: Outputs = option("What becomes of it", default=Outputs())
@@ -101,13 +103,15 @@ class Follow:
             prog: What the help calls it.
         """
         names, route = Names.read(words, prog), read(Route, words, prog, first=True)
-        scenario, _ = names.scenario(words)
+        scenario, origin = names.scenario(words)
         if scenario.motion == scenario.gait:  # a file may have a controller
             scenario = replace(scenario, duration=90.0, start=Start(center_of_mass=(0.0, 1.0)))
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
         if scenario.motion == scenario.gait and kind is cls:
             scenario = replace(scenario, motion=route.controller(scenario.gait))
-        return read(kind, words, prog, kind(names=names, route=route, scenario=scenario))
+        return read(
+            kind, words, prog, kind(names=names, route=route, scenario=scenario, before=scenario, origin=origin)
+        )
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""

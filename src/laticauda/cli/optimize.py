@@ -100,6 +100,7 @@ class Optimize:
     search: Search = option("What may change, and what is to be great or small", default=Search())
     names: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
     result: Results = option("What becomes of it", default=Results())
     other: Any = option("The scenario of the other gait, for --both-gaits", default=None)
 
@@ -112,19 +113,23 @@ class Optimize:
             prog: What the help calls it.
         """
         names = Names.read(words, prog)
-        chosen: Optimize = read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
+        chosen = cls._read(names, words, prog)
         if not chosen.search.both_gaits:
             return chosen
         others = {"lateral-undulation": "eel-like", "eel-like": "lateral-undulation"}
         if names.gait not in others:
             raise BadArgument("both_gaits", "must not be given with the gait custom: they are the paper's two")
-        other = replace(names, gait=others[names.gait])
-        again: Optimize = read(cls, words, prog, cls(names=other, scenario=other.scenario(words)[0]))
-        return replace(chosen, other=named(again.scenario, other))
+        again = cls._read(replace(names, gait=others[names.gait]), words, prog)
+        return replace(chosen, other=named(again.scenario, again.before))
+
+    @classmethod
+    def _read(cls, names: Names, words: Sequence[str], prog: str) -> "Optimize":
+        found, _ = names.scenario(words)
+        return read(cls, words, prog, cls(names=names, scenario=found, before=found))
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        scenario = named(self.scenario, self.names)
+        scenario = named(self.scenario, self.before)
         if self.search.names:
             print(vary.listed(parameters(scenario)))
             return 0

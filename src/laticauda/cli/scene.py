@@ -52,14 +52,6 @@ class Names(Choice):
         """
         return read(cls, words, prog, first=True)
 
-    def origin(self, file: str | None = None) -> str:
-        """Where the environment is from, in words.
-
-        Args:
-            file: The scenario file, if there was one.
-        """
-        return self.scenario([file] if file else [])[1]
-
     def motion(self) -> Gait:
         """Mamba's first trial of the paper, with the envelope that is asked for."""
         return Gait(
@@ -175,18 +167,17 @@ def was_typed(name: str, words: Sequence[str]) -> bool:
     return any(word == flag(name) or word.startswith(f"{flag(name)}=") for word in words)
 
 
-def named(scenario: Scenario, names: Names, file: str | None = None) -> Scenario:
-    """A scenario whose water says by its name in what it differs from what the names stand for.
+def named(scenario: Scenario, before: Scenario) -> Scenario:
+    """A scenario whose water says by its name in what it differs from the one before.
 
     Args:
         scenario: With the numbers that were typed.
-        names: What they changed.
-        file: The scenario file, if there was one.
+        before: What the names stand for, without them.
     """
-    before = names.scenario([file] if file else [])[0].environment
-    if not isinstance(scenario.environment, Water) or not isinstance(before, Water):
+    water, old = scenario.environment, before.environment
+    if not isinstance(water, Water) or not isinstance(old, Water):
         return scenario
-    return replace(scenario, environment=named_after(scenario.environment, before))
+    return replace(scenario, environment=named_after(water, old))
 
 
 def announced(scenario: Scenario) -> Callable[[float], None]:

@@ -103,6 +103,7 @@ class SweepCommand:
     points: Points = option("What changes from trial to trial", default=Points())
     names: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
     work: Work = option("How and where it is done", default=Work())
     result: Results = option("What becomes of it", default=Results())
 
@@ -115,11 +116,12 @@ class SweepCommand:
             prog: What the help calls it.
         """
         names = Names.read(words, prog)
-        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
+        found, _ = names.scenario(words)
+        return read(cls, words, prog, cls(names=names, scenario=found, before=found))
 
     def __call__(self) -> int:
         """Run, print, and return the exit status."""
-        scenario = named(self.scenario, self.names)
+        scenario = named(self.scenario, self.before)
         if self.points.names:
             print(vary.listed(parameters(scenario)))
             return 0

@@ -65,6 +65,8 @@ class Swim:
     )
     names: Names = option("What swims, how and where, by name", default=Names())
     scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
+    origin: Any = option("Where the environment is from, in words", default="")
     link_forces: bool = option("Log the force on every link too", default=False)
     save_scenario: File = option("Write what runs to this scenario file (.toml)", default=None)
     resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
@@ -81,7 +83,8 @@ class Swim:
         if was_typed("resume", words):
             return SwimOn.read(words, prog)
         names = Names.read(words, prog)
-        return read(cls, words, prog, cls(names=names, scenario=names.scenario(words)[0]))
+        found, origin = names.scenario(words)
+        return read(cls, words, prog, cls(names=names, scenario=found, before=found, origin=origin))
 
     def __call__(self) -> int:
         """Run, write, print, and return the exit status."""
@@ -92,7 +95,7 @@ def run_and_report(command: Any, scenario: Scenario, sheet: str, after: Callable
     """Run a scenario, write and print what is asked for, and return the exit status.
 
     Args:
-        command: Its options, with `file`, `names`, `link_forces`, `save_scenario` and `output`.
+        command: Its options, with `before`, `origin`, `link_forces`, `save_scenario` and `output`.
         scenario: With the numbers that were typed.
         sheet: Name of its figure in `laticauda.figures`.
         after: What is printed below the table.
@@ -102,15 +105,14 @@ def run_and_report(command: Any, scenario: Scenario, sheet: str, after: Callable
     output: Outputs = command.output
     output.check()
     check_output("save_scenario", command.save_scenario, (".toml",))
-    scenario = named(scenario, command.names, command.file)
-    origin = command.names.origin(command.file)
+    scenario = named(scenario, command.before)
     if command.save_scenario is not None:
         from laticauda.scenarios import save_scenario
 
         save_scenario(scenario, command.save_scenario)
     trial = swim(scenario, link_forces=command.link_forces, progress=announced(scenario))
     output.write(trial, sheet)
-    return print_trial(trial, origin, output.json, after)
+    return print_trial(trial, command.origin, output.json, after)
 
 
 def print_trial(trial: "Trial", origin: str, as_one_object: bool, after: Callable[["Trial"], str] | None = None) -> int:

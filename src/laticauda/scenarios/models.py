@@ -9,12 +9,8 @@ from laticauda.robot import Ground
 
 
 @value
-class Planar:
-    """The closed-form model in the plane; a robot's pitch joints are held straight.
-
-    Raises:
-        ValueError: If a field is out of its range.
-    """
+class _Model:
+    """What both models have."""
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
@@ -25,19 +21,22 @@ class Planar:
 
 
 @value
-class Spatial:
+class Planar(_Model):
+    """The closed-form model in the plane; a robot's pitch joints are held straight.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+
+@value
+class Spatial(_Model):
     """MuJoCo in space, with our loads of the water; it needs the extra `spatial`.
 
     Raises:
         ValueError: If a field is out of its range.
     """
 
-    joints: JointLaw = option("How the joints follow their references", default=Prescribed())
-    dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
-    ramp: float | None = quantity(
-        "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
-    )
     root: Literal["free", "planar"] | None = option(
         "Of the tail module: free, or planar for one whose height and tilt are fixed; None: planar for a robot whose "
         "joints all turn about the vertical axis, else free",
