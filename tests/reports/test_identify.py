@@ -10,7 +10,7 @@ from laticauda.identify.tasks import Task
 from laticauda.identify.validation import validate
 from laticauda.reports.identify import as_dict, write_identification
 from laticauda.reports.identify_figures import short_names
-from laticauda.reports.identify_tables import tables_of
+from laticauda.reports.identify_tables import identification_tables
 
 WITHOUT_EFFECT = "robot.joint.actuator.servo_gain"  # of prescribed joints
 
@@ -45,23 +45,22 @@ def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
 
 
 def test_what_is_not_identified_is_no_number_in_table_and_json(done):
-    table = tables_of(done)["parameters"]
-    for row, estimate in zip(table.rows, done.found.estimates, strict=True):
-        assert (row[1] is None) == (not estimate.is_identified)
-    assert any(row[1] is None for row in table.rows)
-    assert table.rows[0][table.columns.index(next(c for c in table.columns if c.name == "prior"))] == "0.3 ± 0.2"
+    table = identification_tables(done)["parameters"]
+    assert list(table["value"].isna()) == [not estimate.is_identified for estimate in done.found.estimates]
+    assert any(table["value"].isna())
+    assert table["prior"][0] == "0.3 ± 0.2"
     found = json.loads(json.dumps(as_dict(done), allow_nan=False))
-    assert [row["value"] is None for row in found["parameters"]] == [row[1] is None for row in table.rows]
+    assert [row["value"] is None for row in found["parameters"]] == list(table["value"].isna())
     assert all(row["best"] is not None for row in found["parameters"])
 
 
 def test_what_is_left_out_stands_beside_the_null_models(done):
-    rows = {row[0]: row for row in tables_of(done)["errors"].rows}
-    mine = rows["this fit"]
-    assert mine[2] == pytest.approx(done.found.percentage_error())
-    assert mine[3] > mine[2]
-    assert mine[4] == pytest.approx(done.by_group.percentage_error())
-    assert "null model: constant stride per group" in rows
+    rows = identification_tables(done)["errors"].set_index("model")
+    mine = rows.loc["this fit"]
+    assert mine["fitted [%]"] == pytest.approx(done.found.percentage_error())
+    assert mine["measurement left out [%]"] > mine["fitted [%]"]
+    assert mine["group left out [%]"] == pytest.approx(done.by_group.percentage_error())
+    assert "null model: constant stride per group" in rows.index
 
 
 def test_groups_are_not_left_out_where_the_others_do_not_suffice(done):
@@ -80,10 +79,7 @@ def test_names_are_short_where_that_leaves_them_different():
 
 
 def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(done):
-    table = tables_of(done)["residuals"]
-    names = [column.name for column in table.columns]
-    assert len(table.rows) == 6
-    left_out = np.array([row[names.index("left out")] for row in table.rows], dtype=float)
-    predicted = np.array([row[names.index("predicted")] for row in table.rows], dtype=float)
-    measured = np.array([row[names.index("measured")] for row in table.rows], dtype=float)
-    assert np.all(np.abs(left_out - measured) >= np.abs(predicted - measured) - 1e-12)
+    table = identification_tables(done)["residuals"]
+    assert len(table) == 6
+    left_out, predicted = ((table[name] - table["measured"]).abs() for name in ("left out", "predicted"))
+    assert np.all(left_out >= predicted - 1e-12)

@@ -1,10 +1,27 @@
 from html.parser import HTMLParser
 
-from laticauda.reports.page import Heading, Paragraph, Picture, Points, Section, page
-from laticauda.reports.tables import Column, Table
+import pandas as pd
+import pytest
+from jinja2 import ChoiceLoader, DictLoader, UndefinedError
+
+from laticauda.reports.chapter import Chapter, templates, write_chapter
+from laticauda.reports.texts import form_of, in_digits, share, shown, span
 
 NASTY = '<script>alert("1 & 2")</script>'
 VOID = {"meta", "img", "br"}
+PAGE = """
+{% extends "page.html" %}
+{% from "parts.html" import table, picture %}
+{% set title = text %}
+{% block introduction %}<p>{{ text }}</p>{% endblock %}
+{% set one %}
+<h3>{{ text }}</h3>
+{% call table(alone) %}{{ text }}{% endcall %}
+{% call table(grouped, grouped=true) %}What it shows{% endcall %}
+{{ picture({"p": (text, "png".encode())}, "p") }}
+{% endset %}
+{% set chapters = [("a", text, one), ("b", "two", "")][:n] %}
+"""
 
 
 class Balance(HTMLParser):
@@ -35,37 +52,67 @@ def read(text: str) -> Balance:
     return reader
 
 
-def everything(text: str) -> Section:
-    table = Table(name="t", caption=text, columns=(Column(name=text),), rows=((text,),))
-    grouped = Table(
-        name="g",
-        caption="",
-        columns=(Column(name="kind"), Column(name="v")),
-        rows=(("alike", 1), ("alike", 2)),
-        grouped=True,
-    )
-    parts = (Heading(text=text), Paragraph(text=text), Points(texts=(text,)), table, grouped)
-    picture = Picture(png=b"png", caption=text, description=text)
-    return Section(name="a", title=text, parts=(*parts, picture))
+def page(text: str, n: int = 1) -> str:
+    frames = {"alone": pd.DataFrame({text: [text]}), "grouped": pd.DataFrame({"kind": ["alike"] * 2, "v": [1, 2]})}
+    return templates().from_string(PAGE).render(text=text, n=n, **frames)
 
 
 def test_texts_are_escaped_everywhere():
-    reader = read(page(NASTY, [Paragraph(text=NASTY)], [everything(NASTY)]))
+    reader = read(page(NASTY))
     assert "script" not in reader.tags
-    # The page's title (twice), its introduction, the section's title, and all texts of `everything` but one, which is
-    # an attribute.
-    assert reader.text.count(NASTY) == 11
+    # The page's title (twice), its introduction, the chapter's title, and within it a heading, the table's caption,
+    # head and cell, and the picture's caption; its description is an attribute.
+    assert reader.text.count(NASTY) == 9
 
 
 def test_a_grouped_table_shows_what_rows_have_in_common_once():
-    reader = read(page("t", [], [everything("text")]))
+    reader = read(page("text"))
     assert reader.text.count("alike") == 1
     assert "kind" not in reader.text
 
 
-def test_several_sections_get_a_list_of_contents():
-    one = everything("one")
-    assert "nav" not in read(page("t", [], [one])).tags
-    two = page("t", [], [one, Section(name="b", title="two", parts=())])
+def test_several_chapters_get_a_list_of_contents():
+    assert "nav" not in read(page("t")).tags
+    two = page("t", 2)
     assert '<a href="#b">two</a>' in two
     assert '<section id="b">' in two
+
+
+def test_pages_need_nothing_from_elsewhere():
+    assert "http" not in page("t", 2)
+    assert "script" not in read(page("t", 2)).tags
+
+
+def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_missing(tmp_path):
+    rows = [{"a, b": "x", "v [m/s]": 0.123456, "end": True}, {"a, b": '"', "v [m/s]": None, "end": False}]
+    parts = templates().loader
+    text = """{% from "parts.html" import table %}{% call table(tables["t"], {"v [m/s]": ".2f"}) %}{% endcall %}"""
+    mine = DictLoader({"t.html": text})
+    made = templates().overlay(loader=ChoiceLoader([mine, parts]))
+    chapter = Chapter(name="t", values={}, tables={"t": pd.DataFrame(rows)}, templates=lambda: made)
+    files, html = write_chapter(chapter, tmp_path)
+    assert files == ["t.csv"]
+    assert (tmp_path / "t.csv").read_text() == '"a, b",v [m/s],end\nx,0.123456,yes\n"""",,no\n'
+    assert '<tr><td>x</td><td class="n">0.12</td><td>yes</td></tr>' in html
+    assert '<td class="n">NA</td><td>no</td></tr>' in html
+
+
+def test_negative_numbers_have_a_minus_sign_and_what_is_rounded_to_zero_has_none():
+    assert in_digits(-1.5, ".1f") == "\N{MINUS SIGN}1.5"
+    assert [in_digits(-0.0004, ".2f"), in_digits(0.0, "+.1f"), in_digits(0.06, "+.1f")] == ["0.00", "0.0", "+0.1"]
+    assert [shown(True), shown(None), shown(float("nan")), shown("x", ".1f")] == ["yes", "NA", "NA", "x"]
+
+
+def test_words_for_shares_and_spans():
+    assert [share(3, 3), share(0, 3), share(1, 3)] == ["all 3", "none of the 3", "1 of the 3"]
+    assert [span([2.0, -1.0], ".1f"), span([1.0, 1.01], ".1f")] == ["\N{MINUS SIGN}1.0 to 2.0", "1.0"]
+
+
+def test_the_longest_end_of_a_name_decides_how_its_numbers_are_shown():
+    forms = {"[%]": ".1f", "measured: v [%]": "+.2f"}
+    assert [form_of(name, forms) for name in ("measured: v [%]", "b: v [%]", "c")] == ["+.2f", ".1f", ""]
+
+
+def test_a_value_that_a_template_lacks_is_an_error():
+    with pytest.raises(UndefinedError, match="how"):
+        templates().from_string("{{ how.model }}").render()

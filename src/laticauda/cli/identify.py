@@ -131,7 +131,7 @@ class Identify:
         """Identify, write, print, and return the exit status."""
         from laticauda.errors import SimulationFailed
         from laticauda.identify.validation import validate
-        from laticauda.reports.chapter import writable_folder
+        from laticauda.reports.chapter import templates, writable_folder
         from laticauda.reports.identify import as_dict, write_identification
 
         task = self._task()
@@ -141,6 +141,7 @@ class Identify:
             _progress(),
         )
         writable_folder(folder)
+        templates()  # what the report needs is asked for before the search
         try:
             found = task.run(threads=self.method.threads, progress=lambda share: show("search", share))
             done = validate(

@@ -1,37 +1,99 @@
-"""A chapter: what one study puts into the folder of a reproduction, and into its report."""
+"""A chapter of a report: the tables, figures and data that go into a folder, and the template that tells of them.
 
+Sentences stand in a Jinja2 template, the values that they speak of come with the chapter. A page extends "page.html"
+and sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
+"parts.html". `templates/identify.html` uses all of it. A package with templates of its own hands them on::
+
+    mine = partial(templates, "my.package")
+    chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": frame}, templates=mine)
+    files, html = write_chapter(chapter, writable_folder("out"))
+"""
+
+# The annotations of pandas and xarray are partial; nothing of theirs leaves this module.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
+
+import base64
+import math
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from laticauda.errors import BadArgument
+from laticauda.extras import optional_import
 from laticauda.files import write
-from laticauda.reports.page import Section
-from laticauda.reports.tables import Table
+from laticauda.reports.texts import as_csv, form_of, in_digits, is_numeric, share, shown, span
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
 
 Pictures = Mapping[str, tuple[str, bytes]]
 """By name of the figure: its caption and the content of its PNG file."""
+
+
+@cache
+def templates(package: str = "laticauda.reports") -> Any:
+    """What renders a package's templates (Jinja2's): texts are escaped, and a value that is missing is an error.
+
+    Args:
+        package: Whose folder `templates` has them; "page.html" and "parts.html" are there for all.
+
+    Raises:
+        MissingExtra: If Jinja2 is not installed.
+    """
+    jinja2 = optional_import("The report", "Jinja2", "paper", "jinja2")
+    folders = dict.fromkeys((package, "laticauda.reports"))
+    made = jinja2.Environment(
+        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(folder) for folder in folders]),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {
+        "base64": _base64,
+        "cell": shown,
+        "degrees": math.degrees,
+        "digits": in_digits,
+        "form_of": form_of,
+        "span": span,
+        "upper_first": _upper_first,
+    }
+    made.globals |= {"is_numeric": is_numeric, "share": share}
+    return made
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chapter:
     """What a study has to say, before anything is written."""
 
-    section: Callable[[Pictures], Section]
-    """Its part of the report, once its figures are drawn."""
-    tables: tuple[Table, ...] = ()
-    """Written as CSV files under their names."""
+    name: str
+    """Of its template, and of its part of the page."""
+    values: Mapping[str, Any]
+    """What the template speaks of, beside its `tables` and `pictures`."""
+    tables: "Mapping[str, DataFrame]"
+    """Written as CSV files under their names; None and nan are missing."""
     n_figures: int = 0
     """How many figures there are [-]."""
     figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
     """One figure after the other: the name of its files, its caption, and the figure."""
-    data: Mapping[str, Callable[[Path], None]] = field(default_factory=dict[str, Callable[[Path], None]])
-    """By name of the file: what writes it."""
+    data: "Mapping[str, Callable[[], Dataset]]" = field(default_factory=dict)
+    """By name of the netCDF file: what makes its content."""
+    templates: Callable[[], Any] = templates
+    """What renders its template."""
+
+    def html(self, pictures: Pictures) -> str:
+        """Its part of the page.
+
+        Args:
+            pictures: Its figures, drawn.
+        """
+        template = self.templates().get_template(f"{self.name}.html")
+        return template.render(self.values, tables=self.tables, pictures=pictures)
 
 
 def writable_folder(folder: str | Path) -> Path:
@@ -56,7 +118,9 @@ def writable_folder(folder: str | Path) -> Path:
     return path
 
 
-def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) -> tuple[list[str], Section]:
+def write_chapter(
+    chapter: Chapter, folder: Path, drawn: Callable[[int], None] = lambda n: None
+) -> tuple[list[str], str]:
     """Write a chapter's data, tables and figures.
 
     Args:
@@ -65,22 +129,28 @@ def write_chapter(chapter: Chapter, folder: Path, drawn: Callable[[int], None]) 
         drawn: Called after every figure with how many there are so far.
 
     Returns:
-        The names of the files, and the chapter's part of the report.
+        The names of the files, and the chapter's part of the page.
     """
     from laticauda.figures import save_figure
 
-    files: list[str] = []
-    for name, store in chapter.data.items():
-        write(folder / name, store)
-        files.append(name)
-    for table in chapter.tables:
-        write(folder / f"{table.name}.csv", table.csv)
-        files.append(f"{table.name}.csv")
+    for name, dataset in chapter.data.items():
+        write(folder / name, partial(dataset().to_netcdf, engine="netcdf4"))
+    for name, frame in chapter.tables.items():
+        write(folder / f"{name}.csv", as_csv(frame))
+    files = [*chapter.data, *(f"{name}.csv" for name in chapter.tables)]
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():
         paths = [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")]
         save_figure(figure, *paths)
         files += [path.name for path in paths]
-        pictures[name] = (caption, (folder / f"{name}.png").read_bytes())
+        pictures[name] = (caption, paths[0].read_bytes())
         drawn(len(pictures))
-    return files, chapter.section(pictures)
+    return files, chapter.html(pictures)
+
+
+def _base64(content: bytes) -> str:
+    return base64.b64encode(content).decode("ascii")
+
+
+def _upper_first(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -8,6 +8,7 @@ import numpy as np
 from laticauda.figures import identification as draw
 from laticauda.figures import new_figure, style
 from laticauda.identify.measurements import SERIES
+from laticauda.reports.identify_tables import places
 from laticauda.simulate.sensitivities import UNITS
 
 if TYPE_CHECKING:
@@ -79,18 +80,10 @@ def _parity(found: "Fit") -> "Figure":
 
 def _by_what(found: "Fit") -> dict[str, list[draw.Compared]]:
     """Measured and predicted numbers by figure or series, then by group."""
-    put = found.problem
     pieces: dict[str, dict[str, list[np.ndarray]]] = {}
-    at = 0
-    for measurement, group in zip(put.measurements, put.groups, strict=True):
-        sizes = dict.fromkeys(measurement.figures, 1) | {
-            name: values.size for name, (values, _) in measurement.series.items()
-        }
-        for name, size in sizes.items():
-            here = slice(at, at + size)
-            both = np.stack((put.observed[here], found.predictions[here]))
-            pieces.setdefault(name, {}).setdefault(group, []).append(both)
-            at += size
+    for _, group, name, here in places(found.problem):
+        both = np.stack((found.problem.observed[here], found.predictions[here]))
+        pieces.setdefault(name, {}).setdefault(group, []).append(both)
     result: dict[str, list[draw.Compared]] = {}
     for what, groups in pieces.items():
         result[what] = []

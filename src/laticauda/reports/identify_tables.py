@@ -1,261 +1,191 @@
 """Tables of an identification's report."""
 
 import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from laticauda.identify.measurements import Measurement
+from laticauda.identify.problem import Problem
 from laticauda.identify.validation import Validation
-from laticauda.reports.tables import Cell, Column, Table, in_digits
+from laticauda.reports.texts import in_digits
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Row = dict[str, Any]
 
 _PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
 
-def tables_of(done: Validation) -> dict[str, Table]:
-    """All of them by name.
+def identification_tables(done: Validation) -> "dict[str, DataFrame]":
+    """All of them by name; what is not there has no table.
 
     Args:
         done: What was found.
     """
-    tables = [parameters_table(done), directions_table(done), groups_table(done), residuals_table(done)]
-    tables += [starts_table(done), correlations_table(done)]
-    if len(done.found.problem.of_interest) < len(done.found.estimates):
-        tables.append(began_table(done))
-    if done.error(done.found.predictions) is not None:
-        tables.append(errors_table(done))
-    return {table.name: table for table in tables}
+    from pandas import DataFrame
+
+    rows = {
+        "parameters": _parameters(done),
+        "directions": _directions(done),
+        "groups": _groups(done),
+        "residuals": _residuals(done),
+        "starts": _starts(done),
+        "correlations": _correlations(done),
+        "began": _began(done),
+        "errors": [] if done.error(done.found.predictions) is None else _errors(done),
+    }
+    return {name: DataFrame(found) for name, found in rows.items() if found}
 
 
-def parameters_table(done: Validation) -> Table:
+def places(problem: Problem) -> Iterator[tuple[Measurement, str, str, slice]]:
+    """Where each figure and each series stands among the data: measurement, its group, name, and place.
+
+    Args:
+        problem: Measurements and unknowns.
+    """
+    at = 0
+    for measurement, group in zip(problem.measurements, problem.groups, strict=True):
+        sizes = {name: values.size for name, (values, _) in measurement.series.items()}
+        for name, size in (dict.fromkeys(measurement.figures, 1) | sizes).items():
+            yield measurement, group, name, slice(at, at + size)
+            at += size
+
+
+def _parameters(done: Validation) -> list[Row]:
     """Values, uncertainties and what is to be known about them."""
-    found = done.found
-    profiles = {one.name: one for one in done.profiles}
-    percent = f"{100 * found.confidence:g} %"
-    columns = [
-        Column(name="parameter"),
-        Column(name="value", form=".4g"),
-        Column(name="unit"),
-        Column(name="standard deviation", form=".2g"),
-        Column(name=f"{percent} interval, low", form=".4g"),
-        Column(name="high", form=".4g"),
-    ]
-    if profiles:
-        columns += [Column(name="profile, low", form=".4g"), Column(name="profile, high", form=".4g")]
-    columns += [Column(name="prior"), Column(name="range"), Column(name="note", wraps=True)]
-    rows: list[tuple[Cell, ...]] = []
+    found, profiles = done.found, {one.name: one for one in done.profiles}
+    rows: list[Row] = []
     for k in found.problem.of_interest:
         unknown, estimate = found.problem.unknowns[k], found.estimates[k]
         low, high = estimate.interval or (None, None)
-        value = estimate.value if estimate.is_identified else None
-        row: list[Cell] = [estimate.name, value, estimate.unit or "-", estimate.sigma, low, high]
+        tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
+        notes = (estimate.note.replace("`", ""), f"with it change: {tied}" if tied else "")
+        row: Row = {
+            "parameter": estimate.name,
+            "value": estimate.value if estimate.is_identified else None,
+            "unit": estimate.unit or "-",
+            "standard deviation": estimate.sigma,
+            f"{100 * found.confidence:g} % interval, low": low,
+            "high": high,
+        }
         if profiles:
-            row += [profiles[estimate.name].low, profiles[estimate.name].high]
-        prior = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
-        note = estimate.note.replace("`", "")
-        if unknown.tied:
-            tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
-            note = "; ".join(part for part in (note, f"with it change: {tied}") if part)
-        rows.append((*row, prior, f"{_end(unknown.lower)} to {_end(unknown.upper)}", note or "-"))
-    return Table(
-        name="parameters",
-        caption="What was identified; NA: not identified. Standard deviations and intervals are from the covariance, "
-        "on a log scale for numbers that are greater than 0.",
-        columns=tuple(columns),
-        rows=tuple(rows),
-    )
-
-
-def began_table(done: Validation) -> Table:
-    """Where single trials began, as far as it was identified."""
-    found = done.found
-    shown = [k for k in range(len(found.estimates)) if k not in found.problem.of_interest]
-    return Table(
-        name="began",
-        caption="Where the trials began, to be added to what their files say: identified because a first sample has "
-        "noise as all others have.",
-        columns=(
-            Column(name="parameter"),
-            Column(name="value", form=".2g"),
-            Column(name="unit"),
-            Column(name="standard deviation", form=".2g"),
-        ),
-        rows=tuple(
-            (one.name, one.value if one.is_identified else None, one.unit, one.sigma)
-            for one in (found.estimates[k] for k in shown)
-        ),
-    )
+            row |= {"profile, low": profiles[estimate.name].low, "profile, high": profiles[estimate.name].high}
+        row["prior"] = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
+        row["range"] = f"{_end(unknown.lower)} to {_end(unknown.upper)}"
+        row["note"] = "; ".join(filter(None, notes)) or "-"
+        rows.append(row)
+    return rows
 
 
 def _end(value: float) -> str:
     return in_digits(value, ".4g") if math.isfinite(value) else "any"
 
 
-def directions_table(done: Validation) -> Table:
+def _began(done: Validation) -> list[Row]:
+    """Where single trials began, as far as it was identified."""
+    found = done.found
+    return [
+        {
+            "parameter": one.name,
+            "value": one.value if one.is_identified else None,
+            "unit": one.unit,
+            "standard deviation": one.sigma,
+        }
+        for k, one in enumerate(found.estimates)
+        if k not in found.problem.of_interest
+    ]
+
+
+def _directions(done: Validation) -> list[Row]:
     """What the measurements see of combinations."""
     shown = done.found.problem.of_interest
-    directions = [
-        one for one in done.found.identifiability.directions if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
+    return [
+        {
+            "combination": one.name.replace("`", ""),
+            "standard deviation [-]": finite(one.sigma),
+            "seen": one.is_seen,
+        }
+        for one in done.found.identifiability.directions
+        if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
     ]
-    return Table(
-        name="directions",
-        caption="Standard deviation of a combination as a share of itself, by the measurements alone, without priors.",
-        columns=(
-            Column(name="combination", wraps=True),
-            Column(name="standard deviation [-]", form=".2g"),
-            Column(name="seen"),
-        ),
-        rows=tuple(
-            (one.name.replace("`", ""), one.sigma if math.isfinite(one.sigma) else None, one.is_seen)
-            for one in directions
-        ),
-    )
 
 
-def residuals_table(done: Validation) -> Table:
-    """Every measurement beside its prediction."""
-    left_out = _left_out(done)
-    return Table(
-        name="residuals",
-        grouped=True,
-        caption="Predicted less measured: of a figure, in its unit and in standard deviations of the noise as stated; "
-        "of a series, the root mean square.",
-        columns=(
-            Column(name="group"),
-            Column(name="measurement"),
-            Column(name="what"),
-            Column(name="unit"),
-            Column(name="measured", form=".4g"),
-            Column(name="predicted", form=".4g"),
-            Column(name="left out", form=".4g"),
-            Column(name="off", form="+.3g"),
-            Column(name="off [%]", form="+.1f"),
-            Column(name="in standard deviations [-]", form="+.2f"),
-        ),
-        rows=tuple(
-            (
-                one.group,
-                one.measurement,
-                one.what.replace("_", " "),
-                one.unit or "-",
-                one.measured,
-                one.predicted,
-                left_out.get((one.measurement, one.what)),
-                one.deviation,
-                100.0 * one.deviation / one.measured if one.measured else None,
-                one.in_sigmas,
-            )
-            for one in sorted(done.found.residuals, key=lambda one: done.found.problem.groups.index(one.group))
-        ),
-    )
+def _residuals(done: Validation) -> list[Row]:
+    """Every measurement beside its prediction, by this fit and by the others."""
+    problem = done.found.problem
+    left_out = {(measurement.name, what): done.left_out[here] for measurement, _, what, here in places(problem)}
+    return [
+        {
+            "group": one.group,
+            "measurement": one.measurement,
+            "what": one.what.replace("_", " "),
+            "unit": one.unit or "-",
+            "measured": one.measured,
+            "predicted": one.predicted,
+            "left out": None if one.measured is None else finite(left_out[one.measurement, one.what][0]),
+            "off": one.deviation,
+            "off [%]": 100.0 * one.deviation / one.measured if one.measured else None,
+            "in standard deviations [-]": one.in_sigmas,
+        }
+        for one in sorted(done.found.residuals, key=lambda one: problem.groups.index(one.group))
+    ]
 
 
-def _left_out(done: Validation) -> dict[tuple[str, str], float | None]:
-    """Figures as the others predict them."""
-    found: dict[tuple[str, str], float | None] = {}
-    at = 0
-    for measurement in done.found.problem.measurements:
-        for name in measurement.figures:
-            value = float(done.left_out[at])
-            found[measurement.name, name] = value if math.isfinite(value) else None
-            at += 1
-        at += sum(values.size for values, _ in measurement.series.values())
-    return found
-
-
-def groups_table(done: Validation) -> Table:
+def _groups(done: Validation) -> list[Row]:
     """Errors by group."""
-    rows: list[tuple[Cell, ...]] = []
+    rows: list[Row] = []
     residuals = done.found.residuals
-    for group in dict.fromkeys(done.found.problem.groups):
-        for what in dict.fromkeys(one.what for one in residuals if one.group == group):
-            mine = [one for one in residuals if one.group == group and one.what == what]
-            shares = [one.deviation / one.measured for one in mine if one.measured]
-            rows.append(
-                (
-                    group,
-                    what.replace("_", " "),
-                    len(mine),
-                    100.0 * float(np.mean(np.abs(shares))) if shares else None,
-                    100.0 * float(np.mean(shares)) if shares else None,
-                    float(np.sqrt(np.mean([one.in_sigmas**2 for one in mine]))),
-                )
-            )
-    return Table(
-        name="groups",
-        caption="By group: mean of the relative errors of a figure, with and without their signs, and root mean square "
-        "in standard deviations of the noise as stated.",
-        columns=(
-            Column(name="group"),
-            Column(name="what"),
-            Column(name="measurements"),
-            Column(name="mean error [%]", form=".1f"),
-            Column(name="mean with sign [%]", form="+.1f"),
-            Column(name="in standard deviations [-]", form=".2f"),
-        ),
-        rows=tuple(rows),
-    )
+    for group, what in dict.fromkeys((group, one.what) for group in done.found.problem.groups for one in residuals):
+        mine = [one for one in residuals if (one.group, one.what) == (group, what)]
+        shares = [100.0 * one.deviation / one.measured for one in mine if one.measured]
+        if mine:
+            row: Row = {"group": group, "what": what.replace("_", " "), "measurements": len(mine)}
+            row["mean error [%]"] = float(np.mean(np.abs(shares))) if shares else None
+            row["mean with sign [%]"] = float(np.mean(shares)) if shares else None
+            row["in standard deviations [-]"] = float(np.sqrt(np.mean([one.in_sigmas**2 for one in mine])))
+            rows.append(row)
+    return rows
 
 
-def errors_table(done: Validation) -> Table:
+def _errors(done: Validation) -> list[Row]:
     """Mean errors of the speeds, fitted and left out, beside null models."""
-    n, by_group = len(done.found.estimates), done.by_group
-    rows: list[tuple[Cell, ...]] = [
-        (
-            "this fit",
-            n,
-            done.error(done.found.predictions),
-            done.error(done.left_out),
-            done.error(None if by_group is None else by_group.predictions),
-        )
+    found, by_group = done.found, None if done.by_group is None else done.by_group.predictions
+    errors = (done.error(found.predictions), done.error(done.left_out), done.error(by_group))
+    models = [("this fit", len(found.estimates), *errors)]
+    models += [
+        (f"null model: {null.name}", null.n_parameters, null.fitted, finite(null.left_out), finite(null.group_left_out))
+        for null in done.null_models
     ]
-    for null in done.null_models:
-        left = [value if math.isfinite(value) else None for value in (null.left_out, null.group_left_out)]
-        rows.append((f"null model: {null.name}", null.n_parameters, null.fitted, *left))
-    return Table(
-        name="errors",
-        caption="Mean error of the forward velocity [%]: of what was fitted, with each measurement left out, and with "
-        "each group left out.",
-        columns=(
-            Column(name="model"),
-            Column(name="numbers fitted"),
-            Column(name="fitted [%]", form=".1f"),
-            Column(name="measurement left out [%]", form=".1f"),
-            Column(name="group left out [%]", form=".1f"),
-        ),
-        rows=tuple(rows),
-    )
+    heads = ("model", "numbers fitted", "fitted [%]", "measurement left out [%]", "group left out [%]")
+    return [dict(zip(heads, model, strict=True)) for model in models]
 
 
-def starts_table(done: Validation) -> Table:
+def _starts(done: Validation) -> list[Row]:
     """Where every search began and ended."""
-    every = done.found.problem.names
-    names = [every[k] for k in done.found.problem.of_interest]
-    columns = [Column(name="start"), Column(name="sum of squares", form=".5g"), Column(name="ended by itself")]
-    columns += [Column(name=f"{name}, {word}", form=".4g") for name in names for word in ("from", "to")]
-    return Table(
-        name="starts",
-        caption="Every start of the search, the best first.",
-        columns=tuple(columns),
-        rows=tuple(
-            (
-                i + 1,
-                one.cost,
-                one.converged,
-                *(value for name in names for value in (one.start[name], one.end[name])),
-            )
-            for i, one in enumerate(done.found.searches)
-        ),
-    )
+    names = [done.found.problem.names[k] for k in done.found.problem.of_interest]
+    return [
+        {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
+        | {f"{name}, {word}": side[name] for name in names for word, side in (("from", one.start), ("to", one.end))}
+        for i, one in enumerate(done.found.searches)
+    ]
 
 
-def correlations_table(done: Validation) -> Table:
+def _correlations(done: Validation) -> list[Row]:
     """The matrix."""
     names = done.found.problem.names
-    return Table(
-        name="correlations",
-        caption="Correlations of the parameters.",
-        columns=(Column(name="parameter"), *(Column(name=name, form=".2f") for name in names)),
-        rows=tuple(
-            (name, *(value if math.isfinite(value) else None for value in row))
-            for name, row in zip(names, done.found.correlations.tolist(), strict=True)
-        ),
-    )
+    return [
+        {"parameter": name} | dict(zip(names, row, strict=True))
+        for name, row in zip(names, done.found.correlations.tolist(), strict=True)
+    ]
+
+
+def finite(value: float) -> float | None:
+    """A number, or None for what is infinite or not known.
+
+    Args:
+        value: Any.
+    """
+    return float(value) if math.isfinite(value) else None
