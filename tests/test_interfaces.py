@@ -27,8 +27,8 @@ def test_joints_go_to_the_references_that_are_given(model, joints):
     state = plant_.init(Start(), Command(gait=GAIT))
     state, log, failure = plant_.march(state, Command(gait=GAIT, references=references), 3.0, 0.5)
     assert failure is None
-    np.testing.assert_array_equal(log["joint_angle_ref"][1:], np.tile(references, (6, 1)))
-    np.testing.assert_allclose(log["joint_angle"][-1], references, atol=0.01)
+    np.testing.assert_array_equal(log.joint_angle_ref[1:], np.tile(references, (6, 1)))
+    np.testing.assert_allclose(log.joint_angle[-1], references, atol=0.01)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -65,8 +65,8 @@ def test_joints_that_are_off_do_no_work_and_draw_nothing(model):
     plant_ = body(model)
     command = Command(gait=GAIT, references=(0.5,) * 8, enabled=(False,) * 8)
     _, log, _ = plant_.march(plant_.init(Start(), command), command, 1.0, 0.1)
-    assert np.all(log["joint_torque"] == 0.0)
-    assert log["electrical_work"][-1] == 0.0
+    assert np.all(log.joint_torque == 0.0)
+    assert log.electrical_work[-1] == 0.0
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -74,8 +74,8 @@ def test_one_joint_that_is_off_leaves_the_others_on(model):
     plant_ = body(model)
     command = Command(gait=GAIT, references=(0.3,) * 8, enabled=(True, True, False, *[True] * 5))
     _, log, _ = plant_.march(plant_.init(Start(), command), command, 1.0, 0.1)
-    assert np.all(log["joint_torque"][:, 2] == 0.0)
-    assert np.all(np.abs(np.delete(log["joint_angle"][-1], 2) - 0.3) < 0.05)
+    assert np.all(log.joint_torque[:, 2] == 0.0)
+    assert np.all(np.abs(np.delete(log.joint_angle[-1], 2) - 0.3) < 0.05)
 
 
 @pytest.mark.parametrize("model", MODELS)

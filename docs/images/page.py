@@ -50,7 +50,7 @@ class Camera:
         """Put the camera beside the robot; `ahead` of it is the middle of the picture [m]."""
         (view,) = self.cockpit._cameras.all()
         view.follows.value = False
-        x, y = (float(value) for value in self.cockpit.live.latest()["center_of_mass"][:2])
+        x, y = (float(value) for value in self.cockpit.live.latest().center_of_mass[:2])
         target = np.array([x + ahead, y, 0.0])
         self.settle()
         view.camera.position, view.camera.look_at = target + offset, target

@@ -186,12 +186,12 @@ def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world
     cockpit.frame()
 
     def gone():
-        return np.asarray(runs._ghost.sample(0.0)["center_of_mass"]) - live.latest()["center_of_mass"]
+        return np.asarray(runs._ghost.sample(0.0).center_of_mass) - live.latest().center_of_mass
 
     assert np.linalg.norm(gone()) == pytest.approx(0.5)
     runs._beside.value = False
     runs._place()
-    np.testing.assert_allclose(runs._ghost.sample(0.0)["center_of_mass"], (5.0, 2.0))
+    np.testing.assert_allclose(runs._ghost.sample(0.0).center_of_mass, (5.0, 2.0))
     live.advance(1.0)
     cockpit._reset()
     assert runs._since == live.simulation.time == 0.0

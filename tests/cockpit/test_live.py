@@ -57,7 +57,7 @@ def test_a_paused_world_stands_still(live):
     live.paused = True
     before = live.latest()
     assert live.advance(1.0) == 0
-    np.testing.assert_array_equal(live.latest()["joint_angle"], before["joint_angle"])
+    np.testing.assert_array_equal(live.latest().joint_angle, before.joint_angle)
 
 
 def test_a_clock_that_stood_still_is_not_caught_up_with(live):
@@ -75,9 +75,9 @@ def test_another_gait_is_taken_up_without_a_jump(live):
     swum(live, 5.0)
     before = live.latest()
     live.alter(gait=replace(GAIT, amplitude=0.8, frequency=1.0, phase_shift=0.3, offset=0.1))
-    np.testing.assert_allclose(live.latest()["joint_angle"], before["joint_angle"], atol=1e-9)
+    np.testing.assert_allclose(live.latest().joint_angle, before.joint_angle, atol=1e-9)
     live.advance(TICK)
-    assert np.abs(live.latest()["joint_angle"] - before["joint_angle"]).max() < 0.1
+    assert np.abs(live.latest().joint_angle - before.joint_angle).max() < 0.1
 
 
 def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
@@ -86,7 +86,7 @@ def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
     angles = []
     for _ in range(160):
         live.advance(TICK)
-        angles.append(live.latest()["joint_angle"])
+        angles.append(live.latest().joint_angle)
     steps = np.abs(np.diff(angles, axis=0)).max(axis=1)
     assert steps.max() < 0.12  # [rad], in 25 ms: what the old gait does anyway
     assert live.simulation.shape.kind == "eel_like"
@@ -110,8 +110,8 @@ def test_another_body_goes_on_at_the_same_place_and_heading(live, change):
     before = live.latest()
     live.alter(**change)
     after = live.latest()
-    np.testing.assert_allclose(after["center_of_mass"], before["center_of_mass"], atol=1e-12)
-    assert after["heading"] == pytest.approx(before["heading"], abs=1e-12)
+    np.testing.assert_allclose(after.center_of_mass, before.center_of_mass, atol=1e-12)
+    assert after.heading == pytest.approx(before.heading, abs=1e-12)
     swum(live, 1.0)
     assert live.simulation.failure is None
 
@@ -121,8 +121,8 @@ def test_the_spatial_model_takes_over_where_the_planar_one_was(live):
     swum(live, 5.0)
     before = live.latest()
     live.alter(model="spatial")
-    np.testing.assert_allclose(live.latest()["center_of_mass"][:2], before["center_of_mass"], atol=1e-9)
-    assert live.latest()["heading"] == pytest.approx(before["heading"], abs=1e-9)
+    np.testing.assert_allclose(live.latest().center_of_mass[:2], before.center_of_mass, atol=1e-9)
+    assert live.latest().heading == pytest.approx(before.heading, abs=1e-9)
     swum(live, 1.0)
     live.alter(model="planar")
     assert live.simulation.failure is None
@@ -131,7 +131,7 @@ def test_the_spatial_model_takes_over_where_the_planar_one_was(live):
 def test_a_current_carries_the_robot(live):
     live.alter(gait=replace(GAIT, amplitude=0.0), current=(0.2, 0.0))
     swum(live, 20.0)
-    assert live.latest()["center_of_mass_velocity"][0] == pytest.approx(0.2, rel=0.15)
+    assert live.latest().center_of_mass_velocity[0] == pytest.approx(0.2, rel=0.15)
 
 
 def test_following_a_path_brings_the_error_down(live):
@@ -176,16 +176,16 @@ def test_reset_begins_anew_with_the_present_scenario(live):
     live.reset()
     assert live.simulation.time == 0.0
     assert live.scenario.model.joints == PD()
-    np.testing.assert_array_equal(live.latest()["center_of_mass"], (0.0, 0.0))
+    np.testing.assert_array_equal(live.latest().center_of_mass, (0.0, 0.0))
     assert live.plots() == {}
 
 
 def test_link_forces_come_on_request(live):
     live.advance(0.05)
-    assert not [name for name in live.latest() if name.startswith("force_")]
+    assert live.latest().link_force is None
     live.link_forces = True
     live.advance(0.05)
-    assert live.latest()["force_drag"].shape == (9, 2)
+    assert live.latest().link_force["drag"].shape == (9, 2)
 
 
 def test_the_paper_stands_beside_its_own_trials_only(live):

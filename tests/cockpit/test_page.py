@@ -190,7 +190,7 @@ def test_pages_keep_their_own_view(chromium, cockpit):
     assert until(lambda: [view.follows.value for view in views] == [True, False])
     left = np.array(second.position)
     cockpit.live.speed, cockpit.live.paused = 8.0, False
-    assert until(lambda: cockpit.live.latest()["center_of_mass"][0] > 1.5)
+    assert until(lambda: cockpit.live.latest().center_of_mass[0] > 1.5)
     assert until(lambda: first.position[0] > home[0] + 1.0)
     view = np.subtract(*look_down())
     assert until(lambda: np.allclose(first.position - first.look_at, view, atol=1e-3), patience=5.0)

@@ -20,8 +20,8 @@ def test_modules_and_fin_are_where_kinematics_has_them(rigidity):
         live.advance(0.05)
     sample = live.latest()
     found = poses(robot, sample, height=0.3)
-    angles = None if rigidity is None else np.array([sample[f"signal_fin_angle_{k}"] for k in (1, 2, 3)])
-    place = sample["center_of_mass"], sample["link_angle"]
+    angles = None if rigidity is None else np.array([sample.signals[f"fin_angle_{k}"] for k in (1, 2, 3)])
+    place = sample.center_of_mass, sample.link_angle
     ends = link_ends(robot, *place, fin_angle=angles)
     np.testing.assert_allclose(found.position[:9, :2], ends[:-1], atol=1e-12)
     line = fin_line(robot, *place, fin_angle=angles)

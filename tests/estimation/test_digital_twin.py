@@ -89,7 +89,7 @@ class Exploding:
 
     def march(self, state, command, duration, sample_interval, *, link_forces=False):
         then, log, trouble = self.body.march(state, command, duration, sample_interval)
-        return then, log, "diverged" if log["time"][-1] > self.after else trouble
+        return then, log, "diverged" if log.time[-1] > self.after else trouble
 
     def init(self, start, command):
         return self.body.init(start, command)

@@ -152,8 +152,8 @@ def test_a_plant_follows_a_change_of_gait_like_the_generator(
     body, _, _ = plant.march(plant.init(lc.Start(), command), command, 1.5, 1.5)
     _, log, _ = plant.march(body, lc.Command(gait=replace(then, offset=0.0), offset=then.offset), 1.0, 0.1)
     state = go(generator, first, 1.5)
-    expected = [generator.joints(generator.step(state, then, t - 1.5), then)[0] for t in log["time"]]
-    np.testing.assert_allclose(log["joint_angle_ref"], expected, rtol=0.0, atol=1e-12)
+    expected = [generator.joints(generator.step(state, then, t - 1.5), then)[0] for t in log.time]
+    np.testing.assert_allclose(log.joint_angle_ref, expected, rtol=0.0, atol=1e-12)
 
 
 # --- bad input --------------------------------------------------------------------------------------------------------

@@ -128,7 +128,7 @@ def test_a_plucked_fin_swings_at_that_frequency():
     state = plant.init(lc.Start(), command)
     state.values[-2:] = 0.02, 0.05  # rates of the hinges, the outer one first
     log = plant.march(state, command, 10.0, 2e-3)[1]
-    angle = log["signal_fin_angle_1"]
+    angle = log.signals["fin_angle_1"]
     spectrum = np.abs(np.fft.rfft(angle * np.hanning(angle.size), 16 * angle.size))
     assert np.argmax(spectrum) / (16 * angle.size * 2e-3) == pytest.approx(
         bending_rates(fin, still)[0] / (2 * np.pi), rel=5e-3

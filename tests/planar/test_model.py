@@ -24,7 +24,7 @@ def test_a_fin_of_links_swims_like_a_folded_fin():
     for fin_as_links in (False, True):
         plant = PlanarPlant(robot=robot, environment=WATER, fin_as_links=fin_as_links)
         log = plant.march(plant.init(start, command), command, 5.0, 0.1, link_forces=True)[1]
-        paths.append((log["center_of_mass"], log["joint_torque"], log["force_drag"], log["force_added_mass"]))
+        paths.append((log.center_of_mass, log.joint_torque, log.link_force["drag"], log.link_force["added_mass"]))
     for folded, links in zip(*paths, strict=True):
         np.testing.assert_allclose(links, folded, atol=1e-7)
 
@@ -193,7 +193,7 @@ def test_an_observation_of_a_state_is_the_sample_of_the_log():
     assert failure is None
     assert seen.time == 2.0
     assert seen.link_angle.mean() == pytest.approx(seen.heading, abs=0.03)  # links of two lengths count the same
-    np.testing.assert_array_equal(seen.link_angle, log["link_angle"][-1])
+    np.testing.assert_array_equal(seen.link_angle, log.link_angle[-1])
     np.testing.assert_array_equal(plant.step(state, command, 0.1).values[0], 2.1)
 
 
@@ -203,9 +203,9 @@ def test_a_steering_offset_turns_left_and_can_change_while_swimming():
     state = plant.march(plant.init(lc.Start(), straight), straight, 5.0, 0.1)[0]
     kept = plant.march(state, straight, 10.0, 0.1)[1]
     turned = plant.march(state, left, 10.0, 0.1)[1]
-    assert turned["heading"][-1] > kept["heading"][-1] + 0.3
-    np.testing.assert_array_equal(turned["joint_angle"][0], kept["joint_angle"][0])
-    assert np.abs(np.diff(turned["joint_rate"], axis=0)).max() < 1.0
+    assert turned.heading[-1] > kept.heading[-1] + 0.3
+    np.testing.assert_array_equal(turned.joint_angle[0], kept.joint_angle[0])
+    assert np.abs(np.diff(turned.joint_rate, axis=0)).max() < 1.0
 
 
 def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():

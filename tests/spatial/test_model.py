@@ -115,7 +115,7 @@ def test_the_physical_robot_swims_upright_from_any_roll():
     assert failure is None
     up = body.data(state).xmat[1:].reshape(-1, 3, 3)[:, 2, 2]
     assert np.all(up > np.cos(np.deg2rad(12.0)))
-    assert log["center_of_mass"][-1, 0] > 1.5
+    assert log.center_of_mass[-1, 0] > 1.5
 
 
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
@@ -125,8 +125,8 @@ def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
     assert failure is None
     height = robot.modules[0].section.half_height - body.ballast_depth
-    assert log["center_of_mass"][-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
-    assert np.max(np.abs(log["center_of_mass_velocity"][-1])) < 1e-3
+    assert log.center_of_mass[-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
+    assert np.max(np.abs(log.center_of_mass_velocity[-1])) < 1e-3
 
 
 def test_joint_limits_do_not_hold_prescribed_joints_up():

@@ -89,8 +89,8 @@ def test_what_is_observed_is_the_state_itself():
     state, log, _ = body.march(body.init(Start(), command), command, 3.0, 0.5)
     seen = body.observe(state)
     for name in ("center_of_mass", "heading", "link_angle", "joint_angle"):
-        np.testing.assert_allclose(getattr(seen, name), log[name][-1], atol=1e-12)
-    assert seen.pitch == pytest.approx(log["signal_pitch"][-1])
+        np.testing.assert_allclose(getattr(seen, name), getattr(log, name)[-1], atol=1e-12)
+    assert seen.pitch == pytest.approx(log.signals["pitch"][-1])
     assert np.ptp(seen.joint_angle) > 0.5
 
 

@@ -172,8 +172,8 @@ class Controls:
         if not is_followed:
             return None
         sample = self._live.latest()
-        x, y = (float(value) for value in sample["center_of_mass"][:2])
-        angle = float(sample["heading"])
+        x, y = (float(value) for value in sample.center_of_mass[:2])
+        angle = float(sample.heading)
         return StraightLine(point=(x + ASIDE * math.sin(angle), y - ASIDE * math.cos(angle)), angle=angle)
 
 

@@ -3,6 +3,7 @@
 import math
 import threading
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from laticauda.cockpit.changes import Changes, changed
 from laticauda.cockpit.simulation import TICK, Simulation, advance, altered, begin, cross_track_error
 from laticauda.errors import within
-from laticauda.interfaces import Log
+from laticauda.interfaces import Log, log_of
 from laticauda.packaging import __version__
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import Trial
@@ -86,8 +87,7 @@ class Live:
         """Time that was given up because the computer could not follow, in all [s]."""
         self._plots = RingBuffer(round(PLOTTED / TICK))
         self._record = RingBuffer(round(RECORDED / (2.0 * TICK)))
-        self._latest: Log = {}
-        self._sample()
+        self._latest = self._sample()
 
     @property
     def simulation(self) -> Simulation:
@@ -109,9 +109,8 @@ class Live:
         self._speed = within("speed", value, *SPEEDS)
 
     def latest(self) -> Log:
-        """The newest sample, by the names of `Trial`'s fields, without its time axis."""
-        with self._lock:
-            return dict(self._latest)
+        """The newest sample, without a time axis."""
+        return self._latest
 
     def plots(self, step: int = 1) -> dict[str, np.ndarray]:
         """What is plotted: time, speed, power, cross_track_error, heading and three joint angles.
@@ -125,7 +124,7 @@ class Live:
     def record(self) -> tuple[Log, Simulation]:
         """The samples since the scenario was last changed, at most the last ten minutes, and the simulation now."""
         with self._lock:
-            return self._record.last(), self._simulation
+            return log_of(self._record.last()), self._simulation
 
     def advance(self, wall: float) -> int:
         """Let time pass.
@@ -166,7 +165,7 @@ class Live:
                 return
             self._simulation = altered(self._simulation, scenario)
             self._record.clear()
-            self._sample()
+            self._latest = self._sample()
 
     def alter(self, **changes: Unpack[Changes]) -> None:
         """`change` to the scenario with what `laticauda.cockpit.changes.changed` takes as `changes`."""
@@ -180,7 +179,7 @@ class Live:
             self._plots.clear()
             self._record.clear()
             self._debt = 0.0
-            self._sample()
+            self._latest = self._sample()
 
     def trial(self) -> Trial:
         """The run since the scenario was last changed, at most the last ten minutes of it.
@@ -189,18 +188,16 @@ class Live:
             ValueError: If nothing has happened since then.
         """
         log, now = self.record()
-        if len(log["time"]) < 2:
+        if len(log.time) < 2:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
-        signals = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
         return Trial(
-            **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
+            **vars(log),
             scenario=Experiment(
                 robot=now.plant.robot,
                 gait=now.scenario.gait,
                 environment=now.plant.environment,
                 model=now.plant.settings,
             ),
-            signals=signals,
             version=__version__,
             status=now.failure or "The run reached its end.",
             succeeded=now.failure is None,
@@ -212,30 +209,33 @@ class Live:
         self._simulation, log = advance(self._simulation, link_forces=forces)
         if self._simulation.failure is not None:
             return
-        self._latest = {name: np.asarray(values[-1]) for name, values in log.items()}
+        self._latest = log.at(-1)
         self._plots.append(self._plotted(before))
         if self._simulation.ticks % 2 == 0:
-            self._keep()
+            self._keep(self._latest)
 
     def _plotted(self, before: Log) -> dict[str, float | np.ndarray]:
-        now, n = self._latest, self._latest["joint_angle"].size
-        work = "electrical_work" if "electrical_work" in now and "electrical_work" in before else "work"
+        now, n = self._latest, self._latest.joint_angle.size
+        if now.electrical_work is not None and before.electrical_work is not None:
+            work = float(now.electrical_work - before.electrical_work)
+        else:
+            work = float(now.work[0] - before.work[0])
         row: dict[str, float | np.ndarray] = {
             "time": self._simulation.time,
-            "speed": float(np.linalg.norm(now["center_of_mass_velocity"][:2])),
-            "power": float(np.atleast_1d(now[work] - before[work])[0] / TICK),
+            "speed": float(np.linalg.norm(now.center_of_mass_velocity[:2])),
+            "power": work / TICK,
             "cross_track_error": cross_track_error(self._simulation),
-            "heading": math.degrees(now["heading"]),
+            "heading": math.degrees(now.heading),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
-            row[f"joint_{name}"] = math.degrees(now["joint_angle"][joint]) if n else 0.0
+            row[f"joint_{name}"] = math.degrees(now.joint_angle[joint]) if n else 0.0
         return row
 
-    def _keep(self) -> None:
-        self._record.append({name: value for name, value in self._latest.items() if not name.startswith("force_")})
+    def _keep(self, sample: Log) -> None:
+        self._record.append(replace(sample, link_force=None).series())
 
-    def _sample(self) -> None:
+    def _sample(self) -> Log:
         """Take a first sample of a simulation that has just been made or changed, without letting time pass."""
-        _, log = advance(self._simulation)
-        self._latest = {name: np.asarray(values[0]) for name, values in log.items()}
-        self._keep()
+        first = advance(self._simulation)[1].at(0)
+        self._keep(first)
+        return first

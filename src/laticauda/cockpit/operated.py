@@ -9,6 +9,7 @@ import numpy as np
 from laticauda.cockpit.events import refusing
 from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.cockpit.shapes import Color
+from laticauda.interfaces import Log
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
@@ -108,11 +109,7 @@ class OperatedRobot:
                 self._text.content = f"**{trouble}**" if trouble else "Waiting for the first picture ..."
             return None
         robot = listener.robot.planar()
-        sample = {
-            name: np.asarray(getattr(estimate, name))
-            for name in ("center_of_mass", "heading", "link_angle", "joint_angle")
-        }
-        self._body.show(robot, sample)
+        self._body.show(robot, _sample(estimate))
         self._scene.set_visible(not self._alone.value)
         if with_text:
             self._trail.grow(estimate.center_of_mass)
@@ -151,3 +148,11 @@ class OperatedRobot:
         name = self._robot.value
         connection = Connection().at(can=self._can.value.strip(), mocap=self._mocap.value.strip())
         self.connect(connection, self._own if name == self._own.name else load_robot(name))
+
+
+def _sample(estimate: "Estimate") -> Log:
+    """An estimate as a sample to draw, which says nothing of the motors."""
+    known: dict[str, Any] = {name: np.asarray(one) for name, one in vars(estimate.observation()).items()}
+    del known["pitch"]
+    nothing = np.zeros_like(estimate.joint_angle)
+    return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3))

@@ -143,7 +143,7 @@ class Cockpit:
                 self._scene.trail.forget()
                 self._new_trail = False
             self._scene.show(robot, sample, forces=live.link_forces)
-            self._board.show(sample["center_of_mass"])
+            self._board.show(sample.center_of_mass)
             self._runs.show()
             operated = self._operated.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
@@ -151,7 +151,7 @@ class Cockpit:
                 self._figures.content = numbers_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._cameras.show((sample["center_of_mass"] if operated is None else operated)[:2])
+        self._cameras.show((sample.center_of_mass if operated is None else operated)[:2])
 
     def _changed(self) -> None:
         """After every change of the scenario."""

@@ -10,7 +10,6 @@ from laticauda.cockpit.changes import measured
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, cross_track_error
-from laticauda.robot import has_power_model
 from laticauda.trial import metrics
 
 STEP = 4  # every how many-th sample is drawn
@@ -49,12 +48,12 @@ class Numbers:
 def numbers(live: Live) -> Numbers:
     """The figures of a `live` run since the scenario was last changed."""
     record, now = live.record()
-    time, place, scenario, robot = record["time"], record["center_of_mass"], now.scenario, now.plant.robot
+    time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot
     elapsed, found = float(time[-1] - time[0]), dict[str, float]()
     if elapsed > 0.0:
-        is_electrical = has_power_model(robot, scenario.model.joints)
         velocity = metrics.forward_velocity(time, place)
-        power = metrics.mean_power(time, record["electrical_work"] if is_electrical else record["work"][:, 0])
+        work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
+        power = metrics.mean_power(time, work)
         found = {"forward_velocity": velocity, "mean_power": power}
         if velocity > 1e-6:
             weight = metrics.carried_weight(robot, scenario.environment)
@@ -63,7 +62,7 @@ def numbers(live: Live) -> Numbers:
         if 2.0 * TICK <= cycle < elapsed:
             n = round(cycle / (2.0 * TICK))
             found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
-    heading = float(live.latest()["heading"])
+    heading = float(live.latest().heading)
     return Numbers(time=elapsed, cross_track_error=cross_track_error(now), heading=heading, **found)
 
 
@@ -73,7 +72,7 @@ def numbers_text(live: Live) -> str:
     if failure is not None:
         return f"**{failure}** Change something, or reset."
     now, tank = numbers(live), measured(live.scenario)
-    kind = "electrical" if "electrical_work" in live.latest() else "mechanical"
+    kind = "mechanical" if live.latest().electrical_work is None else "electrical"
     rows = [
         ("forward velocity (5)", _number(now.forward_velocity, "m/s", 3)),
         ("over the last gait cycle", _number(now.cycle_velocity, "m/s", 3)),

@@ -1,6 +1,7 @@
 """Runs as files: the present one saved, a stored one played back as a ghost, and how to repeat what swims."""
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +59,8 @@ class Ghost:
         within = float(trial.time[0]) + (time % trial.duration if trial.duration > 0.0 else 0.0)
         before: int = np.searchsorted(trial.time, within).item()
         i = min(before, trial.time.size - 1)
-        names = ("center_of_mass", "heading", "link_angle", "joint_angle")
-        found: Log = {name: np.asarray(getattr(trial, name)[i]) for name in names}
-        found["center_of_mass"] = found["center_of_mass"] + self.shift
-        return found | {f"signal_{name}": np.asarray(values[i]) for name, values in trial.signals.items()}
+        found = trial.at(i)
+        return replace(found, center_of_mass=found.center_of_mass + self.shift)
 
 
 class Runs:
@@ -150,8 +149,8 @@ class Runs:
             ghost.shift[:] = 0.0
             return
         now = self._live.latest()
-        heading = float(now["heading"])
-        ghost.move(now["center_of_mass"][:2] + GAP * np.array([-np.sin(heading), np.cos(heading)]))
+        heading = float(now.heading)
+        ghost.move(now.center_of_mass[:2] + GAP * np.array([-np.sin(heading), np.cos(heading)]))
 
     def _remove(self, event: Any) -> None:
         self._ghost = None

@@ -186,11 +186,11 @@ class Scene:
     def show(self, robot: Robot, sample: Log, *, forces: bool) -> None:
         """Draw the robot, and the force on every link if it is in the sample and asked for."""
         now = self._body.show(robot, sample)
-        place = in_space(sample["center_of_mass"])
+        place = in_space(sample.center_of_mass)
         self.trail.grow(place)
         self._show_forces(_arrows(now, sample, place) if forces else None, place)
         # Floor and surface have no end: they go along in steps of a section of the grid.
-        x, y = (2.5 * round(float(value) / 2.5) for value in sample["center_of_mass"][:2])
+        x, y = (2.5 * round(float(value) / 2.5) for value in sample.center_of_mass[:2])
         if (x, y) != tuple(self._grid.position[:2]):
             for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
                 handle.position = (x, y, z)
@@ -259,10 +259,9 @@ def in_space(place: np.ndarray) -> np.ndarray:
 
 def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:
     """From every link's middle, seen from `place`, as long as its force is large; None if there are no forces."""
-    parts = [values for name, values in sample.items() if name.startswith("force_")]
-    if not parts:
+    if not sample.link_force:
         return None
-    force = np.sum(parts, axis=0)
+    force = np.sum(list(sample.link_force.values()), axis=0)
     if force.shape[1] == 2:
         force = np.column_stack((force, np.zeros(len(force))))
     size = np.linalg.norm(force, axis=1, keepdims=True)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.interfaces import Log
+from laticauda.interfaces import ORIENTATION, Log
 from laticauda.kinematics import from_quaternion, link_centers, module_poses, to_quaternion, turned_about_vertical
 from laticauda.robot import CaudalFin, Robot
 from laticauda.spatial.appearance import MATERIALS, Box, parts, plate, rods
@@ -59,20 +59,20 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
 
     Args:
         robot: As its plant has it: all of its modules in space, `Robot.planar` of them in the plane.
-        sample: One sample of the plant's log, or of a trial, by name.
+        sample: One sample of the plant's log, or of a trial.
         height: Of a robot in the plane [m].
     """
-    center, half = sample["center_of_mass"], np.array([module.half_length for module in robot.modules])
+    center, half = sample.center_of_mass, np.array([module.half_length for module in robot.modules])
     bends = _fin_angles(robot.caudal_fin, sample)
     if center.size == 3:
-        orientation = np.array([sample[f"signal_orientation_{part}"] for part in "wxyz"], dtype=float)
-        found = module_poses(robot, center, from_quaternion(*orientation.tolist()), sample["joint_angle"])
+        orientation = np.array([sample.signals[name] for name in ORIENTATION], dtype=float)
+        found = module_poses(robot, center, from_quaternion(*orientation.tolist()), sample.joint_angle)
         middle, rotation = found.position, found.rotation
     else:
         own = np.array([bends[k] for k in _moving(robot.caudal_fin)])
-        flat = link_centers(robot, center, sample["link_angle"], fin_angle=own if own.size else None)
+        flat = link_centers(robot, center, sample.link_angle, fin_angle=own if own.size else None)
         middle = np.column_stack((flat, np.full(len(flat), height)))
-        rotation = np.array([turned_about_vertical(float(angle)) for angle in sample["link_angle"]])
+        rotation = np.array([turned_about_vertical(float(angle)) for angle in sample.link_angle])
     rear = middle - half[:, np.newaxis] * rotation[:, :, 0]
     parts, turns = list(rear), list(rotation)
     if robot.caudal_fin is not None:
@@ -110,4 +110,4 @@ def _fin_angles(fin: CaudalFin | None, sample: Log) -> list[float]:
     """The angle in front of every piece of the fin [rad]."""
     if fin is None:
         return []
-    return [float(sample.get(f"signal_fin_angle_{k}", np.zeros(()))) for k in range(len(fin.pieces))]
+    return [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(fin.pieces))]

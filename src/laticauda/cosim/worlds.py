@@ -26,6 +26,8 @@ MOST_WORK = 20_000_000  # steps times links of one request: seconds of a core fo
 LONGEST = 36_000.0  # s, of one request
 MOMENT = 1e-6  # s
 
+Series = dict[str, np.ndarray]
+
 # MuJoCo's callbacks belong to the whole process, so only one spatial world moves at a time.
 _spatial = threading.Lock()
 
@@ -54,28 +56,28 @@ class History:
     def __init__(self) -> None:
         self.dropped = 0
         """Samples that were thrown away [-]."""
-        self._parts: deque[Log] = deque()
+        self._parts: deque[Series] = deque()
         self._count = 0
 
     def add(self, part: Log) -> None:
         """Keep `part`."""
-        self._parts.append(part)
-        self._count += part["time"].size
+        self._parts.append({name: np.array(values) for name, values in part.series().items()})
+        self._count += part.time.size
         while self._count > MOST_SAMPLES and len(self._parts) > 1:
             lost = self._parts.popleft()["time"].size
             self._count -= lost
             self.dropped += lost
 
     @property
-    def last(self) -> Log:
+    def last(self) -> Series:
         """The last sample of every quantity."""
         return {name: values[-1] for name, values in self._parts[-1].items()}
 
-    def series(self, names: Sequence[str], since: float) -> Log:
+    def series(self, names: Sequence[str], since: float) -> Series:
         """The quantities of these names after a moment.
 
         Args:
-            names: As in `Trial`.
+            names: As in `Log.series`.
             since: Later samples only [s].
 
         Raises:
@@ -83,7 +85,7 @@ class History:
         """
         parts = [part for part in self._parts if part["time"][-1] > since]
         known("the log", names, self._parts[-1])
-        found: Log = {}
+        found: Series = {}
         for name in names:
             pieces = [part[name][part["time"] > since] for part in parts]
             found[name] = np.concatenate(pieces) if pieces else self._parts[-1][name][:0]
@@ -104,7 +106,7 @@ def new_world(setup: Setup) -> World:
         state = plant.init(setup.start, command)
         log = _try(plant, state, command)
     world = World(setup=setup, plant=plant, state=state, command=command, log=History())
-    world.log.add({name: np.array(values[:1]) for name, values in log.items()})
+    world.log.add(log.at(slice(1)))
     return world
 
 
@@ -154,7 +156,7 @@ def stepped(world: World, duration: float) -> World:
         state, log, failure = world.plant.march(world.state, world.command, duration, interval)
     if failure is not None:
         return replace(world, broken=failure)
-    world.log.add({name: np.array(values[1:]) for name, values in log.items()})
+    world.log.add(log.at(slice(1, None)))
     return replace(world, state=state)
 
 

@@ -124,17 +124,17 @@ def step_twin(
     then, log, trouble = plant.march(state.plant, _held(reference), dt, dt)
     # The water's own motion is the filter's affair.
     drift = np.array(getattr(plant.environment, "current", (0.0, 0.0)))
-    velocity, rate = log["center_of_mass_velocity"][-1, :2] - drift, float(log["heading_rate"][-1])
+    velocity, rate = log.center_of_mass_velocity[-1, :2] - drift, float(log.heading_rate[-1])
     is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
     if trouble is not None or not is_sane or astray > ASTRAY_TIME:
         return None
     after = TwinState(
         plant=then,
-        center_of_mass=log["center_of_mass"][-1, :2],
+        center_of_mass=log.center_of_mass[-1, :2],
         velocity=velocity,
-        heading=float(log["heading"][-1]),
+        heading=float(log.heading[-1]),
         rate=rate,
-        joint_angle=log["joint_angle"][-1],
+        joint_angle=log.joint_angle[-1],
         astray=astray,
     )
     way = after.center_of_mass - state.center_of_mass - dt * drift

@@ -11,7 +11,7 @@ from laticauda.actuation.laws import Servo
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Log, Plant, Start
+from laticauda.interfaces import ORIENTATION, Command, Log, Plant, Start, concatenated
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
@@ -20,7 +20,6 @@ from laticauda.trial import Trial
 SAMPLE_INTERVAL = 0.05  # s
 MOST_SAMPLES = 72_000
 STILL = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
-ORIENTATION = tuple(f"signal_orientation_{part}" for part in "wxyz")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,7 +88,7 @@ class VirtualRobot:
         off = Command(gait=STILL, references=(0.0,) * len(self.driven), enabled=(False,) * len(self.driven))
         _, log, failure = self.plant.march(self._state, off, 1e-6, 1e-6)
         self._check(failure)
-        log = {name: values[:1] for name, values in log.items()}
+        log = log.at(slice(1))
         self._log = [log]
         self.truth = self._truth(log)
 
@@ -110,8 +109,8 @@ class VirtualRobot:
         self._state, log, failure = self.plant.march(self._state, command, dt, dt)
         self._check(failure)
         self.truth = self._truth(log)
-        if float(log["time"][-1] - self._log[-1]["time"][-1]) >= SAMPLE_INTERVAL - 1e-9:
-            self._log.append({name: values[-1:] for name, values in log.items()})
+        if float(log.time[-1] - self._log[-1].time[-1]) >= SAMPLE_INTERVAL - 1e-9:
+            self._log.append(log.at(slice(-1, None)))
             del self._log[MOST_SAMPLES:]
 
     def trial(self, version: str) -> Trial:
@@ -120,35 +119,32 @@ class VirtualRobot:
         Args:
             version: Of laticauda.
         """
-        log = {name: np.concatenate([part[name] for part in self._log]) for name in self._log[0]}
-        signals = {name.removeprefix("signal_"): log.pop(name) for name in list(log) if name.startswith("signal_")}
         return Trial(
-            **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
+            **vars(concatenated(self._log)),
             scenario=Experiment(robot=self.plant.robot, environment=self.plant.environment, model=self.plant.settings),
-            signals=signals,
             version=version,
             status="The truth of the virtual tank.",
             succeeded=True,
         )
 
     def _truth(self, log: Log) -> Truth:
-        angle, rate, torque = (self._all_joints(log[f"joint_{name}"][-1]) for name in ("angle", "rate", "torque"))
-        center = log["center_of_mass"][-1]
+        angle, rate, torque = map(self._all_joints, (log.joint_angle[-1], log.joint_rate[-1], log.joint_torque[-1]))
+        center = log.center_of_mass[-1]
         if center.size == 2:
             center = np.array([center[0], center[1], -self.depth])
-        if ORIENTATION[0] in log:
-            rotation = from_quaternion(*(float(log[name][-1]) for name in ORIENTATION))
+        if ORIENTATION[0] in log.signals:
+            rotation = from_quaternion(*(float(log.signals[name][-1]) for name in ORIENTATION))
         else:
-            rotation = turned_about_vertical(float(log["link_angle"][-1, 0]))
+            rotation = turned_about_vertical(float(log.link_angle[-1, 0]))
         ballast = float(getattr(self.plant.settings, "ballast_depth", 0.0))
         return Truth(
-            time=self._time + float(log["time"][-1]),
+            time=self._time + float(log.time[-1]),
             center_of_mass=center,
-            heading=float(log["heading"][-1]),
+            heading=float(log.heading[-1]),
             joint_angle=angle,
             joint_rate=rate,
             joint_torque=torque,
-            electrical_work=self._work + float(log["electrical_work"][-1]),
+            electrical_work=self._work + (0.0 if log.electrical_work is None else float(log.electrical_work[-1])),
             modules=module_poses(self.robot, center, rotation, angle, ballast_depth=ballast),
         )
 

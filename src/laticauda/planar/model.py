@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -181,7 +181,7 @@ class PlanarPlant:
             self.kernels.link_forces(self.rows(state, command), *chain, raw, force)
             body = force[..., 0]
             body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
-            log |= {f"force_{name}": body[:, i, a.tail_link :] for i, name in enumerate(FORCES)}
+            log = replace(log, link_force={name: body[:, i, a.tail_link :] for i, name in enumerate(FORCES)})
         values = samples[-1, : state.values.size].copy()
         if command.references is not None:
             values[GENERATOR] = state.values[GENERATOR]
@@ -259,7 +259,7 @@ class PlanarPlant:
             f"beyond all bounds); try {self.joints.remedy}."
         )
 
-    def _named(self, samples: np.ndarray) -> Log:
+    def _named(self, samples: np.ndarray) -> dict[str, np.ndarray]:
         """State rows by their names; the fin's locked joints are left out."""
         heading = samples[:, _at(rows.HEADING)]
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
@@ -283,18 +283,20 @@ class PlanarPlant:
         }
 
     def _log(self, samples: np.ndarray) -> Log:
-        """Samples by the names of Trial's fields."""
         fin, joints = self.layout.tail_link, self.layout.n_bodies - 1
         first = _at(rows.WORK_ABSOLUTE)
-        log = self._named(samples)
-        log["joint_angle_ref"] = self._asked_for(samples)
-        log["joint_torque"] = samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints]
-        log["work"] = samples[:, first : first + 3]
-        if has_power_model(self.robot, self.joints):
-            log["electrical_work"] = samples[:, _at(rows.WORK_ELECTRICAL)]
-        return log | self._fin_log(samples)
+        has_power = has_power_model(self.robot, self.joints)
+        return Log(
+            **self._named(samples),
+            joint_angle_ref=self._asked_for(samples),
+            joint_torque=samples[:, rows.LOG_STATE + 3 * joints + fin : rows.LOG_STATE + 4 * joints],
+            work=samples[:, first : first + 3],
+            electrical_work=samples[:, _at(rows.WORK_ELECTRICAL)] if has_power else None,
+            link_force=None,
+            signals=self._fin_signals(samples),
+        )
 
-    def _fin_log(self, samples: np.ndarray) -> Log:
+    def _fin_signals(self, samples: np.ndarray) -> dict[str, np.ndarray]:
         """What the fin's own joints do."""
         law, joints = self.layout.law, self.layout.n_bodies - 1
         own = [i - 1 for i in range(self.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]

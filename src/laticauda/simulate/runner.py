@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import BadArgument, SimulationFailed, instance
-from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Resumed, Start
+from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Resumed, Start, concatenated
 from laticauda.packaging import __version__
 from laticauda.scenarios import Motion, Scenario
 from laticauda.trial import Trial
@@ -89,7 +89,7 @@ def run(
         controller_state, command = controller.step(controller_state, observation)
         signals.append(controller.signals(controller_state))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
-        logs.append(log if not logs else {name: values[1:] for name, values in log.items()})
+        logs.append(log.at(slice(1, None)) if logs else log)
         if failure is not None:
             break
         reached += 1
@@ -97,9 +97,15 @@ def run(
             progress(done)
     if throw and failure is not None:
         raise SimulationFailed(failure)
-    log = logs[0] if len(logs) == 1 else {name: np.concatenate([part[name] for part in logs]) for name in logs[0]}
-    held = _held(signals, [part["time"].size for part in logs])
-    return _trial(scenario, log, held, failure, plant.pack(state) if failure is None else {})
+    log, held = concatenated(logs), _held(signals, [part.time.size for part in logs])
+    return Trial(
+        **vars(replace(log, signals={**held, **log.signals})),
+        scenario=scenario,
+        version=__version__,
+        status=failure or "The run reached its end.",
+        succeeded=failure is None,
+        state=plant.pack(state) if failure is None else {},
+    )
 
 
 def resume(
@@ -192,24 +198,3 @@ def _held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str,
     counts[0] -= 1
     counts[-1] += 1
     return {name: np.repeat([values[name] for values in signals], counts) for name in signals[0]}
-
-
-def _trial(
-    scenario: Scenario,
-    log: Log,
-    signals: Mapping[str, np.ndarray],
-    failure: str | None,
-    state: Mapping[str, np.ndarray],
-) -> Trial:
-    force = {name[len("force_") :]: log.pop(name) for name in list(log) if name.startswith("force_")}
-    own = {name[len("signal_") :]: log.pop(name) for name in list(log) if name.startswith("signal_")}
-    return Trial(
-        **log,  # pyright: ignore[reportArgumentType]  # the plant's names are Trial's own
-        link_force=force or None,
-        scenario=scenario,
-        signals={**signals, **own},
-        version=__version__,
-        status=failure or "The run reached its end.",
-        succeeded=failure is None,
-        state=state,
-    )

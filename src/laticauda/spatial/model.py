@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -140,7 +140,7 @@ class SpatialPlant(SpatialSetup):
             return state, self._log(samples), _what_went_wrong(when, self.joints.remedy, self.dt)
         log = self._log(samples)
         if link_forces:
-            log |= self._link_forces(begin, command, n_intervals, every, dt)
+            log = replace(log, link_force=self._link_forces(begin, command, n_intervals, every, dt))
         if command.references is not None:
             for part in GENERATOR:
                 after.values[part] = state.values[part]
@@ -226,7 +226,9 @@ class SpatialPlant(SpatialSetup):
         if self.root == "planar":
             raise BadArgument("gait.pitch", f"must be None with a planar root, got {command.gait.pitch}")
 
-    def _link_forces(self, state: SpatialState, command: Command, n: int, every: int, dt: float) -> Log:
+    def _link_forces(
+        self, state: SpatialState, command: Command, n: int, every: int, dt: float
+    ) -> dict[str, np.ndarray]:
         """Force of drag, added mass and effectors on every link at the samples of a march; buoyancy is in none of them.
 
         The march is done once more, sample by sample, and stopped to look at each.
@@ -238,7 +240,7 @@ class SpatialPlant(SpatialSetup):
                 state, _ = self._go(state, given, every, dt, every)
             self._go(state, given, 0, LEAST_DT * 1e-3, 1)  # with so small a step, the joint laws are not implicit
             force[:, sample] = self._twin.forces()
-        return {f"force_{name}": force[i] for i, name in enumerate(FORCES)}
+        return {name: force[i] for i, name in enumerate(FORCES)}
 
     def _go(
         self, state: SpatialState, given: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
@@ -253,7 +255,7 @@ class SpatialPlant(SpatialSetup):
         """The sample of a state as it is: no reference takes the joints to where it would have them."""
         return self._go(state, self._rows(None), 0, 1.0, 1)[1]
 
-    def _named(self, samples: np.ndarray) -> Log:
+    def _named(self, samples: np.ndarray) -> dict[str, np.ndarray]:
         n, o = self.robot.n_links, rows.STATE_ROWS
         first = o + rows.SAMPLE_HEADER
         return {
@@ -268,20 +270,21 @@ class SpatialPlant(SpatialSetup):
         }
 
     def _log(self, samples: np.ndarray) -> Log:
-        """Samples by the names of Trial's fields."""
         n = self.robot.n_links
         first = rows.STATE_ROWS + rows.SAMPLE_HEADER + 3 * n - 2
-        log = self._named(samples)
-        log["joint_angle_ref"] = self._commanded(samples, samples[:, first : first + n - 1])
-        log["joint_torque"] = samples[:, first + n - 1 : first + 2 * n - 2]
-        log["work"] = samples[:, rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL]
-        if has_power_model(self.robot, self.joints):
-            log["electrical_work"] = samples[:, rows.WORK_ELECTRICAL]
         at = rows.STATE_ROWS + rows.ORIENTATION
-        log |= {f"signal_{name}": samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
-        first += 2 * n - 2
-        fin = samples[:, first:].reshape(len(samples), 4, -1)
-        return log | fin_signals(self.robot.caudal_fin, *np.moveaxis(fin, 1, 0))
+        signals = {name: samples[:, at + k] for k, name in enumerate((*ORIENTATION, "pitch"))}
+        fin = samples[:, first + 2 * n - 2 :].reshape(len(samples), 4, -1)
+        has_power = has_power_model(self.robot, self.joints)
+        return Log(
+            **self._named(samples),
+            joint_angle_ref=self._commanded(samples, samples[:, first : first + n - 1]),
+            joint_torque=samples[:, first + n - 1 : first + 2 * n - 2],
+            work=samples[:, rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL],
+            electrical_work=samples[:, rows.WORK_ELECTRICAL] if has_power else None,
+            link_force=None,
+            signals=signals | fin_signals(self.robot.caudal_fin, *np.moveaxis(fin, 1, 0)),
+        )
 
     def _commanded(self, samples: np.ndarray, done: np.ndarray) -> np.ndarray:
         """The reference that the gait asks for; the kernels' own is what prescribed joints do of it (`tracking`)."""

@@ -10,12 +10,8 @@ from laticauda.errors import BadArgument
 
 # The shapes of a trial's arrays. `Trial` takes them from here and checks them itself, whatever it is given.
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
-Plane: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
-Links: TypeAlias = Float[np.ndarray, "n_samples n_links"]
 FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
-Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints"]
 Forces: TypeAlias = Float[np.ndarray, "n_samples n_links n_axes"]
-Work: TypeAlias = Float[np.ndarray, "n_samples 3"]
 Axes: TypeAlias = Float[np.ndarray, " n_axes"]
 Setting: TypeAlias = str | float | bool | None
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]

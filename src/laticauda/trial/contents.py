@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from laticauda.errors import BadArgument, flag, instance, text
 from laticauda.gaits import Gait
+from laticauda.interfaces import Log
 from laticauda.robot import Ground, Robot, Water
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import arrays
-from laticauda.trial.arrays import AnyArray, Forces, Joints, Links, Plane, Samples, Setting, Work
+from laticauda.trial.arrays import AnyArray, Setting
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 WORK_KINDS = ("absolute", "net", "positive")
@@ -31,48 +32,18 @@ def _now() -> str:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Contents:
-    """What a trial holds, checked; `Trial` adds what follows from it.
+class Contents(Log):
+    """What a trial holds, a log and what made it, checked; `Trial` adds what follows from it.
 
-    Time is the first axis of every array; links and joints are numbered tail first; all arrays are float64, finite
-    and read-only. A log in the plane has one column per link of `robot.planar()`, a log in space (three columns in
-    `center_of_mass`) one per module of `robot`. Nothing about a trial can be changed: `dataclasses.replace` makes
-    another one.
+    All arrays are float64, finite and read-only. A log in the plane has one column per link of `robot.planar()`, a log
+    in space (three columns in `center_of_mass`) one per module of `robot`. Nothing about a trial can be changed:
+    `dataclasses.replace` makes another one.
 
     Raises:
         ValueError: If an array has the wrong shape, holds something else than finite numbers, or time does not
             increase.
     """
 
-    time: Samples
-    """When each sample was taken [s], strictly increasing."""
-    center_of_mass: Plane
-    """Position of the center of mass, with the fin's mass, world axes [m]."""
-    center_of_mass_velocity: Plane
-    """Its velocity, world axes [m/s]."""
-    heading: Samples
-    """Mean angle of the body's links (6), unwrapped, without the fin [rad]."""
-    heading_rate: Samples
-    """Its rate [rad/s]."""
-    link_angle: Links
-    """Angle of each link to the world x axis, counter-clockwise [rad]."""
-    joint_angle: Joints
-    """Angle of each joint, head side minus tail side [rad]."""
-    joint_rate: Joints
-    """Its rate [rad/s]."""
-    joint_angle_ref: Joints
-    """What the joint was asked for [rad]."""
-    joint_torque: Joints
-    """Torque of each joint's drive; its power is torque times rate [N m]."""
-    work: Work
-    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0) [J]."""
-    electrical_work: Samples | None = None
-    """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
-    link_force: Mapping[str, Forces] | None = None
-    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
-    signals: Mapping[str, Samples] = dataclasses.field(default_factory=dict[str, Samples])
-    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
-    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
     scenario: Scenario | Experiment
     """What swam, how, where and by which model: `laticauda.swim` makes the same trial of a scenario again. An
     experiment says what is known of a run that was measured, or steered by hand."""

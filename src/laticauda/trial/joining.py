@@ -8,22 +8,12 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
+from laticauda.interfaces import concatenated
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial.trial import Trial
 
 _TOLERANCE = 1e-9  # of position [m] and angles [rad] at the joint: a restart continues the very state
 _CONTINUED = ("center_of_mass", "center_of_mass_velocity", "heading", "link_angle", "joint_angle", "joint_rate")
-_SERIES = (
-    "center_of_mass",
-    "center_of_mass_velocity",
-    "heading",
-    "heading_rate",
-    "link_angle",
-    "joint_angle",
-    "joint_rate",
-    "joint_angle_ref",
-    "joint_torque",
-)
 
 
 def joined(first: Trial, second: Trial) -> Trial:
@@ -41,24 +31,16 @@ def joined(first: Trial, second: Trial) -> Trial:
             first ends.
     """
     _check_belong(first, second)
-    later = slice(1, None)
+    series = vars(concatenated((first, second.at(slice(1, None)))))
     # At the joint a signal is what the second run decided there, as at every other control instant.
     signals = {name: np.concatenate((one[:-1], second.signals[name])) for name, one in first.signals.items()}
-    series = {name: np.concatenate((getattr(first, name), getattr(second, name)[later])) for name in _SERIES}
-    electrical, force = None, None
+    counted = {"time": _counted_on(first.time, second.time), "work": _counted_on(first.work, second.work)}
     if first.electrical_work is not None and second.electrical_work is not None:
-        electrical = _counted_on(first.electrical_work, second.electrical_work)
-    if first.link_force is not None and second.link_force is not None:
-        force = {name: np.concatenate((one, second.link_force[name][later])) for name, one in first.link_force.items()}
+        counted["electrical_work"] = _counted_on(first.electrical_work, second.electrical_work)
     return dataclasses.replace(
         first,
-        **series,
+        **{**series, **counted, "signals": signals},
         scenario=_scenario(first.scenario, second.scenario),
-        time=_counted_on(first.time, second.time),
-        work=_counted_on(first.work, second.work),
-        electrical_work=electrical,
-        link_force=force,
-        signals=signals,
         status=second.status,
         succeeded=second.succeeded,
         state=second.state,
