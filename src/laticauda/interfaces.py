@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -12,6 +12,7 @@ from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, finite
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
+from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import CaudalFin, Environment, Robot
 
@@ -47,6 +48,15 @@ class Command:
     enabled: tuple[bool, ...] | None = None
     """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
     are on. For joints driven by pd control or servos [-]."""
+
+    @property
+    def steered(self) -> Gait:
+        """The gait with both offsets in it, as a `laticauda.gaits.Generator` takes it."""
+        pitch, gait = self.gait.pitch, self.gait
+        if self.pitch_offset != 0.0:
+            pitch = pitch or STRAIGHT
+            pitch = replace(pitch, offset=pitch.offset + self.pitch_offset)
+        return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
 
     def check_held(self, n_joints: int, joints: JointLaw) -> None:
         """Refuse references and switches that do not fit a plant.
@@ -312,12 +322,12 @@ class Plant(Protocol[State]):
         ...
 
 
-def check_fin(robot: Robot, gait: Gait) -> None:
-    """Refuse a gait that moves a fin which the robot cannot move.
+def check_waves(robot: Robot, gait: Gait) -> None:
+    """Refuse a gait that moves a fin or pitch joints which the robot does not have.
 
     Args:
         robot: What swims.
-        gait: What is asked of it.
+        gait: What it is to swim.
 
     Raises:
         ValueError: If so.
@@ -325,6 +335,8 @@ def check_fin(robot: Robot, gait: Gait) -> None:
     fin = robot.caudal_fin
     if gait.fin is not None and (fin is None or fin.joint is None):
         raise BadArgument("gait.fin", f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}")
+    if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):
+        raise BadArgument("gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}")
 
 
 def fin_signals(

@@ -64,8 +64,8 @@ def test_the_phase_is_the_integral_of_the_frequency(first: Gait, then: Gait, bef
     generator = Generator(n_links=5)
     start = go(generator, first, before)
     t, weight = np.polynomial.legendre.leggauss(40)
-    frequency = [generator.step(start, then, 0.5 * (1.0 + ti)).frequency[0] for ti in t]
-    turned = generator.step(start, then, 1.0).phase - start.phase
+    frequency = [generator.step(start, then, 0.5 * (1.0 + ti)).yaw.frequency for ti in t]
+    turned = generator.step(start, then, 1.0).yaw.phase - start.yaw.phase
     assert turned == pytest.approx(0.5 * np.sum(weight * frequency), abs=1e-10)
 
 
@@ -98,7 +98,7 @@ def test_after_a_change_the_new_gait_is_reached(first: Gait, then: Gait):
     generator = Generator(n_links=5)
     state = generator.step(go(generator, first, 3.0), then, 5.0)
     for name in ("amplitude", "frequency", "phase_shift", "offset"):
-        value, rate = getattr(state, name)
+        value, rate = getattr(state.yaw, name), getattr(state.yaw, f"{name}_rate")
         assert (value, rate) == (pytest.approx(getattr(then, name), abs=1e-9), pytest.approx(0.0, abs=1e-9))
 
 
@@ -116,7 +116,7 @@ def test_a_larger_bandwidth_follows_faster():
     offsets: list[float] = []
     for bandwidth in (1.0, 10.0, 100.0):
         generator = Generator(n_links=5, bandwidth=bandwidth)
-        offsets.append(generator.step(go(generator, still, 2.0), steered, 0.1).offset[0])
+        offsets.append(generator.step(go(generator, still, 2.0), steered, 0.1).yaw.offset)
     assert offsets == sorted(offsets)
     assert offsets[-1] == pytest.approx(0.3, rel=1e-2)
 
@@ -156,6 +156,30 @@ def test_a_plant_follows_a_change_of_gait_like_the_generator(
     np.testing.assert_allclose(log.joint_angle_ref, expected, rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("joints", ["prescribed", "servo"])
+def test_in_space_pitch_joints_and_a_driven_fin_follow_the_waves_that_the_generator_says(joints: str):
+    robot = lc.load_robot("mamba-modules-fin")
+    assert robot.caudal_fin is not None
+    robot = replace(robot, caudal_fin=replace(robot.caudal_fin, joint=robot.joints[0]))
+    first = replace(
+        lateral_undulation(**WAVE),
+        pitch=lc.Wave(amplitude=0.1, frequency=2.5, phase_shift=0.6, phase=1.5, offset=0.01),
+        fin=lc.Wave(amplitude=0.2, frequency=3.0, phase=0.4, offset=0.02),
+    )
+    assert first.pitch is not None and first.fin is not None
+    then = replace(first, pitch=replace(first.pitch, amplitude=0.2), fin=replace(first.fin, frequency=2.0))
+    plant: Any = lc.plant(robot, lc.load_water("paper-lateral"), "spatial", joints=joints, ramp=0.7)
+    body, _, _ = plant.march(plant.init(lc.Start(), lc.Command(gait=first)), lc.Command(gait=first), 0.5, 0.5)
+    _, log, _ = plant.march(body, lc.Command(gait=then, pitch_offset=0.05), 0.5, 0.1)
+    generator = Generator(n_links=robot.n_links, axes=tuple(joint.axis for joint in robot.joints), ramp=0.7)
+    state, steered = go(generator, first, 0.5), lc.Command(gait=then, pitch_offset=0.05).steered
+    states = [generator.step(state, steered, t - 0.5) for t in log.time]
+    expected = [generator.joints(one, steered)[0] for one in states]
+    np.testing.assert_allclose(log.joint_angle_ref, expected, rtol=0.0, atol=1e-12)
+    fin = [generator.fin(one, steered)[0] for one in states]
+    np.testing.assert_allclose(log.signals["fin_angle_ref"], fin, rtol=0.0, atol=1e-12)
+
+
 # --- bad input --------------------------------------------------------------------------------------------------------
 
 
@@ -165,6 +189,7 @@ def test_a_plant_follows_a_change_of_gait_like_the_generator(
         ({"bandwidth": 0.0}, r"`bandwidth` must be > 0 rad/s, got 0.0\."),
         ({"bandwidth": float("inf")}, r"`bandwidth` must be a finite number in rad/s, got inf\."),
         ({"ramp": -1.0}, r"`ramp` must be >= 0 s, got -1.0\."),
+        ({"axes": ("yaw", "pitch")}, r"`axes` must have one entry per joint, 8, got 2\."),
         ({"n_links": 0}, r"`n_links` must be a whole number >= 1, got 0\."),
     ],
 )

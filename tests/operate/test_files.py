@@ -128,10 +128,22 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path):
         load_operation(tmp_path)
 
 
-def test_a_pitch_wave_is_refused_and_so_are_joints_that_cannot_bend_that_far():
-    wave = "pitch = { amplitude = 0.1, frequency = 1.0, phase_shift = 0.1 }"
-    with pytest.raises(OperationFileError, match=r"`gait.pitch` must not be given|key `gait.pitch`: must not be given"):
-        parse_operation(TRIAL.replace("phase_shift_deg = 40", "phase_shift_deg = 40\n" + wave))
+@pytest.mark.parametrize(
+    ("wave", "message"),
+    [
+        ("pitch", "`gait.pitch` must be None for a robot without pitch joints"),
+        ("fin", "`gait.fin` must be None unless the fin is driven"),
+    ],
+)
+def test_a_wave_of_joints_that_the_robot_does_not_have_is_refused(wave, message):
+    line = f"{wave} = {{ amplitude = 0.1, frequency = 1.0 }}"
+    operation = parse_operation(TRIAL.replace("phase_shift_deg = 40", "phase_shift_deg = 40\n" + line))
+    assert isinstance(operation, Operation)
+    with pytest.raises(ValueError, match=message):
+        operation.body()
+
+
+def test_joints_that_cannot_bend_that_far_are_refused():
     operation = parse_operation(TRIAL.replace("amplitude_deg = 30", "amplitude_deg = 80"))
     assert isinstance(operation, Operation)
     with pytest.raises(ValueError, match="`max_offset` must be <="):

@@ -5,6 +5,7 @@ from typing import Any, cast
 
 from laticauda.errors import BadArgument, finite, whole
 from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
+from laticauda.gaits.reference import WaveTarget
 from laticauda.quantities import option, quantity, value
 
 
@@ -24,6 +25,14 @@ class Wave:
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", default=0.0)
     phase: float = quantity("rad", "How far it is ahead of the yaw wave, tail-most joints", default=0.0)
     offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", default=0.0)
+
+    def target(self, offset: float = 0.0) -> WaveTarget:
+        """What the reference generator gets of it; `offset` [rad] adds to its own."""
+        return WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase)
+
+
+STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
+"""That of joints which stay straight."""
 
 
 @value
@@ -74,6 +83,16 @@ class Gait:
             if kind is not None or own:
                 new["envelope"] = {"kind": str(kind or "custom").replace("_", "-"), **own}
         return new
+
+    def targets(self, offset: float = 0.0, pitch_offset: float = 0.0) -> tuple[WaveTarget, WaveTarget, WaveTarget]:
+        """What the reference generator gets: of the yaw joints, of the pitch joints, of a driven fin.
+
+        Args:
+            offset: Adds to that of the yaw joints [rad].
+            pitch_offset: Adds to that of the pitch joints [rad].
+        """
+        yaw = WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, 0.0)
+        return yaw, (self.pitch or STRAIGHT).target(pitch_offset), (self.fin or STRAIGHT).target()
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
         """The envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.

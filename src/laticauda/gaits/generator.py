@@ -6,36 +6,37 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import not_negative, positive, whole
+from laticauda.errors import BadArgument, not_negative, positive, whole
 from laticauda.gaits import reference
 from laticauda.gaits.gait import Gait
+from laticauda.gaits.reference import WaveState
+
+Reference = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class GeneratorState:
-    """Where the generator stands: values after the filters, with their rates."""
+    """Where the generator stands."""
 
     time: float
     """Since the start [s]."""
-    phase: float
-    """Integral of the frequency [rad]."""
-    amplitude: tuple[float, float]
-    """alpha [rad] and its rate [rad/s]."""
-    frequency: tuple[float, float]
-    """omega [rad/s] and its rate [rad/s^2]."""
-    phase_shift: tuple[float, float]
-    """delta [rad] and its rate [rad/s]."""
-    offset: tuple[float, float]
-    """phi_0 [rad] and its rate [rad/s]."""
+    time_rest: float = 0.0
+    """What `time` lost to rounding so far [s]."""
+    yaw: WaveState
+    """The wave of the yaw joints."""
+    pitch: WaveState
+    """That of the pitch joints."""
+    fin: WaveState
+    """That of a driven fin."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Generator:
     """Turns a gait, which may change at any time, into joint references that a body can follow.
 
-    Amplitude, frequency, phase shift and offset follow what is asked for through critically damped filters, so the
-    references and their rates are continuous; see `laticauda.gaits.reference`. The planar kernels compute the same.
-    The envelope is not filtered: bring the amplitude to zero before asking for another kind of gait.
+    Amplitude, frequency, phase shift and offset of every wave follow their targets through critically damped filters,
+    so the references and their rates are continuous; see `laticauda.gaits.reference`. The kernels compute the same.
+    The envelope is not filtered: bring the amplitude to zero before another kind of gait.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -50,6 +51,8 @@ class Generator:
 
     n_links: int
     """n, the number of links [-]."""
+    axes: tuple[str, ...] | None = None
+    """How every joint turns, tail first; None: all of them yaw."""
     bandwidth: float = 10.0
     """Of the critically damped filters on amplitude, frequency, phase shift and offset [rad/s]."""
     ramp: float = 1.0
@@ -60,51 +63,38 @@ class Generator:
         object.__setattr__(self, "n_links", whole("n_links", self.n_links, 1))
         object.__setattr__(self, "bandwidth", positive("bandwidth", self.bandwidth, "rad/s"))
         object.__setattr__(self, "ramp", not_negative("ramp", self.ramp, "s"))
+        if self.axes is not None and len(self.axes) != self.n_links - 1:
+            raise BadArgument("axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}")
 
     def init(self, gait: Gait) -> GeneratorState:
-        """The start: at the gait's amplitude, frequency and phase shift; the offset builds up from zero.
+        """The start: at the gait's amplitudes, frequencies and phase shifts; offsets build up from zero.
 
         Args:
-            gait: What is asked for at the start.
+            gait: At the start.
         """
-        return GeneratorState(
-            time=0.0,
-            phase=0.0,
-            amplitude=(gait.amplitude, 0.0),
-            frequency=(gait.frequency, 0.0),
-            phase_shift=(gait.phase_shift, 0.0),
-            offset=(0.0, 0.0),
-        )
+        yaw, pitch, fin = map(reference.first_state, gait.targets())
+        return GeneratorState(time=0.0, yaw=yaw, pitch=pitch, fin=fin)
 
     def step(self, state: GeneratorState, gait: Gait, dt: float) -> GeneratorState:
-        """The state after a time step during which one gait is asked for; exact for steps of any size.
+        """The state after a time step during which one gait is held; exact for steps of any size.
 
         Args:
             state: Before the step.
-            gait: What is asked for; steering goes into its offset.
+            gait: Held over it; steering goes into its offset.
             dt: Step [s].
         """
-        w = self.bandwidth
-        decay = math.exp(-w * dt)
-        amplitude = reference.filter_step(*state.amplitude, gait.amplitude, w, decay, dt)
-        frequency = reference.filter_step(*state.frequency, gait.frequency, w, decay, dt)
-        phase_shift = reference.filter_step(*state.phase_shift, gait.phase_shift, w, decay, dt)
-        offset = reference.filter_step(*state.offset, gait.offset, w, decay, dt)
-        return GeneratorState(
-            time=state.time + dt,
-            phase=state.phase + frequency[2],
-            amplitude=amplitude[:2],
-            frequency=frequency[:2],
-            phase_shift=phase_shift[:2],
-            offset=offset[:2],
-        )
+        decay = math.exp(-self.bandwidth * dt)
+        waves = zip((state.yaw, state.pitch, state.fin), gait.targets(), strict=True)
+        yaw, pitch, fin = (reference.advance_wave(wave, aim[:4], self.bandwidth, decay, dt) for wave, aim in waves)
+        time, rest = reference.advance_time(state.time, state.time_rest, dt)
+        return GeneratorState(time=time, time_rest=rest, yaw=yaw, pitch=pitch, fin=fin)
 
     def joints(self, state: GeneratorState, gait: Gait) -> Float[np.ndarray, "3 n_joints"]:
         """The references of every joint, tail first.
 
         Args:
             state: Where the generator stands.
-            gait: What is asked for at that instant; the accelerations depend on it, angles and rates do not.
+            gait: At that instant; the accelerations depend on it, angles and rates do not.
 
         Returns:
             phi_ref [rad], phi_ref' [rad/s] and phi_ref'' [rad/s^2], one row each.
@@ -112,30 +102,33 @@ class Generator:
         Raises:
             ValueError: If the gait has a custom envelope for another number of joints.
         """
-        w = self.bandwidth
-        second = [
-            reference.filter_acceleration(*value, target, w)
-            for value, target in (
-                (state.amplitude, gait.amplitude),
-                (state.phase_shift, gait.phase_shift),
-                (state.offset, gait.offset),
-            )
+        axes = self.axes or ("yaw",) * (self.n_links - 1)
+        yaw, pitch, _ = gait.targets()
+        n_yaw = axes.count("yaw")
+        found = {
+            "yaw": self._wave(state.yaw, yaw, state.time, gait.joint_envelope(n_yaw + 1)),
+            "pitch": self._wave(state.pitch, pitch, state.time, (1.0,) * (len(axes) - n_yaw)),
+        }
+        each = {axis: iter(references) for axis, references in found.items()}
+        return np.array([next(each[axis]) for axis in axes]).reshape(-1, 3).T
+
+    def fin(self, state: GeneratorState, gait: Gait) -> Reference:
+        """The same of a driven fin.
+
+        Args:
+            state: Where the generator stands.
+            gait: At that instant.
+        """
+        return self._wave(state.fin, gait.targets()[2], state.time, (1.0,))[0]
+
+    def _wave(
+        self, wave: WaveState, target: reference.WaveTarget, time: float, envelope: tuple[float, ...]
+    ) -> list[Reference]:
+        """The references of the joints that one wave moves."""
+        ramp = reference.smooth_start(time, self.ramp)
+        motion = reference.wave_motion(wave, target[:4], self.bandwidth, ramp)
+        phases = [wave.phase + k * wave.phase_shift + target.phase for k in range(len(envelope))]
+        return [
+            reference.wave_reference(math.sin(psi), math.cos(psi), g, k, motion)
+            for k, (psi, g) in enumerate(zip(phases, envelope, strict=True))
         ]
-        ramp = reference.smooth_start(state.time, self.ramp)
-        amplitude = reference.ramped(*state.amplitude, second[0], *ramp)
-        columns: list[tuple[float, float, float]] = []
-        for i, g in enumerate(gait.joint_envelope(self.n_links)):
-            psi = state.phase + i * state.phase_shift[0]
-            columns.append(
-                reference.joint_reference(
-                    math.sin(psi),
-                    math.cos(psi),
-                    g,
-                    *amplitude,
-                    state.frequency[0] + i * state.phase_shift[1],
-                    state.frequency[1] + i * second[1],
-                    *state.offset,
-                    second[2],
-                )
-            )
-        return np.array(columns).reshape(-1, 3).T

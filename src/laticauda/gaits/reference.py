@@ -7,11 +7,189 @@ The envelope alone is not filtered: bring the amplitude to zero before another k
 
 The filter has a closed-form solution for a constant input, so a time step of any size is exact.
 
-These are plain scalar functions: the kernels compile them; `laticauda.gaits.Generator` wraps them for a real robot.
+A robot has up to three waves: of its yaw joints, of its pitch joints, and of a driven fin. They share the time, the
+smooth start and the bandwidth.
+
+These are plain scalar functions: the kernels of both models compile them; `laticauda.gaits.Generator` wraps them for a
+real robot. What differs is where they have sines from (and exp(-w dt)): those are handed in.
 The annotations say float; complex numbers work too, for complex-step derivatives, and lanes, for many trials at once.
 """
 
+from typing import NamedTuple
+
 from laticauda.scalars import where
+
+
+class WaveTarget(NamedTuple):
+    """What one wave is to become."""
+
+    amplitude: float
+    """alpha [rad]."""
+    frequency: float
+    """omega [rad/s]."""
+    phase_shift: float
+    """delta between neighboring joints [rad]."""
+    offset: float
+    """phi_0 [rad]."""
+    phase: float
+    """How far it is ahead of the integral of its frequency; not filtered [rad]."""
+
+
+class WaveState(NamedTuple):
+    """Where one wave stands: values after the filters, with their rates."""
+
+    phase: float
+    """Integral of the frequency [rad]."""
+    amplitude: float
+    """alpha [rad]."""
+    amplitude_rate: float
+    """[rad/s]."""
+    frequency: float
+    """omega [rad/s]."""
+    frequency_rate: float
+    """[rad/s^2]."""
+    phase_shift: float
+    """delta [rad]."""
+    phase_shift_rate: float
+    """[rad/s]."""
+    offset: float
+    """phi_0 [rad]."""
+    offset_rate: float
+    """[rad/s]."""
+
+
+class WaveMotion(NamedTuple):
+    """What the joints of one wave have in common at one moment."""
+
+    amplitude: float
+    """alpha, ramp included [rad]."""
+    amplitude_rate: float
+    """[rad/s]."""
+    amplitude_acceleration: float
+    """[rad/s^2]."""
+    frequency: float
+    """psi' of the first joint [rad/s]."""
+    frequency_rate: float
+    """psi'' of the first joint [rad/s^2]."""
+    phase_shift_rate: float
+    """What every further joint adds to psi' [rad/s]."""
+    phase_shift_acceleration: float
+    """The same to psi'' [rad/s^2]."""
+    offset: float
+    """phi_0 [rad]."""
+    offset_rate: float
+    """[rad/s]."""
+    offset_acceleration: float
+    """[rad/s^2]."""
+
+
+def first_state(target: WaveTarget) -> WaveState:
+    """How a wave begins: with the amplitude, frequency and phase shift of its target; the offset builds up from zero.
+
+    Args:
+        target: At the start.
+    """
+    amplitude, frequency, phase_shift, _, _ = target
+    return WaveState(0.0, amplitude, 0.0, frequency, 0.0, phase_shift, 0.0, 0.0, 0.0)
+
+
+def advance_wave(
+    wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, decay: float, dt: float
+) -> WaveState:
+    """A wave after a step in time.
+
+    Args:
+        wave: Before it.
+        target: Amplitude, frequency, phase shift and offset that it is to have, held over the step.
+        bandwidth: w, of all of its filters [rad/s].
+        decay: exp(-w dt) [-].
+        dt: Step [s].
+    """
+    amplitude, amplitude_rate, _ = filter_step(wave[1], wave[2], target[0], bandwidth, decay, dt)
+    frequency, frequency_rate, turned = filter_step(wave[3], wave[4], target[1], bandwidth, decay, dt)
+    phase_shift, phase_shift_rate, _ = filter_step(wave[5], wave[6], target[2], bandwidth, decay, dt)
+    offset, offset_rate, _ = filter_step(wave[7], wave[8], target[3], bandwidth, decay, dt)
+    return WaveState(
+        wave[0] + turned,
+        amplitude,
+        amplitude_rate,
+        frequency,
+        frequency_rate,
+        phase_shift,
+        phase_shift_rate,
+        offset,
+        offset_rate,
+    )
+
+
+def advance_time(time: float, rest: float, dt: float) -> tuple[float, float]:
+    """Time after a step, and what it has lost to rounding so far (Kahan summation).
+
+    Args:
+        time: Before it [s].
+        rest: What it had lost [s].
+        dt: Step [s].
+    """
+    due = dt - rest
+    after = time + due
+    return after, (after - time) - due
+
+
+def wave_motion(
+    wave: WaveState,
+    target: tuple[float, float, float, float],
+    bandwidth: float,
+    ramp: tuple[float, float, float],
+) -> WaveMotion:
+    """What the joints of a wave have in common.
+
+    Args:
+        wave: Where it stands.
+        target: As for `advance_wave`.
+        bandwidth: w, of its filters [rad/s].
+        ramp: From `smooth_start`.
+    """
+    second = filter_acceleration(wave[1], wave[2], target[0], bandwidth)
+    amplitude, amplitude_rate, amplitude_acceleration = ramped(wave[1], wave[2], second, ramp[0], ramp[1], ramp[2])
+    return WaveMotion(
+        amplitude,
+        amplitude_rate,
+        amplitude_acceleration,
+        wave[3],
+        wave[4],  # the phase is the integral of the filtered frequency, so its second derivative is that one's first
+        wave[6],
+        filter_acceleration(wave[5], wave[6], target[2], bandwidth),
+        wave[7],
+        wave[8],
+        filter_acceleration(wave[7], wave[8], target[3], bandwidth),
+    )
+
+
+def wave_reference(
+    sine: float, cosine: float, envelope: float, k: float, motion: WaveMotion
+) -> tuple[float, float, float]:
+    """phi_ref of one joint of a wave and its two derivatives [rad], [rad/s], [rad/s^2].
+
+    Args:
+        sine: Of the joint's phase psi [-].
+        cosine: Of it [-].
+        envelope: g of this joint [-].
+        k: How many joints of the wave come before it [-].
+        motion: What they have in common.
+    """
+    return joint_reference(
+        sine,
+        cosine,
+        envelope,
+        motion[0],
+        motion[1],
+        motion[2],
+        motion[3] + k * motion[5],
+        motion[4] + k * motion[6],
+        motion[7],
+        motion[8],
+        motion[9],
+    )
 
 
 def filter_step(

@@ -22,7 +22,7 @@ from laticauda.control import (
 from laticauda.errors import BadArgument
 from laticauda.estimation import Mount
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, OpenLoop
+from laticauda.interfaces import Command, Controller, OpenLoop, check_waves
 from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
@@ -217,8 +217,6 @@ class Operation:
         """Check what depends on two fields, and the name."""
         if not self.name.replace("-", "").replace("_", "").isalnum():
             raise BadArgument("name", f"must be letters, digits, `-` and `_`, as in a file's name, got {self.name!r}")
-        if self.gait.pitch is not None:
-            raise BadArgument("gait.pitch", "must not be given: the operated robot swims at the surface, in the plane")
         if self.supply_voltage is None and self.connection.meter_port:
             rule = "must be given in V beside a power meter, whose current it turns into power, got None"
             raise BadArgument("supply_voltage", rule)
@@ -231,6 +229,7 @@ class Operation:
             ValueError: If its joints cannot do what the controller may command.
         """
         robot = load_robot(self.robot)
+        check_waves(robot, self.gait)
         if self.following is not None:
             self.following.controller(self.gait).check(robot)
         return robot

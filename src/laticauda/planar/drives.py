@@ -19,11 +19,14 @@ from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
 
-filter_step = compiled(reference.filter_step)
-filter_acceleration = compiled(reference.filter_acceleration)
+advance_wave = compiled(reference.advance_wave)
+advance_time = compiled(reference.advance_time)
 smooth_start = compiled(reference.smooth_start)
-ramped = compiled(reference.ramped)
-joint_reference = compiled(reference.joint_reference)
+wave_motion = compiled(reference.wave_motion)
+wave_reference = compiled(reference.wave_reference)
+body_wave = rows_from(PHASE, len(reference.WaveState._fields))
+body_target = rows_from(AMPLITUDE, 4)
+fin_values = rows_from(FIN_PHASE, 5)
 motor_power = compiled(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
@@ -43,18 +46,12 @@ def advance_reference(S, n, law, tail_link, dt):
     """Move the generator on by dt, the step that `set_decay` was told, and set the reference there."""
     w, decay = S[BANDWIDTH], S[DECAY]
     if has_driven_fin(law, tail_link):
-        advance_fin(S, dt)
-    for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
-        y, rate, _ = filter_step(S[value], S[value + 1], S[target], w, decay, dt)
-        S[value] = y
-        S[value + 1] = rate
-    y, rate, turned = filter_step(S[FREQUENCY_NOW], S[FREQUENCY_RATE], S[FREQUENCY], w, decay, dt)
-    S[FREQUENCY_NOW] = y
-    S[FREQUENCY_RATE] = rate
-    S[PHASE] += turned
-    before, due = S[TIME], dt - S[TIME_REST]
-    S[TIME] = before + due
-    S[TIME_REST] = (S[TIME] - before) - due
+        phase, a, a_1, f, f_1, _, _, o, o_1 = advance_wave(fin_wave(S), fin_target(S), w, decay, dt)
+        for row, value in enumerate((phase, a, a_1, f, f_1, o, o_1)):
+            S[FIN_PHASE + row] = value
+    for row, value in enumerate(advance_wave(body_wave(S), body_target(S), w, decay, dt)):
+        S[PHASE + row] = value
+    S[TIME], S[TIME_REST] = advance_time(S[TIME], S[TIME_REST], dt)
     set_reference(S, n, law, tail_link)
 
 
@@ -67,104 +64,49 @@ def has_driven_fin(law, tail_link):
 
 @kernel
 @no_type_check
-def advance_fin(S, dt):
-    """Move a driven fin's own generator on by dt."""
-    w, decay = S[BANDWIDTH], S[DECAY]
-    for value, target in ((FIN_AMPLITUDE_NOW, FIN_AMPLITUDE), (FIN_OFFSET_NOW, FIN_OFFSET)):
-        y, rate, _ = filter_step(S[value], S[value + 1], S[target], w, decay, dt)
-        S[value] = y
-        S[value + 1] = rate
-    y, rate, turned = filter_step(S[FIN_FREQUENCY_NOW], S[FIN_FREQUENCY_RATE], S[FIN_FREQUENCY], w, decay, dt)
-    S[FIN_FREQUENCY_NOW] = y
-    S[FIN_FREQUENCY_RATE] = rate
-    S[FIN_PHASE] += turned
+def fin_wave(S):
+    """The state of a driven fin's wave, which has one joint and no phase shift."""
+    none = 0.0 * S[FIN_PHASE]
+    return (*fin_values(S), none, none, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
+
+
+@kernel
+@no_type_check
+def fin_target(S):
+    """What it is to become."""
+    return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], 0.0 * S[FIN_FREQUENCY], S[FIN_OFFSET]
 
 
 @kernel
 @no_type_check
 def set_reference(S, n, law, tail_link):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
-    w = S[BANDWIDTH]
-    ramp, ramp_1, ramp_2 = smooth_start(S[TIME], S[RAMP])
-    amplitude, rate = S[AMPLITUDE_NOW], S[AMPLITUDE_RATE]
-    second = filter_acceleration(amplitude, rate, S[AMPLITUDE], w)
-    a0, a1, a2 = ramped(amplitude, rate, second, ramp, ramp_1, ramp_2)
-    S[AMP] = a0
-    S[AMP_1] = a1
-    S[AMP_2] = a2
-    # The phase is the integral of the filtered frequency, so its second derivative is that one's first.
-    S[FREQUENCY_2] = S[FREQUENCY_RATE]
-    S[SHIFT_2] = filter_acceleration(S[PHASE_SHIFT_NOW], S[PHASE_SHIFT_RATE], S[PHASE_SHIFT], w)
-    S[OFFSET_2] = filter_acceleration(S[OFFSET_NOW], S[OFFSET_RATE], S[OFFSET], w)
-    s, c = sincos(S[PHASE])
-    S[SIN_PHASE] = s
-    S[COS_PHASE] = c
-    s, c = sincos(S[PHASE_SHIFT_NOW])
-    S[SIN_SHIFT] = s
-    S[COS_SHIFT] = c
+    ramp = smooth_start(S[TIME], S[RAMP])
     if has_driven_fin(law, tail_link):
-        fin_reference(S, HEADER_ROWS + tail_link * BODY_ROWS, law[tail_link], ramp, ramp_1, ramp_2)
-    joint = 0.0
+        b = HEADER_ROWS + tail_link * BODY_ROWS
+        motion = wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
+        s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
+        take_reference(S, b, law[tail_link], wave_reference(s, c, S[b + ENVELOPE], 0.0, motion))
+    motion = wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
+    S[SIN_PHASE], S[COS_PHASE] = sincos(S[PHASE])
+    S[SIN_SHIFT], S[COS_SHIFT] = sincos(S[PHASE_SHIFT_NOW])
+    k = 0.0
     for i in range(tail_link + 1, n):
         if law[i] != LOCKED and law[i] != PASSIVE:
-            one_reference(S, HEADER_ROWS + i * BODY_ROWS, joint, law[i])
-            joint += 1.0
+            b = HEADER_ROWS + i * BODY_ROWS
+            s, c = S[SIN_PHASE], S[COS_PHASE]
+            take_reference(S, b, law[i], wave_reference(s, c, S[b + ENVELOPE], k, motion))
+            # The next joint's, by rotation; in rows, so that the compiler rounds them as one product at a time.
+            S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
+            S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
+            k += 1.0
 
 
 @kernel
 @no_type_check
-def fin_reference(S, b, law, ramp, ramp_1, ramp_2):
-    """The reference of a driven fin, whose joint is that of record b."""
-    w = S[BANDWIDTH]
-    amplitude, rate = S[FIN_AMPLITUDE_NOW], S[FIN_AMPLITUDE_RATE]
-    second = filter_acceleration(amplitude, rate, S[FIN_AMPLITUDE], w)
-    a0, a1, a2 = ramped(amplitude, rate, second, ramp, ramp_1, ramp_2)
-    s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
-    offset, offset_rate = S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE]
-    offset_2 = filter_acceleration(offset, offset_rate, S[FIN_OFFSET], w)
-    angle, rate, acceleration = joint_reference(
-        s,
-        c,
-        S[b + ENVELOPE],
-        a0,
-        a1,
-        a2,
-        S[FIN_FREQUENCY_NOW],
-        S[FIN_FREQUENCY_RATE],
-        offset,
-        offset_rate,
-        offset_2,
-    )
-    take_reference(S, b, law, angle, rate, acceleration)
-
-
-@kernel
-@no_type_check
-def one_reference(S, b, joint, law):
-    """The reference of one joint; the sine of the next joint's phase follows by rotation."""
-    s, c = S[SIN_PHASE], S[COS_PHASE]
-    angle, rate, acceleration = joint_reference(
-        s,
-        c,
-        S[b + ENVELOPE],
-        S[AMP],
-        S[AMP_1],
-        S[AMP_2],
-        S[FREQUENCY_NOW] + joint * S[PHASE_SHIFT_RATE],
-        S[FREQUENCY_2] + joint * S[SHIFT_2],
-        S[OFFSET_NOW],
-        S[OFFSET_RATE],
-        S[OFFSET_2],
-    )
-    take_reference(S, b, law, angle, rate, acceleration)
-    S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
-    S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
-
-
-@kernel
-@no_type_check
-def take_reference(S, b, law, angle, rate, acceleration):
+def take_reference(S, b, law, reference):
     """Store a joint's reference, which a prescribed joint follows at once."""
+    angle, rate, acceleration = reference
     S[b + REFERENCE] = angle
     S[b + REFERENCE_1] = rate
     S[b + REFERENCE_2] = acceleration

@@ -12,8 +12,9 @@ from jaxtyping import Float
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.errors import BadArgument, instance, not_negative, positive, within
 from laticauda.fluid.laws import DragLaw
+from laticauda.gaits.reference import first_state
 from laticauda.hydrodynamics import Coefficients, link_coefficients
-from laticauda.interfaces import Command, Log, Observation, Start, check_fin, fin_signals
+from laticauda.interfaces import Command, Log, Observation, Start, check_waves, fin_signals
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout, layout
 from laticauda.planar.specialize import specialize
@@ -134,12 +135,9 @@ class PlanarPlant:
         values[_at(rows.X)], values[_at(rows.Y)] = start.center_of_mass
         values[_at(rows.VX)] = start.velocity * math.cos(start.heading)
         values[_at(rows.VY)] = start.velocity * math.sin(start.heading)
-        values[_at(rows.AMPLITUDE_NOW)] = command.gait.amplitude
-        values[_at(rows.FREQUENCY_NOW)] = command.gait.frequency
-        values[_at(rows.PHASE_SHIFT_NOW)] = command.gait.phase_shift
-        if command.gait.fin is not None:
-            values[_at(rows.FIN_AMPLITUDE_NOW)] = command.gait.fin.amplitude
-            values[_at(rows.FIN_FREQUENCY_NOW)] = command.gait.fin.frequency
+        yaw, _, fin = map(first_state, command.gait.targets())
+        values[GENERATOR] = yaw
+        values[_at(rows.FIN_PHASE) :][:5] = fin[:5]
         return PlanarState(values=values)
 
     def step(self, state: PlanarState, command: Command, dt: float) -> PlanarState:
@@ -216,17 +214,11 @@ class PlanarPlant:
                 "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'an offset of them' if gait.pitch is None else gait.pitch}",
             )
-        check_fin(self.robot, gait)
+        check_waves(self.robot, gait)
         S = a.template.copy()
-        if gait.fin is not None:
-            wave = gait.fin
-            S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = wave.amplitude, wave.frequency, wave.offset, wave.phase
-        S[rows.AMPLITUDE : rows.OFFSET + 1] = (
-            gait.amplitude,
-            gait.frequency,
-            gait.phase_shift,
-            gait.offset + command.offset,
-        )
+        yaw, _, fin = gait.targets(command.offset)
+        S[rows.AMPLITUDE : rows.OFFSET + 1] = yaw[:4]
+        S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = fin.amplitude, fin.frequency, fin.offset, fin.phase
         S[rows.BANDWIDTH], S[rows.RAMP] = self.offset_bandwidth, self.ramp
         S[rows.TIME : rows.TIME + rows.LOG_STATE] = state.values[: rows.LOG_STATE]
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)

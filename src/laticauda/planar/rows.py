@@ -44,7 +44,7 @@ from laticauda.formulas import MOST_NUMBERS
     VX,  # velocity of the center of mass [m/s]
     VY,
     PHASE,  # integral of the frequency [rad]
-    AMPLITUDE_NOW,  # filtered values and their rates
+    AMPLITUDE_NOW,  # filtered values and their rates, in the order of gaits.reference.WaveState
     AMPLITUDE_RATE,
     FREQUENCY_NOW,
     FREQUENCY_RATE,
@@ -75,12 +75,6 @@ from laticauda.formulas import MOST_NUMBERS
     COS_PHASE,
     SIN_SHIFT,
     COS_SHIFT,
-    AMP,  # ramped amplitude and its derivatives
-    AMP_1,
-    AMP_2,
-    FREQUENCY_2,  # derivative of the filtered frequency
-    SHIFT_2,
-    OFFSET_2,
     SAVED,  # six rows: the base's state at the start of a step
     SAVED_1,
     SAVED_2,
@@ -91,7 +85,7 @@ from laticauda.formulas import MOST_NUMBERS
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(75)
+) = range(69)
 LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own
 HEADER_ROWS = JOINT_LAW + MOST_NUMBERS

@@ -20,11 +20,13 @@ from laticauda.compiling.templates import bindings
 from laticauda.gaits import reference
 from laticauda.spatial.rows import *
 
-filter_step = compiled(reference.filter_step)
-filter_acceleration = compiled(reference.filter_acceleration)
+advance_wave = compiled(reference.advance_wave)
+advance_time = compiled(reference.advance_time)
 smooth_start = compiled(reference.smooth_start)
-ramped = compiled(reference.ramped)
-joint_reference = compiled(reference.joint_reference)
+wave_motion = compiled(reference.wave_motion)
+wave_reference = compiled(reference.wave_reference)
+wave_of = rows_from(PHASE, len(reference.WaveState._fields))
+target_of = rows_from(AMPLITUDE, 4)
 magnitude = compiled(scalars.magnitude)
 motor_power = compiled(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
@@ -39,19 +41,10 @@ def advance_reference(X, C, J, R, dt):
     """Move the generator on by dt and set the reference there."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
-    waves = ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:]))
-    for G, A in waves:
-        for value, target in ((AMPLITUDE_NOW, AMPLITUDE), (PHASE_SHIFT_NOW, PHASE_SHIFT), (OFFSET_NOW, OFFSET)):
-            y, rate, _ = filter_step(G[value], G[value + 1], A[target], w, decay, dt)
-            G[value] = y
-            G[value + 1] = rate
-        y, rate, turned = filter_step(G[FREQUENCY_NOW], G[FREQUENCY_RATE], A[FREQUENCY], w, decay, dt)
-        G[FREQUENCY_NOW] = y
-        G[FREQUENCY_RATE] = rate
-        G[PHASE] += turned
-    before, due = X[TIME], dt - X[TIME_REST]
-    X[TIME] = before + due
-    X[TIME_REST] = (X[TIME] - before) - due
+    for G, A in ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:])):
+        for row, value in enumerate(advance_wave(wave_of(G), target_of(A), w, decay, dt)):
+            G[PHASE + row] = value
+    X[TIME], X[TIME_REST] = advance_time(X[TIME], X[TIME_REST], dt)
     set_reference(X, C, J, R)
 
 
@@ -69,27 +62,12 @@ def set_reference(X, C, J, R):
 @no_type_check
 def set_wave(X, C, w, ramp, wave, J, R):
     """The reference of the joints that one wave moves."""
-    second = filter_acceleration(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], C[AMPLITUDE], w)
-    a0, a1, a2 = ramped(X[AMPLITUDE_NOW], X[AMPLITUDE_RATE], second, ramp[0], ramp[1], ramp[2])
-    shift_2 = filter_acceleration(X[PHASE_SHIFT_NOW], X[PHASE_SHIFT_RATE], C[PHASE_SHIFT], w)
-    offset_2 = filter_acceleration(X[OFFSET_NOW], X[OFFSET_RATE], C[OFFSET], w)
+    motion = wave_motion(wave_of(X), target_of(C), w, ramp)
     k = 0.0
     for i in range(J.shape[0]):
         if J[i, WAVE] == wave:
             psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
-            R[0, i], R[1, i], R[2, i] = joint_reference(
-                np.sin(psi),
-                np.cos(psi),
-                J[i, ENVELOPE],
-                a0,
-                a1,
-                a2,
-                X[FREQUENCY_NOW] + k * X[PHASE_SHIFT_RATE],
-                X[FREQUENCY_RATE] + k * shift_2,
-                X[OFFSET_NOW],
-                X[OFFSET_RATE],
-                offset_2,
-            )
+            R[0, i], R[1, i], R[2, i] = wave_reference(np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion)
             k += 1.0
 
 

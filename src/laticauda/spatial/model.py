@@ -13,8 +13,8 @@ from jaxtyping import Float
 from laticauda import mujoco_water as water
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
-from laticauda.gaits import Wave
-from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_fin, fin_signals
+from laticauda.gaits.reference import first_state
+from laticauda.interfaces import ORIENTATION, Command, Log, Observation, Start, check_waves, fin_signals
 from laticauda.mujoco_water import ground
 from laticauda.robot import has_power_model
 from laticauda.spatial import rows
@@ -22,7 +22,6 @@ from laticauda.spatial.setup import LEAST_DT, SpatialSetup
 from laticauda.spatial.twin import FORCES, Twin
 
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
-STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 USUAL_DT = 0.01  # of prescribed joints
 ELASTIC_DT = 0.005  # with a fin that bends
 # Of a state vector: both waves' phase, filtered values and their rates.
@@ -82,16 +81,9 @@ class SpatialPlant(SpatialSetup):
         twin = self._twin
         self._check(command)
         values = np.zeros(rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + self.robot.n_links)
-        values[rows.AMPLITUDE_NOW] = command.gait.amplitude
-        values[rows.FREQUENCY_NOW] = command.gait.frequency
-        values[rows.PHASE_SHIFT_NOW] = command.gait.phase_shift
-        if command.gait.pitch is not None:
-            values[rows.SECOND + rows.AMPLITUDE_NOW] = command.gait.pitch.amplitude
-            values[rows.SECOND + rows.FREQUENCY_NOW] = command.gait.pitch.frequency
-            values[rows.SECOND + rows.PHASE_SHIFT_NOW] = command.gait.pitch.phase_shift
-        if command.gait.fin is not None:
-            values[rows.THIRD + rows.AMPLITUDE_NOW] = command.gait.fin.amplitude
-            values[rows.THIRD + rows.FREQUENCY_NOW] = command.gait.fin.frequency
+        yaw, pitch, fin = map(first_state, command.gait.targets())
+        values[rows.PHASE : rows.OFFSET_RATE + 1] = yaw
+        values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
         # The first two speeds of either root are those along x and y.
@@ -190,15 +182,10 @@ class SpatialPlant(SpatialSetup):
             self._check(command)
             given[rows.IS_LED] = 1.0
             given[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
-            given[: rows.AHEAD] = gait.amplitude, gait.frequency, gait.phase_shift, gait.offset + command.offset
-            pitch = STRAIGHT if gait.pitch is None else gait.pitch
-            offset = pitch.offset + command.pitch_offset
-            second = pitch.amplitude, pitch.frequency, pitch.phase_shift, offset, pitch.phase
-            given[rows.PITCH_COMMAND : rows.FIN_COMMAND] = second
-            fin = STRAIGHT if gait.fin is None else gait.fin
-            given[rows.FIN_COMMAND : rows.BANDWIDTH] = fin.amplitude, fin.frequency, 0.0, fin.offset, fin.phase
-            yaw = joints[:, rows.WAVE] == rows.YAW_WAVE
-            joints[yaw, rows.ENVELOPE] *= gait.joint_envelope(int(yaw.sum()) + 1)
+            yaw, pitch, fin = gait.targets(command.offset, command.pitch_offset)
+            given[: rows.BANDWIDTH] = yaw + pitch + fin
+            turned = joints[:, rows.WAVE] == rows.YAW_WAVE
+            joints[turned, rows.ENVELOPE] *= gait.joint_envelope(int(turned.sum()) + 1)
             self._hold(given, joints[: self.robot.n_joints], command)
         return given, joints
 
@@ -218,13 +205,10 @@ class SpatialPlant(SpatialSetup):
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""
-        check_fin(self.robot, command.gait)
-        if command.gait.pitch is None and command.pitch_offset == 0.0:
-            return
-        if all(joint.axis == "yaw" for joint in self.robot.joints):
-            raise BadArgument("gait.pitch", f"must be None for a robot without pitch joints, got {command.gait.pitch}")
-        if self.root == "planar":
-            raise BadArgument("gait.pitch", f"must be None with a planar root, got {command.gait.pitch}")
+        gait = command.gait if command.pitch_offset == 0.0 else command.steered
+        check_waves(self.robot, gait)
+        if gait.pitch is not None and self.root == "planar":
+            raise BadArgument("gait.pitch", f"must be None with a planar root, got {gait.pitch}")
 
     def _link_forces(
         self, state: SpatialState, command: Command, n: int, every: int, dt: float

@@ -104,7 +104,23 @@ def test_path_following_steers_towards_the_path():
     assert signals["offset"] < 0.0
 
 
-def test_pitch_joints_are_held_at_zero():
+def test_pitch_joints_get_the_references_of_the_gaits_second_wave():
+    gait = replace(GAIT, pitch=lc.Wave(amplitude=0.1, frequency=2.0, phase_shift=0.6, phase=1.5, offset=0.02))
+    run = running(robot="mamba-modules", gait=gait, following=None, rate=100.0)
+    begun = run.state.begun
+    assert begun is not None
+    run.tick(80)
+    samples = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
+    axes = tuple(joint.axis for joint in lc.load_robot("mamba-modules").joints)
+    generator = Generator(n_links=19, axes=axes, bandwidth=2.0, ramp=3.0)
+    state = generator.init(gait)
+    for sample in samples:
+        state = generator.step(state, gait, sample.time - begun - state.time)
+        assert sample.angle == pytest.approx(generator.joints(state, gait)[0], abs=1e-12)
+    assert np.abs(samples[-1].angle[1::2]).max() > 1e-3
+
+
+def test_without_a_pitch_wave_pitch_joints_are_held_at_zero():
     run = running(robot="mamba-modules")
     run.tick(50)
     asked = run.state.reference.references

@@ -56,12 +56,8 @@ class ReferenceSource:
     @cached_property
     def generator(self) -> Generator:
         """The one reference generator."""
-        return Generator(n_links=self.robot.planar().n_links, bandwidth=self.offset_bandwidth, ramp=self.ramp)
-
-    @cached_property
-    def yaw(self) -> np.ndarray:
-        """Which joints turn in the swimming plane; the others are held at zero."""
-        return np.array([joint.axis == "yaw" for joint in self.robot.joints], dtype=bool)
+        axes = tuple(joint.axis for joint in self.robot.joints)
+        return Generator(n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp)
 
     def init(self) -> ReferenceState:
         """Straight."""
@@ -126,10 +122,9 @@ class ReferenceSource:
             now: [s].
         """
         assert state.command is not None and state.generator is not None  # `begin` made them
-        gait = replace(state.command.gait, offset=state.command.gait.offset + state.command.offset)
+        gait = state.command.steered
         generator = self.generator.step(state.generator, gait, now - state.time)
-        references = np.zeros(self.robot.n_joints)
-        references[self.yaw] = self.generator.joints(generator, gait)[0]
+        references = self.generator.joints(generator, gait)[0]
         return replace(state, references=references, generator=generator, time=now)
 
     def signals(self, state: ReferenceState) -> dict[str, float]:
