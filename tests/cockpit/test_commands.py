@@ -2,7 +2,9 @@ import json
 import math
 import re
 import shlex
+import subprocess
 from dataclasses import replace
+from html import escape
 from types import SimpleNamespace
 
 import pytest
@@ -12,9 +14,10 @@ import laticauda as lc
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
 from laticauda.cockpit.changes import changed, with_fin
-from laticauda.cockpit.commands import FILE, WATER_FILE, commands_text, copy_buttons, robot_source
+from laticauda.cockpit.commands import FILE, TEXT, copy_buttons, in_python, in_shell
 from laticauda.control import StraightLine
 from laticauda.gaits import Custom, EelLike, Wave
+from laticauda.scenarios import run_to_toml
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(31.0), frequency=math.radians(125.0), phase_shift=math.radians(40.0)
@@ -45,7 +48,7 @@ class Page:
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_the_copied_command_line_and_python_run_as_they_are_and_give_the_numbers_of_the_page(
+def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_numbers_of_the_page(
     scenario, capsys, tmp_path, monkeypatch
 ):
     pytest.importorskip("viser")
@@ -56,25 +59,23 @@ def test_the_copied_command_line_and_python_run_as_they_are_and_give_the_numbers
     live = Live(scenario)
     cockpit, page = Cockpit(live, port=0), Page()
     try:
-        cockpit._runs._send_robot(SimpleNamespace(client=page))
-        cockpit._runs._send_water(SimpleNamespace(client=page))
-        shown = cockpit._runs._text.content
+        cockpit._runs._send_scenario(SimpleNamespace(client=page))
+        copied = cockpit._runs._copy.content
     finally:
         cockpit.close()
-    for name, content in page.files.items():
-        (tmp_path / name).write_bytes(content)
-    command, code = re.findall(r"```(?:bash|python)\n(.*?)\n```", shown, re.DOTALL)
-    words = shlex.split(command.replace("\\\n", " "))
+    (tmp_path / FILE).write_bytes(page.files[FILE])
+    command, code = re.findall(r"```(?:bash|python)\n(.*?)\n```", TEXT, re.DOTALL)
+    words = shlex.split(command)
     assert words[0] == "laticauda"
     assert main([*words[1:], "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
     scope = {}
     exec(code, scope)
     trial = scope["trial"]
-    assert trial.environment == scenario.environment
-    assert trial.robot == (scenario.robot if isinstance(scenario.model, lc.Spatial) else scenario.robot.planar())
-    assert printed["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-4)
-    assert printed["mean_power"] == pytest.approx(trial.mean_power, rel=1e-4)
+    assert scope["scenario"] == replace(scenario, duration=DURATION)
+    assert (printed["forward_velocity"], printed["mean_power"]) == (trial.forward_velocity, trial.mean_power)
+    for text in (in_shell, in_python):
+        assert escape(json.dumps(text(page.files[FILE].decode())), quote=True) in copied
     for _ in range(round(DURATION / 0.1)):
         live.advance(0.1)
     assert numbers(live).time == pytest.approx(DURATION)
@@ -83,19 +84,16 @@ def test_the_copied_command_line_and_python_run_as_they_are_and_give_the_numbers
     assert numbers(live).mean_power == pytest.approx(trial.mean_power, rel=3e-3)
 
 
-def test_a_robot_that_is_no_preset_comes_from_a_file():
-    robot = with_fin(lc.load_robot("mamba"), True, 0.3)
-    assert robot_source(robot) == FILE
-    text = commands_text(lc.scenario(robot, GAIT))
-    assert f"download it as `{FILE}` first" in text
-    assert f"--robot {FILE}" in text
-
-
-def test_a_water_that_is_no_preset_comes_from_a_file_too():
-    water = replace(lc.load_water("paper-lateral"), normal_drag=1.4)
-    text = commands_text(lc.scenario("mamba", GAIT, environment=water))
-    assert f"download it as `{WATER_FILE}` first" in text
-    assert "--water paper-lateral" in commands_text(lc.scenario("mamba", GAIT, environment="paper-lateral"))
+def test_what_is_copied_has_the_file_in_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    robot = replace(lc.load_robot("mamba"), name='it\'s \\ "mine"')
+    scenario = lc.scenario(robot, GAIT, 0.1)
+    scope = {}
+    exec(in_python(run_to_toml(scenario)), scope)
+    assert scope["scenario"] == scenario
+    shell = in_shell(run_to_toml(scenario)).replace("laticauda swim", "test -f")
+    subprocess.run(["bash", "-e", "-c", shell], check=True)
+    assert lc.load_scenario(FILE) == scenario
 
 
 # ---- buttons that copy them ------------------------------------------------------------------------------------

@@ -7,22 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.commands import (
-    FILE,
-    WATER_FILE,
-    command_line,
-    commands_text,
-    copy_buttons,
-    folded,
-    python_code,
-    water_source,
-)
+from laticauda.cockpit.commands import FILE, TEXT, copy_buttons, in_python, in_shell, scenario_file
 from laticauda.cockpit.events import refusing
 from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
 from laticauda.interfaces import Log
-from laticauda.robot import Robot, to_toml
+from laticauda.robot import Robot
 from laticauda.trial import Trial
 
 SAVED = "cockpit-run.nc"
@@ -78,9 +69,8 @@ class Runs:
         self._since = 0.0
         hint = "The run since the setting was last changed, at most ten minutes of it, as a netCDF file"
         gui.add_button("save the run", hint=hint).on_click(self._save)
-        gui.add_button("download the robot", hint=f"As {FILE}").on_click(self._send_robot)
-        self._water = gui.add_button("download the water", hint=f"As {WATER_FILE}", visible=False)
-        self._water.on_click(self._send_water)
+        hint = f"What swims, how and where, from where it first began, as {FILE}"
+        gui.add_button("download the scenario", hint=hint).on_click(self._send_scenario)
         hint = f"A saved run, or the recording of an operation ({', '.join(READ)}), as a ghost"
         upload = gui.add_upload_button("play back a trial", hint=hint)
         upload.on_upload(self._load)
@@ -88,17 +78,14 @@ class Runs:
         self._beside.on_update(self._place)
         self._away = gui.add_button("remove the ghost", visible=False)
         self._away.on_click(self._remove)
-        gui.add_markdown("**The same run elsewhere**, from straight and at rest at the origin:")
+        gui.add_markdown("**The same run elsewhere**, from straight and at rest:")
         self._copy = gui.add_html("")
-        self._text = gui.add_markdown("")
+        gui.add_markdown(TEXT)
 
     def changed(self) -> None:
         """After every change of the scenario."""
-        scenario = self._live.scenario
-        self._text.content = commands_text(scenario)
-        texts = {"copy the command": folded(command_line(scenario)), "copy the Python": python_code(scenario)}
-        self._copy.content = copy_buttons(texts)
-        self._water.visible = water_source(scenario) == WATER_FILE
+        file = scenario_file(self._live.scenario)
+        self._copy.content = copy_buttons({"copy the command": in_shell(file), "copy the Python": in_python(file)})
 
     def begin(self) -> None:
         """Let the ghost begin anew, with the simulation."""
@@ -129,11 +116,8 @@ class Runs:
             trial.save(path)
             _send(event, SAVED, path.read_bytes())
 
-    def _send_robot(self, event: Any) -> None:
-        _send(event, FILE, to_toml(self._live.scenario.robot).encode())
-
-    def _send_water(self, event: Any) -> None:
-        _send(event, WATER_FILE, to_toml(self._live.scenario.environment).encode())
+    def _send_scenario(self, event: Any) -> None:
+        _send(event, FILE, scenario_file(self._live.scenario).encode())
 
     @refusing
     def _load(self, event: Any) -> None:
