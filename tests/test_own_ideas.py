@@ -149,7 +149,9 @@ def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, 
 
 
 def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
-    variables = {v.name: v for v in export_fmu(tmp_path / "own.fmu", ROBOT, gait, water=water, joints=ideas.Spring())}
+    variables = {
+        v.name: v for v in export_fmu(tmp_path / "own.fmu", ROBOT, gait, environment=water, joints=ideas.Spring())
+    }
     assert variables["water.drag.share"].start == 0.3
     assert variables["water.drag.floor"].unit == "m/s"
     assert variables["water.drag.floor"].least == 0.0

@@ -207,7 +207,16 @@ def join(at: str, key: str) -> str:
     return f"{at}.{key}" if at else key
 
 
-def _object(kind: type[Any], table: Table, at: str) -> Any:
+def updated(held: T, table: object, at: str = "") -> T:
+    """A dataclass with what a table says otherwise; a table in it changes the value there, unless of another `kind`.
+
+    Other arguments and errors as for `decode`.
+    """
+    return _object(type(held), table_of(table, at), at, held)
+
+
+def _object(kind: type[Any], table: Table, at: str, held: Any = None) -> Any:
+    """An object of this class; what the table does not say is as in the one that is `held`, if any."""
     table = with_new_names(kind, table)
     hints, degrees = hints_of(kind), _degrees(kind)
     check_keys(table, [*hints, *degrees], at)
@@ -215,12 +224,16 @@ def _object(kind: type[Any], table: Table, at: str) -> Any:
         if key in table and name in table:
             raise BadKey(join(at, key), f"must not be given beside `{name}`, which says the same in rad")
     given = {degrees.get(key, key): key for key in table}  # by field, what the file calls it
+    values: Table = {} if held is None else {field.name: getattr(held, field.name) for field in fields(kind)}
     for field in fields(kind):
-        if field.name not in given and field.default is MISSING and field.default_factory is MISSING:
+        is_said = field.name in given or field.name in values
+        if not is_said and field.default is MISSING and field.default_factory is MISSING:
             raise BadKey(join(at, field.name), f"is missing; every {kind.__name__} needs it")
-    values: Table = {}
     for name, key in given.items():
-        if key == name:
+        if key == name and _is_of(table[name], values.get(name)):
+            own = {word: one for word, one in table[name].items() if word != "kind"}
+            values[name] = updated(values[name], own, join(at, name))
+        elif key == name:
             default = kind.__dataclass_fields__[name].default
             values[name] = decode(hints[name], table[name], join(at, name), default)
         else:
@@ -228,6 +241,14 @@ def _object(kind: type[Any], table: Table, at: str) -> Any:
                 values[name] = math.radians(finite(key, table[key], "deg"))
     with arguments_of(at, {name: key for name, key in given.items() if name != key}, table):
         return kind(**values)
+
+
+def _is_of(given: Any, held: Any) -> bool:
+    """Whether a table is about the value that is held, and not about one of another kind."""
+    if not isinstance(given, Mapping) or not is_dataclass(held):
+        return False
+    own, table = name_of(cast(type, type(held))), cast("Table", given)
+    return table.get("kind", own) == own
 
 
 def with_new_names(kind: type, table: Table) -> Table:

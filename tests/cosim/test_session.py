@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cosim import Session
-from laticauda.cosim.setup import FIRST_GAIT, read_setup
+from laticauda.cosim.requests import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
 from laticauda.simulate import plant
@@ -139,19 +139,19 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("step", {}, "`duration` must be a number in s, got None."),
         ("step", {"duration": 0}, "`duration` must be > 0 s, got 0."),
         ("step", {"duration": 1e4}, "`duration` must be <= 5000 s at a `sample_interval` of 0.05 s, got 10000."),
-        ("step", {"duration": 1, "ofset": 1}, "`ofset` is not a field of `step`; did you mean `offset`?"),
+        ("step", {"duration": 1, "ofset": 1}, "`ofset` is not known; did you mean `offset`?"),
         ("step", {"duration": 1, "offset": "x"}, "`offset` must be a number in rad, got 'x'."),
         ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
-        ("set", {"enabled": [1]}, "`enabled` must be an array of true and false, one per joint, or null, got [1]."),
-        ("set", {"current": [0.1]}, "`current` must be an array of 2 numbers, got [0.1]."),
-        ("set", {"gait": 3}, "`gait` must be a JSON object, got 3."),
-        ("set", {"gait": {"amplitude": -1}}, "`amplitude` must be >= 0 rad, got -1."),
-        ("set", {"gait": {"amplitud": 1}}, "`amplitud` is not a field of `gait`; did you mean `amplitude`?"),
+        ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
+        ("set", {"current": [0.1]}, "`current` must be two numbers in m/s, got 1 of them."),
+        ("set", {"gait": 3}, "`gait` must be a table, got 3."),
+        ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be >= 0 rad, got -1."),
+        ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),
         ("set", {"gait": {"fin": {"amplitude": 0.1}}}, "`gait.fin` must be None unless the fin is driven"),
-        ("get", {"series": ["joint_torqe"]}, "`joint_torqe` is not a field of the log"),
+        ("get", {"series": ["joint_torqe"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("get", {"series": [1]}, "`series` must be an array of names, got [1]."),
-        ("run", {"series": ["robot"]}, "`robot` is not a field of `series`"),
+        ("run", {"series": ["robot"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("run", {"dt": 1e-7}, "in one request for 9 links and steps of 1e-07 s, got 30."),
         ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `chain`, `mamba`"),
         ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
@@ -160,7 +160,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("reset", {"coefficients": {"normal_drag": -1}}, "`normal_drag` must be >= 0, got -1."),
         ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
         ("reset", {"ground": "viscous", "current": [0, 1]}, "`ground` must not be given with"),
-        ("reset", {"center_of_mass": [1, 2, 3]}, "`center_of_mass` must be an array of 2 numbers, got [1, 2, 3]."),
+        ("reset", {"center_of_mass": [1, 2, 3]}, "`center_of_mass` must be two numbers in m, got 3 of them."),
         ("reset", {"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, got 'servos'"),
     ],
 )
@@ -208,14 +208,14 @@ def test_an_answer_that_would_be_too_long_is_refused(ask, monkeypatch):
 def test_numbers_of_the_drag_law_may_be_given_one_by_one_also_under_their_older_names():
     law = PolynomialDrag(reference_speed=0.7)
     for given in ({"reference_speed": 0.7}, {"drag": {"reference_speed": 0.7}}):
-        setup = read_setup({"water": "paper-lateral", "coefficients": given}, {})
-        assert setup.plant.environment == replace(lc.load_water("paper-lateral"), drag=law)
+        scenario = read_scenario({"water": "paper-lateral", "coefficients": given}, {})
+        assert scenario.environment == replace(lc.load_water("paper-lateral"), drag=law)
 
 
 @pytest.mark.parametrize(
     ("gait", "rule"),
     [
-        ({"kind": 3}, "`kind` must be the name of an envelope, got 3."),
+        ({"kind": 3}, "`gait.envelope.kind` must be one of `lateral-undulation`, `eel-like`, `custom`, got '3'."),
         ({"envelope": 0.1}, "`gait.envelope` must be a table, got 0.1."),
     ],
 )

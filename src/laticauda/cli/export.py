@@ -9,10 +9,8 @@ from laticauda.cli.flags import BadFlag, Files, MaybeName, Name, Output, read
 from laticauda.cli.outputs import check_output
 from laticauda.cli.scene import Names, named, warn_of_compiling
 from laticauda.errors import BadArgument
-from laticauda.extensions import name_of
-from laticauda.interfaces import Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, Water, load_ground, load_robot, load_water
+from laticauda.robot import Robot, load_ground, load_robot, load_water
 from laticauda.scenarios import Planar, Scenario
 
 MESHES = "One file (STL or OBJ, meters, in the module's frame) per module, tail first; copied beside the output"
@@ -127,22 +125,7 @@ class Fmu:
 
         scenario = named(self.scenario, self.before)
         warn_of_compiling(scenario)
-        model, start = scenario.model, scenario.start
-        assert isinstance(scenario.environment, Water)
-        assert isinstance(start, Start)
-        variables = export_fmu(
-            self.output,
-            scenario.robot,
-            scenario.gait,
-            water=scenario.environment,
-            joints=name_of(type(model.joints)),
-            inputs=self.inputs,
-            fmi=self.fmi,
-            start=start,
-            dt=model.dt,
-            offset_bandwidth=model.offset_bandwidth,
-            ramp=model.ramp,
-        )
+        variables = export_fmu(self.output, scenario, inputs=self.inputs, fmi=self.fmi)
         count = {kind: sum(v.causality == kind for v in variables) for kind in ("parameter", "input", "output")}
         if self.json:
             print(_json(self.output, scenario.robot, **{f"n_{kind}s": number for kind, number in count.items()}))

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from laticauda.cosim.messages import MESSAGE_BYTES as MESSAGE_BYTES, PROTOCOL_VERSION as PROTOCOL_VERSION
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session
-    from laticauda.cosim.setup import Setup as Setup
 
 __getattr__, __dir__, __all__ = lazy_exports("matlab_folder")
 

@@ -2,12 +2,12 @@
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, NoReturn, TypeAlias, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, nearest
+from laticauda.errors import BadArgument
 
 PROTOCOL_VERSION = 1
 """Goes up when a message that was answered is answered otherwise; new fields do not count."""
@@ -52,50 +52,6 @@ def write_message(message: Message) -> bytes:
     return json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
 
 
-def known(where: str, fields: Iterable[str], choices: Iterable[str]) -> None:
-    """Refuse fields that nobody reads.
-
-    Args:
-        where: What they are fields of, as the message calls it.
-        fields: The names that were given.
-        choices: The names that there are.
-
-    Raises:
-        ValueError: If one is unknown; the message suggests the nearest.
-    """
-    there = tuple(choices)
-    for name in fields:
-        if name not in there:
-            hint = nearest(name, there) or f"; there are {', '.join(f'`{choice}`' for choice in there)}."
-            raise ValueError(f"`{name}` is not a field of {where}{hint}")
-
-
-def table(name: str, value: object) -> dict[str, Any]:
-    """`value` if it is a JSON object.
-
-    Raises:
-        ValueError: If not.
-    """
-    if not isinstance(value, dict):
-        raise BadArgument(name, f"must be a JSON object, got {_shown(value)}")
-    return cast("dict[str, Any]", value)
-
-
-def numbers(name: str, value: object, count: int | None = None) -> tuple[Any, ...]:
-    """`value` as a tuple, if it is an array; a single number counts as an array of one.
-
-    Octave and MATLAB write arrays of one number as the number.
-
-    Raises:
-        ValueError: If it is none, or has another number of entries than `count`.
-    """
-    entries: list[Any] = cast("list[Any]", value) if isinstance(value, list) else [value]
-    if isinstance(value, str | dict | bool) or value is None or (count is not None and len(entries) != count):
-        wanted = "an array of numbers" if count is None else f"an array of {count} numbers"
-        raise BadArgument(name, f"must be {wanted}, got {_shown(cast(object, value))}")
-    return tuple(entries)
-
-
 def _refuse(constant: str) -> NoReturn:
     raise ValueError(f"A message must hold finite numbers only, got {constant}.")
 
@@ -109,8 +65,3 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy's arrays and numbers
         return value.tolist()
     raise TypeError(f"{type(value).__name__} has no place in JSON")
-
-
-def _shown(value: object) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

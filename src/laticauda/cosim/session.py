@@ -6,8 +6,9 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda.cosim.messages import PROTOCOL_VERSION, Message, known, read_message, write_message
-from laticauda.cosim.setup import HELD, MADE_FROM, read_setup
+from laticauda.codec import BadKey
+from laticauda.cosim.messages import PROTOCOL_VERSION, Message, read_message, write_message
+from laticauda.cosim.requests import HELD, MADE_FROM, check_fields, read_scenario
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__
@@ -29,7 +30,6 @@ RUN_SERIES = (
     "electrical_work",
 )
 LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
-ALWAYS = ("do", "id", "protocol")
 
 
 class Session:
@@ -62,6 +62,8 @@ class Session:
             if "id" in message:
                 tag["id"] = message["id"]
             return write_message({**tag, **self._answer(message)})
+        except BadKey as bad:
+            return write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
         except (ValueError, LaticaudaError) as error:
             return write_message({**tag, "error": str(error)})
         except Exception as error:  # one request that we cannot make sense of must not end the others
@@ -75,12 +77,12 @@ class Session:
         return self._requests[one_of("do", message.get("do"), tuple(self._requests))](message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
-        known("`reset`", message, (*ALWAYS, *MADE_FROM))
-        world = self._world = new_world(read_setup(message, self._own_robots))
+        check_fields(message, *MADE_FROM)
+        world = self._world = new_world(read_scenario(message, self._own_robots))
         return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
-        known("`step`", message, (*ALWAYS, "duration", *HELD))
+        check_fields(message, "duration", *HELD)
         duration = positive("duration", message.get("duration"), "s")
         world = stepped(changed(self._there(), message, tried=False), duration)
         self._world = world
@@ -89,12 +91,12 @@ class Session:
         return _seen(world)
 
     def _set(self, message: Message) -> dict[str, Any]:
-        known("`set`", message, (*ALWAYS, *HELD))
+        check_fields(message, *HELD)
         self._world = changed(self._there(), message)
         return {"command": _command(self._world)}
 
     def _get(self, message: Message) -> dict[str, Any]:
-        known("`get`", message, (*ALWAYS, "series", "since"))
+        check_fields(message, "series", "since")
         world = self._there()
         if "series" not in message:
             return {**_seen(world), "command": _command(world), **_about(world)}
@@ -102,11 +104,12 @@ class Session:
         return {"series": world.log.series(_names(message["series"]), since), "dropped": world.log.dropped}
 
     def _run(self, message: Message) -> dict[str, Any]:
-        known("`run`", message, (*ALWAYS, "duration", "series", *MADE_FROM))
+        check_fields(message, "duration", "series", *MADE_FROM)
         names = _names(message.get("series", []))
-        known("`series`", names, RUN_SERIES)
+        for name in names:
+            one_of("series", name, RUN_SERIES)
         duration = positive("duration", message.get("duration", 30.0), "s")
-        trial = whole_run(read_setup(message, self._own_robots), duration)
+        trial = whole_run(read_scenario(message, self._own_robots, duration))
         found: dict[str, Any] = {"figures": trial.summary()}
         if names:
             found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}

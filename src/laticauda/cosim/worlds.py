@@ -8,17 +8,16 @@ from collections import deque
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from laticauda.cosim.messages import Message, known
-from laticauda.cosim.setup import Setup, read_command, read_current
-from laticauda.errors import BadArgument, positive, within
-from laticauda.interfaces import Command, Log, OpenLoop, Plant
-from laticauda.robot import Water
-from laticauda.scenarios import Spatial
-from laticauda.simulate import run
+from laticauda.cosim.messages import Message
+from laticauda.cosim.requests import commanded
+from laticauda.errors import BadArgument, one_of, positive, within
+from laticauda.interfaces import Command, Log, OpenLoop, Plant, Start
+from laticauda.scenarios import Scenario, Spatial
+from laticauda.simulate import plant, swim
 from laticauda.trial import Trial
 
 MOST_SAMPLES = 100_000  # of one request, and of a log: about 50 MB for nine links
@@ -36,18 +35,21 @@ _spatial = threading.Lock()
 class World:
     """Where a client's robot is, and what it was told."""
 
-    setup: Setup
-    """What it was made from."""
+    scenario: Scenario
+    """What swims, where, by which model, and as its motion the command that is held."""
     plant: Plant[Any]
-    """The robot in its water as it is now."""
+    """The same as something that can be stepped."""
     state: Any
     """The plant's."""
-    command: Command
-    """What is held."""
     log: "History"
     """Samples since it was made."""
     broken: str | None = None
     """Why it can go no further."""
+
+    @property
+    def command(self) -> Command:
+        """What is held."""
+        return cast(OpenLoop, self.scenario.motion).command
 
 
 class History:
@@ -84,7 +86,8 @@ class History:
             ValueError: If there is no quantity of a name.
         """
         parts = [part for part in self._parts if part["time"][-1] > since]
-        known("the log", names, self._parts[-1])
+        for name in names:
+            one_of("series", name, tuple(self._parts[-1]))
         found: Series = {}
         for name in names:
             pieces = [part[name][part["time"] > since] for part in parts]
@@ -92,20 +95,20 @@ class History:
         return found
 
 
-def new_world(setup: Setup) -> World:
+def new_world(scenario: Scenario) -> World:
     """A world at time 0.
 
     Args:
-        setup: What it is made from.
+        scenario: What it is made from; its motion is a command.
 
     Raises:
         ValueError: If robot, water and command do not fit together.
     """
-    plant, command = setup.plant, setup.command
-    with _alone(plant):
-        state = plant.init(setup.start, command)
-        log = _try(plant, state, command)
-    world = World(setup=setup, plant=plant, state=state, command=command, log=History())
+    body = plant(scenario)
+    world = World(scenario=scenario, plant=body, state=None, log=History())
+    with _alone(body):
+        world = replace(world, state=body.init(cast(Start, scenario.start), world.command))
+        log = _try(world)
     world.log.add(log.at(slice(1)))
     return world
 
@@ -115,27 +118,22 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
 
     Args:
         world: As it is.
-        message: With any of `setup.HELD`.
+        message: With any of `requests.HELD`.
         tried: Whether to find out at once if the plant takes the command; a step will find out by itself.
 
     Raises:
-        ValueError: If a field is out of its range; the world is as it was then.
+        BadKey: If a field is out of its range; the world is as it was then.
+        ValueError: If the plant does not take the command.
     """
-    command = read_command(message, world.command)
-    plant, state = world.plant, world.state
-    with _alone(plant):
-        if message.get("current") is not None:
-            water = plant.environment
-            if not isinstance(water, Water):
-                raise BadArgument("current", f"must be null on the ground, got {message['current']}")
-            current = read_current(message["current"])
-            if current != water.current:
-                body: Any = plant
-                moved: Plant[Any] = replace(body, environment=replace(water, current=current))
-                plant, state = moved, moved.unpack(plant.pack(state))
+    scenario, body, state = commanded(world.scenario, message), world.plant, world.state
+    with _alone(body):
+        if scenario.environment is not world.scenario.environment:
+            body = plant(scenario)
+            state = body.unpack(world.plant.pack(state))
+        world = replace(world, scenario=scenario, plant=body, state=state)
         if tried:
-            _try(plant, state, command)
-    return replace(world, plant=plant, state=state, command=command)
+            _try(world)
+    return world
 
 
 def stepped(world: World, duration: float) -> World:
@@ -150,7 +148,7 @@ def stepped(world: World, duration: float) -> World:
     """
     if world.broken is not None:
         raise ValueError(f"{world.broken} `reset` begins anew.")
-    interval = min(world.setup.sample_interval, duration)
+    interval = min(world.scenario.sample_interval, duration)
     check_work(world.plant, duration, interval)
     with _alone(world.plant):
         state, log, failure = world.plant.march(world.state, world.command, duration, interval)
@@ -160,26 +158,19 @@ def stepped(world: World, duration: float) -> World:
     return replace(world, state=state)
 
 
-def whole_run(setup: Setup, duration: float) -> Trial:
+def whole_run(scenario: Scenario) -> Trial:
     """A run from start to end under one command, in a world of its own.
 
     Args:
-        setup: What it is made from.
-        duration: [s].
+        scenario: What swims, and for how long.
 
     Raises:
         ValueError: If something is out of its range.
     """
-    plant = setup.plant
-    check_work(plant, duration, setup.sample_interval)
-    with _alone(plant):
-        return run(
-            plant,
-            OpenLoop(command=setup.command),
-            duration,
-            start=setup.start,
-            sample_interval=setup.sample_interval,
-        )
+    body = plant(scenario)
+    check_work(body, scenario.duration, scenario.sample_interval)
+    with _alone(body):
+        return swim(scenario)
 
 
 def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> None:
@@ -210,9 +201,9 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
         )
 
 
-def _try(plant: Plant[Any], state: Any, command: Command) -> Log:
+def _try(world: World) -> Log:
     """Refuse a command that the plant would refuse later, while nothing has changed yet; the sample of now."""
-    return plant.march(state, command, MOMENT, MOMENT)[1]
+    return world.plant.march(world.state, world.command, MOMENT, MOMENT)[1]
 
 
 def _alone(plant: Plant[Any]) -> AbstractContextManager[Any]:

@@ -487,7 +487,7 @@ def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
         ({"inputs": "references"}, "`inputs` must be 'gait' for prescribed joints, .* got 'references'."),
         ({"fmi": "1.0"}, "`fmi` must be one of `2.0`, `3.0`, got '1.0'."),
         ({"inputs": "torques"}, "`inputs` must be one of `gait`, `references`, got 'torques'."),
-        ({"water": lc.load_ground("coulomb")}, "`water` must be of class Water or NoneType, got Ground."),
+        ({"environment": lc.load_ground("coulomb")}, "`environment` must be of class Water, got Ground."),
         ({"path": "snake.zip"}, "`path` must be a file that ends in .fmu, got snake.zip."),
         ({"gait": replace(GAIT, pitch=lc.Wave(amplitude=0.1, frequency=1.0))}, "`gait.pitch` must be None"),
     ],

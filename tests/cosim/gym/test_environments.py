@@ -10,7 +10,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, SwimmingEnv, SwimmingVectorEnv
+from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, SwimmingEnv, SwimmingVectorEnv, swimmer
 
 SHORT = {"duration": 1.0}  # five steps
 INFOS = ("x", "y", "heading", "power")
@@ -187,18 +187,18 @@ def test_options_say_what_is_not_drawn():
 
 BAD = [
     ({"task": "PathFolowing"}, r"`task` must be one of `PathFollowing`.*did you mean `PathFollowing`\?"),
-    ({"max_ofset": 0.1}, r"`max_ofset` is not a field of `PathFollowing`; did you mean `max_offset`\?"),
+    ({"max_ofset": 0.1}, r"`max_ofset` is not known; did you mean `max_offset`\?"),
     ({"max_offset": 1.5}, "`max_offset` must be <= 1.047 rad"),
     ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
     ({"interval": 2.0, "duration": 1.0}, "`interval` must be between 0 and 1 s, got 2.0"),
     ({"max_current": -0.1}, "`max_current` must be >= 0 m/s, got -0.1"),
     ({"failure_reward": 1.0}, "`failure_reward` must be between -1e\\+09 and 0, got 1.0"),
     ({"joints": "stiff"}, "`joints` must be one of"),
-    ({"robot": 3}, "`robot` must be of class str or Robot, got int"),
+    ({"robot": 3}, "`robot` must be of class Robot, got int"),
     ({"render_mode": "human"}, "`render_mode` must be None, got 'human'"),
     ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name where fields of it are given"),
     ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
-    ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, the lower one first, got 'ab'"),
+    ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, got 'ab'"),
     ({"task": "Efficiency", "frequencies": (-1.0, 1.0)}, r"`frequencies\[0\]` must be >= 0 rad/s, got -1.0"),
     ({"task": "Efficiency", "amplitudes": (0.0, 2.0)}, r"`amplitudes\[1\]` must be <= 1.571 rad, or joint 0 goes"),
     ({"task": "StationKeeping", "distance_tolerance": 0.0}, "`distance_tolerance` must be > 0 m, got 0.0"),
@@ -231,7 +231,10 @@ def test_settings_of_the_lanes_out_of_range_are_refused(settings: dict, message:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"options": {"z": 1.0}}, "`z` is not a field of `options`"),
+        (
+            {"options": {"z": 1.0}},
+            "`options` must be one of `y`, `heading`, `current_speed`",
+        ),
         ({"options": {"y": np.nan}}, "`y` must be a finite number, got nan"),
         ({"options": {"y": np.array([0.0, np.inf])}}, r"`y\[1\]` must be a finite number, got inf"),
         ({"options": {"reset_mask": [True, False]}}, "`reset_mask` must be an array of 2 truth values"),
@@ -266,7 +269,7 @@ def test_nobody_swims_before_a_reset():
 
 
 def test_a_task_of_ones_own_is_taken_as_it_is():
-    task = PathFollowing(robot="mamba", interval=0.1, duration=2.0)
+    task = PathFollowing(scenario=swimmer("mamba", duration=2.0), interval=0.1)
     envs = SwimmingVectorEnv(2, task=task)
     assert envs.task is task
     assert task.n_steps == 20

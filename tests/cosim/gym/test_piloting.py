@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cosim.gym import PathFollowing, Pilots, SwimmingVectorEnv
+from laticauda.cosim.gym import PathFollowing, Pilots, SwimmingVectorEnv, swimmer
 
-TASK = PathFollowing(duration=30.0)
+TASK = PathFollowing(scenario=swimmer(duration=30.0))
 
 
 def sight(interval: float = TASK.interval, gait: lc.Gait = TASK.gait) -> lc.PathFollowing:
@@ -32,25 +32,25 @@ def test_line_of_sight_in_a_lane_is_the_trial_of_the_runner():
         work.append(motion.work)
     for lane in range(3):
         at = lc.Start(center_of_mass=(0.0, start["y"][lane]), heading=start["heading"][lane])
-        trial = lc.run(TASK.plant, sight(), TASK.duration, start=at, sample_interval=TASK.interval)
+        trial = lc.run(TASK.plant, sight(), TASK.scenario.duration, start=at, sample_interval=TASK.interval)
         np.testing.assert_allclose(np.array(place)[:, :, lane], trial.center_of_mass[1:], atol=1e-12)
         np.testing.assert_allclose(np.array(work)[:, lane], trial.work[1:, 0], rtol=1e-12)
 
 
 def test_steering_adds_to_the_offset_of_the_gait():
-    task = replace(TASK, gait=replace(TASK.gait, offset=0.1), duration=5.0)
+    task = replace(TASK, scenario=swimmer(gait=replace(TASK.gait, offset=0.1), duration=5.0))
     envs = SwimmingVectorEnv(1, task=task)
     envs.reset(options={"y": 0.5, "heading": 0.0, "current_speed": 0.0})
     pilots = Pilots(sight(gait=task.gait), envs.episodes)
     for _ in range(task.n_steps):
         envs.step(pilots.actions())
     at = lc.Start(center_of_mass=(0.0, 0.5))
-    trial = lc.run(task.plant, sight(gait=task.gait), task.duration, start=at, sample_interval=task.interval)
+    trial = lc.run(task.plant, sight(gait=task.gait), task.scenario.duration, start=at, sample_interval=task.interval)
     assert envs.episodes.motion.heading[0] == pytest.approx(trial.heading[-1], abs=1e-12)
 
 
 def test_a_new_episode_gets_a_new_pilot():
-    envs = SwimmingVectorEnv(2, task=PathFollowing(duration=1.0))
+    envs = SwimmingVectorEnv(2, task=PathFollowing(scenario=swimmer(duration=1.0)))
     law = lc.PathFollowing(
         gait=TASK.gait,
         path=lc.StraightLine(),
@@ -64,9 +64,9 @@ def test_a_new_episode_gets_a_new_pilot():
     for _ in range(6):
         envs.step(pilots.actions())
     assert begin.time == envs.episodes.motion.time[0] == 0.0
-    assert [thought.guidance != 0.0 for thought in pilots._thoughts] == [True, True]
+    assert [state.guidance != 0.0 for state in pilots._states] == [True, True]
     pilots.actions()
-    assert [thought.guidance for thought in pilots._thoughts] == [0.0, 0.0]
+    assert [state.guidance for state in pilots._states] == [0.0, 0.0]
 
 
 def test_a_controller_of_another_pace_is_refused():

@@ -5,6 +5,7 @@ import os
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
@@ -18,7 +19,7 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Robot, Water
-from laticauda.scenarios import default_water, preset_water
+from laticauda.scenarios import Changes, Planar, Scenario, scenario
 from laticauda.simulate import plant
 
 INPUTS = ("gait", "references")
@@ -27,17 +28,12 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # of all files inside, so that the same robot ma
 
 def export_fmu(
     path: str | os.PathLike[str],
-    robot: Robot,
-    gait: Gait,
+    robot: Scenario | Robot | str | Path,
+    gait: Gait | None = None,
     *,
-    water: Water | None = None,
-    joints: JointLaw | str = "prescribed",
     inputs: str = "gait",
     fmi: str = "2.0",
-    start: Start | None = None,
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
+    **changes: Unpack[Changes],
 ) -> tuple[Variable, ...]:
     """Write a planar robot in water to an FMU for co-simulation that needs no Python where it is used.
 
@@ -46,17 +42,13 @@ def export_fmu(
 
     Args:
         path: The file (.fmu); an older one is replaced.
-        robot: What swims.
-        gait: What the joints are asked for unless the FMU is told otherwise; of kind custom, its envelope too.
-        water: Where; None takes the paper's coefficients for the gait.
-        joints: As for `laticauda.simulate.plant`.
+        robot: The scenario, whose duration does not count; or what swims, with its gait.
+        gait: With a robot: what the joints are asked for unless the FMU is told otherwise; of kind custom, its
+            envelope too.
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
             control or servos, `references` (an angle for every joint).
         fmi: Version of the standard: 2.0, which all tools read, or 3.0.
-        start: Where it begins; None: at the origin, along x, at rest.
-        dt: As for `laticauda.simulate.plant` [s].
-        offset_bandwidth: As for `laticauda.simulate.plant` [rad/s].
-        ramp: As for `laticauda.simulate.plant` [s].
+        changes: With a robot, what else differs from the defaults; see `laticauda.scenarios.Changes`.
 
     Returns:
         The FMU's variables, in the order of their value references.
@@ -71,17 +63,12 @@ def export_fmu(
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
     one_of("inputs", inputs, INPUTS)
     one_of("fmi", fmi, VERSIONS)
-    instance("gait", gait, Gait)
-    instance("water", water, Water, type(None))
-    body = plant(
-        robot,
-        water or preset_water(default_water(gait)),
-        joints=joints,
-        dt=dt,
-        offset_bandwidth=offset_bandwidth,
-        ramp=ramp,
-    )
-    assert isinstance(body, PlanarPlant)
+    chosen = robot if isinstance(robot, Scenario) else scenario(robot, cast(Gait, gait), **changes)
+    instance("environment", chosen.environment, Water)
+    instance("model", chosen.model, Planar)
+    instance("motion", chosen.motion, Gait)
+    instance("start", chosen.start, Start)
+    body, gait = cast(PlanarPlant, plant(chosen)), chosen.gait
     if inputs == "references" and body.joints.prescribed:
         raise BadArgument(
             "inputs",
@@ -89,7 +76,7 @@ def export_fmu(
         )
     if inputs == "references":  # the wave stands still, so its numbers mean nothing
         gait = replace(gait, amplitude=0.0, frequency=0.0, phase_shift=0.0, offset=0.0)
-    tables = tables_of(body, gait, start or Start(), inputs=inputs)
+    tables = tables_of(body, gait, cast(Start, chosen.start), inputs=inputs)
     _export(file, body, tables, inputs, fmi)
     return tables.variables
 

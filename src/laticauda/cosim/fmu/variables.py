@@ -3,8 +3,9 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
+from laticauda.formulas import Law
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.planar import rows
@@ -121,11 +122,18 @@ def _water(plant: PlanarPlant) -> Iterator[Variable]:
     ):
         value = getattr(water, name)
         yield _parameter(f"water.{name}", unit, symbol, value, text, least=least, coefficient=name)
-    for name, one in quantities_of(type(water.drag)).items():
-        share = ((rows.LAW + water.drag.formula.fields.index(name), 1.0),)
-        text, value = one.text[0].upper() + one.text[1:] + ".", getattr(water.drag, name)
+    yield from _law("water.drag", water.drag, rows.LAW)
+    if plant.joints.own is not None:
+        yield from _law("joints", plant.joints, rows.JOINT_LAW)
+
+
+def _law(prefix: str, law: Law, first: int) -> Iterator[Variable]:
+    """The numbers of a law."""
+    for name, one in quantities_of(cast(type, type(law))).items():
+        share = ((first + law.formula.fields.index(name), 1.0),)
+        text, unit = one.text[0].upper() + one.text[1:] + ".", one.unit.replace(" ", ".").replace("^", "") or "1"
         limits = {"least": max(one.least, -FAR), "most": min(one.le, FAR)}
-        yield _parameter(f"water.drag.{name}", one.unit or "1", "", value, text, **limits, rows=share)
+        yield _parameter(f"{prefix}.{name}", unit, "", getattr(law, name), text, **limits, rows=share)
 
 
 def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:

@@ -3,9 +3,8 @@
 # pyright: reportMissingTypeArgument=false, reportUnknownMemberType=false, reportUnknownVariableType=false
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -14,15 +13,18 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from laticauda.codec import BadKey, decode
 from laticauda.cosim.gym.efficiency import Efficiency
 from laticauda.cosim.gym.episodes import BOUND, Episodes
 from laticauda.cosim.gym.following import PathFollowing
 from laticauda.cosim.gym.station import StationKeeping
-from laticauda.cosim.gym.swimming import Swimming
-from laticauda.cosim.messages import known
+from laticauda.cosim.gym.swimming import Swimming, swimmer
 from laticauda.errors import BadArgument, one_of, whole
+from laticauda.scenarios import Changes
 
 TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
+OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(Changes))
+"""What may be given of the scenario, by name."""
 _NOT_BEGUN = "`reset` must be called before the first `step`."
 
 
@@ -31,7 +33,7 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
 
     Args:
         task: The name, or the task itself.
-        settings: Fields of the task.
+        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
         ValueError: If there is no such task or field, or a field is out of its range.
@@ -41,8 +43,15 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
             raise BadArgument("task", f"must be a name where fields of it are given, got {task} and {set(settings)}")
         return task
     kind = TASKS[one_of("task", task, tuple(TASKS))]
-    known(f"`{task}`", settings, [field.name for field in dataclasses.fields(kind)])
-    return kind(**settings)
+    fields = {name: one for name, one in settings.items() if name not in OF_SCENARIO}
+    if len(fields) < len(settings):
+        if "scenario" in fields:
+            raise BadArgument("scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}")
+        fields["scenario"] = swimmer(**{name: one for name, one in settings.items() if name in OF_SCENARIO})
+    try:
+        return decode(kind, fields)
+    except BadKey as bad:
+        raise BadArgument(bad.key, bad.rule) from None
 
 
 def _spaces(task: Swimming) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
@@ -68,7 +77,7 @@ class SwimmingEnv(gymnasium.Env):
     Args:
         task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
         render_mode: None: there are no pictures; `laticauda.Trial` and `laticauda view` have them.
-        settings: Fields of the task.
+        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -144,7 +153,7 @@ class SwimmingVectorEnv(VectorEnv):
         autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
         threads: As for `laticauda.planar.school.School`.
         render_mode: None.
-        settings: Fields of the task.
+        settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
         ValueError: If an argument is out of its range.

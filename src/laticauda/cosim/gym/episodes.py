@@ -1,4 +1,4 @@
-"""Episodes of one task in any number of lanes; knows nothing of Gymnasium.
+"""Episodes of one task in any number of lanes, and controllers that steer them; knows nothing of Gymnasium.
 
 Every lane has a generator of random numbers of its own, so that what happens in it depends on its seed and its actions
 alone: the n-th lane of many does what a single one does that was given its seed.
@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.cosim.gym.swimming import Step, Swimming
-from laticauda.cosim.messages import known
-from laticauda.errors import finite
-from laticauda.interfaces import Observation
+from laticauda.cosim.gym.steps import Step
+from laticauda.cosim.gym.swimming import Swimming
+from laticauda.errors import BadArgument, finite, one_of
+from laticauda.interfaces import Command, Controller, Observation
 from laticauda.planar.school import Motion, School
 
 BOUND = 10.0
@@ -54,7 +54,8 @@ class Episodes:
         self._school = School(task.plant, task.command, n, task.interval, threads=threads)
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
-        self._units = np.array([sight.unit for sight in task.sights])
+        self._sights = task.sights
+        self._units = np.array([sight.unit for sight in self._sights])
         self._middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
         # Steering adds to the offset that the gait has.
         self._middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
@@ -150,14 +151,56 @@ class Episodes:
         return Step(drawn=self._drawn, before=before, after=self.motion, interval=self.task.interval)
 
     def _observed(self, step: Step) -> np.ndarray:
-        return np.clip(np.stack(self.task.see(step), axis=1) / self._units, -BOUND, BOUND)
+        return np.clip(np.stack([sight.of(step) for sight in self._sights], axis=1) / self._units, -BOUND, BOUND)
 
     def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        known("`options`", given, self._drawn)
         fixed: dict[str, np.ndarray] = {}
         for name, value in given.items():
+            one_of("options", name, tuple(self._drawn))
             if np.shape(value) == (self.n,):
                 fixed[name] = np.array([finite(f"{name}[{i}]", one) for i, one in enumerate(value)])
             else:
                 fixed[name] = np.full(self.n, finite(name, value))
         return fixed
+
+
+class Pilots:
+    """One controller per lane, each asked at every step, as `laticauda.run` would ask it.
+
+    Args:
+        controller: What decides; the lanes do not share its state.
+        episodes: Of an environment, `env.unwrapped.episodes`; its robots are looked at as `laticauda.run` does.
+
+    Raises:
+        ValueError: If its control interval is not that of the task.
+    """
+
+    def __init__(self, controller: Controller[Any], episodes: Episodes) -> None:
+        interval = episodes.task.interval
+        if abs(controller.interval - interval) > 1e-9:
+            raise BadArgument("controller.interval", f"must be the task's, {interval} s, got {controller.interval}")
+        self._controller, self._episodes = controller, episodes
+        self._states = [controller.init() for _ in range(episodes.n)]
+
+    def actions(self) -> np.ndarray:
+        """What they ask for now, one row per lane; in an episode that has just begun the pilot knows nothing yet."""
+        time = self._episodes.motion.time
+        actions = np.zeros((self._episodes.n, len(self._episodes.task.actions)))
+        for lane in range(self._episodes.n):
+            state = self._controller.init() if time[lane] == 0.0 else self._states[lane]
+            self._states[lane], command = self._controller.step(state, self._episodes.observe(lane))
+            actions[lane] = self._action(command)
+        return actions
+
+    def _action(self, command: Command) -> list[float]:
+        """A command as an action, which cannot ask for more than the task lets it."""
+        action: list[float] = []
+        task = self._episodes.task
+        for each in task.actions:
+            value = (
+                command.offset + command.gait.offset - task.gait.offset
+                if each.name == "offset"
+                else getattr(command.gait, each.name)
+            )
+            action.append((value - 0.5 * (each.low + each.high)) / (0.5 * (each.high - each.low)))
+        return action
