@@ -58,7 +58,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "tracking": {"robot": lazy(), "gait": EEL},
     "kirchhoff": {
         "gait": EEL,
-        "water": replace(
+        "environment": replace(
             lc.load_water("paper-eel"), added_mass_form="kirchhoff", rotational="strip", trailing_edge="elongated"
         ),
     },
@@ -69,7 +69,8 @@ KINDS: dict[str, dict[str, Any]] = {
 def in_python(robot: Any = "mamba-fin", gait: Any = GAIT, **settings: Any) -> tuple[Any, Any, Any]:
     """The plant behind an FMU, its command and its first state."""
     inputs, start = settings.pop("inputs", "gait"), settings.pop("start", Start())
-    water = settings.pop("water", None) or lc.load_water("paper-eel" if gait.kind == "eel_like" else "paper-lateral")
+    usual = lc.load_water("paper-eel" if gait.kind == "eel_like" else "paper-lateral")
+    water = settings.pop("environment", usual)
     body = plant(lc.load_robot(robot) if isinstance(robot, str) else robot, water, **settings)
     command = Command(gait=gait, references=(0.0,) * body.robot.n_joints if inputs == "references" else None)
     return body, command, body.init(start, command)
@@ -168,10 +169,10 @@ def test_references_that_change_act_as_references_in_python(make, slave):
 
 
 @pytest.mark.parametrize(
-    "kind", [{}, {"water": replace(lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic")}]
+    "kind", [{}, {"environment": replace(lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic")}]
 )
 def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, slave, kind):
-    water = kind.get("water", lc.load_water("paper-lateral"))
+    water = kind.get("environment", lc.load_water("paper-lateral"))
     other = replace(
         water,
         density=1025.0,
@@ -187,7 +188,7 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
         envelope=[0.2 + 0.1 * i for i in range(8)], amplitude=0.7, frequency=1.7, phase_shift=0.5, offset=0.1
     )
     start = Start(center_of_mass=(0.3, -0.4), heading=2.0, velocity=0.05)
-    body, command, state = in_python(gait=gait, water=other, start=start, dt=0.02, ramp=2.0, offset_bandwidth=5.0)
+    body, command, state = in_python(gait=gait, environment=other, start=start, dt=0.02, ramp=2.0, offset_bandwidth=5.0)
     one = slave(make(**kind))
     for name in ("density", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
         one.put(f"water.{name}", getattr(other, name))
