@@ -199,6 +199,8 @@ def _judge(outcome: Outcome, operator: Operator, tank: Computer, path: Path, *, 
     outcome.seen = sorted({str(event.data["event"]) for event in events})
     for _ in range(100):
         tank.advance_to(tank.time + 0.02)
+    if "program_error" in outcome.seen:
+        outcome.wrong.append("the operator's program has an error")
     limp = tank.limp_at
     if limp is None:
         outcome.wrong.append("a module is not limp at the end")

@@ -10,6 +10,7 @@ import campaign_scripts
 import laticauda as lc
 from laticauda.estimation import Estimator
 from laticauda.operate import Event, Header, OperationRecorder, PowerReading
+from laticauda.scenarios import Experiment
 
 ROOT = Path(__file__).parents[2]
 
@@ -62,9 +63,7 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
     estimator = estimator or Estimator(robot=trial.robot, backlash=campaign().BACKLASH)
     controller = follower()
     header = Header(
-        robot=trial.robot,
-        environment=trial.environment,
-        gait=trial.gait,
+        run=Experiment(robot=trial.robot, environment=trial.environment, gait=trial.gait),
         controller=controller,
         estimator=estimator,
         supply_voltage=35.0,

@@ -89,7 +89,7 @@ class Replay:
         if self.kinematics:
             mount = getattr(log.header.estimator, "mount", None)
             kwargs = {} if mount is None else {"mount": mount}
-            return rerun_estimator(log, KinematicEstimator(robot=log.header.robot, **kwargs))
+            return rerun_estimator(log, KinematicEstimator(robot=log.header.run.robot, **kwargs))
         return rerun_estimator(log, plant=plant) if self.estimate else None
 
 

@@ -15,7 +15,7 @@ from laticauda.cockpit.maps import NO_SWEEP, Map, map_of
 from laticauda.errors import TrialFileError
 from laticauda.logs import load_trial, open_recording
 from laticauda.operate import read_operation, trial_of
-from laticauda.operate.recording.recorder import HEADER
+from laticauda.operate.recording.header import HEADER
 from laticauda.studies import open_sweep
 from laticauda.trial import Format, Trial
 

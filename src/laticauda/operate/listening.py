@@ -6,7 +6,7 @@ from typing import NamedTuple
 from laticauda.estimation import Estimate, Mount
 from laticauda.operate.drivers import Clock
 from laticauda.operate.drivers.worker import hardware
-from laticauda.operate.loop import Devices, connected
+from laticauda.operate.loop import Wired, connected
 from laticauda.operate.observer import PassiveObserver
 from laticauda.operate.settings import Connection
 from laticauda.protocol.can import python_can
@@ -70,11 +70,11 @@ class Listener:
                 self._sight = Sight(self._sight.estimate, f"{error} It is tried again and again.")
             self._ended.wait(RETRY)
 
-    def _listen(self, devices: Devices, clock: Clock) -> None:
+    def _listen(self, devices: Wired, clock: Clock) -> None:
         observer, state = self._observer, self._observer.init(clock.now())
         while not self._ended.wait(LOOK):
-            inputs, _ = devices.receive({})
             now = clock.now()
+            inputs, _ = devices.receive(now)
             state = observer.step(state, now, inputs.messages, inputs.frames)
             trouble = (devices.can.bus_off or devices.mocap.trouble).removeprefix("DeviceFailed: ").rstrip(".")
             sentence = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else observer.complaint(state, now)

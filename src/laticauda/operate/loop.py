@@ -1,49 +1,44 @@
-"""The clocked loop: takes what the devices have, ticks, and sends what comes out, at a fixed rate."""
+"""The loop of an operation: takes what the devices have, ticks, and sends what comes out, at a fixed rate.
 
-import gc
-import sys
+What the time is, its clock says, and what the devices are, is theirs: the same loop operates a robot over wires and a
+tank that is stepped (`stepped`).
+"""
+
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.recording.entries import Tick
+from laticauda.operate.recording.sink import Sink
 from laticauda.operate.settings import Connection
-from laticauda.operate.timing import Timing, timing_of
-from laticauda.protocol import BusAddress, EmergencyStop
+from laticauda.operate.timing import Tick, Timing, timing_of
+from laticauda.protocol import BusAddress, CanMessage, EmergencyStop
 
 MOST_ERRORS = 3  # errors of the tick in a row, after which it is given up
-SWITCH_INTERVAL = 0.0005  # between threads of this program; Python's own 5 ms are half a period [s]
+Show = Callable[[OperatorState, Outputs], None]
+"""Called with every tick; must be quick."""
 
 
-class Sink(Protocol):
-    """What keeps a record of every tick."""
+class Devices:
+    """What the loop takes from and sends to."""
 
-    @property
-    def trouble(self) -> str:
-        """Why nothing is recorded any more; "" as long as it is."""
-        ...
+    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
+        """Everything that came in since the last call, and the raw frames of the bus; `now` in s."""
+        raise NotImplementedError
 
-    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Keep one tick: the state after it, what went out, the frames of the bus, both ways, and when it was."""
-        ...
+    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+        """Send `messages` over the bus, in this order, at `now` [s]: the frames that went out."""
+        raise NotImplementedError
 
-
-class NoSink:
-    """Keeps nothing."""
-
-    trouble = ""
-
-    def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-        """Nothing is kept."""
+    def begin_run(self) -> None:
+        """The run begins: what averages begins anew."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Devices:
+class Wired(Devices):
     """The drivers that are connected."""
 
     can: CanDriver
@@ -53,27 +48,29 @@ class Devices:
     meter: MeterDriver | None
     """The power meter; None without one."""
 
-    def receive(self, events: Mapping[str, str]) -> tuple[Inputs, tuple[Frame, ...]]:
-        """Everything that came in since the last call, and the raw frames.
-
-        Args:
-            events: What the operator and the recorder say.
-        """
+    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
+        """See `Devices.receive`."""
         frames = self.can.receive()
-        found = dict(events)
-        if self.can.bus_off:
-            found["bus_off"] = self.can.bus_off
         inputs = Inputs(
             messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
             frames=self.mocap.receive(),
             readings=() if self.meter is None else self.meter.receive(),
-            events=found,
+            events={"bus_off": self.can.bus_off} if self.can.bus_off else {},
         )
         return inputs, frames
 
+    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+        """See `Devices.send`."""
+        return self.can.send(messages)
+
+    def begin_run(self) -> None:
+        """The meter's average is that of the run."""
+        if self.meter is not None:
+            self.meter.restart()
+
 
 @contextmanager
-def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
+def connected(connection: Connection, clock: Clock) -> Generator[Wired]:
     """The devices of an operation, connected; they are closed at the end of the block.
 
     Args:
@@ -91,10 +88,8 @@ def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
         mocap = stack.enter_context(
             MocapDriver(connection.mocap_host, connection.mocap_port, connection.mocap_body, clock)
         )
-        meter = None
-        if connection.meter_port:
-            meter = stack.enter_context(MeterDriver(connection.meter_port, clock))
-        yield Devices(can=can, mocap=mocap, meter=meter)
+        meter = stack.enter_context(MeterDriver(connection.meter_port, clock)) if connection.meter_port else None
+        yield Wired(can=can, mocap=mocap, meter=meter)
 
 
 def run_loop(
@@ -102,78 +97,69 @@ def run_loop(
     devices: Devices,
     clock: Clock,
     *,
-    keys: Callable[[], Mapping[str, str]],
+    keys: Callable[[float], Mapping[str, str]] = lambda now: {},
     sink: Sink | None = None,
-    show: Callable[[OperatorState, Outputs], None] | None = None,
-) -> tuple[OperatorState, Timing]:
+    show: Show | None = None,
+    longest: float = float("inf"),
+) -> tuple[OperatorState, Timing | None]:
     """Operate until it is done.
 
     Args:
         operator: What to do.
         devices: Connected.
         clock: That of the devices.
-        keys: What the operator has pressed, by now.
+        keys: What the operator has pressed by a time [s].
         sink: What keeps the record; None: nothing does.
-        show: Called with every tick; must be quick.
+        show: Called with every tick.
+        longest: After which it is given up [s].
 
     Returns:
-        The last state, and how punctual the loop was.
+        The last state, and how punctual the loop was; None if its clock is not real.
+
+    Raises:
+        RuntimeError: If it is not done by then, or the operator's program fails again and again.
     """
-    sink = sink or NoSink()
-    interval = 1.0 / operator.operation.rate
+    sink, interval = sink or Sink(), 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
     ticks: list[Tick] = []
-    with _without_pauses():
-        due = clock.now()
+    with clock.undisturbed():
+        begun = origin = clock.now()
+        count = 0
         while not state.is_done:
+            due = origin + count * interval
+            if due - begun > longest:
+                raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
             clock.wait_until(due)
             now = clock.now()
-            events = dict(keys())
-            if sink.trouble:
-                events["recorder_failed"] = sink.trouble
-            if error:
-                events["program_error"] = error
-            inputs, received = devices.receive(events)
+            ours = {**keys(now), "recorder_failed": sink.trouble, "program_error": error}
+            inputs, received = devices.receive(now)
+            inputs = replace(inputs, events={**inputs.events, **{event: why for event, why in ours.items() if why}})
             try:
                 state, outputs = operator.tick(state, now, inputs)
                 errors, error = 0, ""
             except Exception as failed:  # a fault of ours must not leave the robot swimming
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
-            if errors >= MOST_ERRORS:
-                devices.can.send((EmergencyStop(reason=2),))
-                raise RuntimeError(f"The operation was given up with an emergency stop: {error}")
-            sent = devices.can.send(outputs.messages)
-            if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
-                devices.meter.restart()  # its average is that of the run
-            ticks.append(Tick(due, now, clock.now()))
-            _keep(sink, state, outputs, (*received, *sent), ticks[-1])
+                if errors >= MOST_ERRORS:
+                    devices.send((EmergencyStop(reason=2),), now)
+                    raise RuntimeError(f"The operation was given up with an emergency stop: {error}") from failed
+            sent = devices.send(outputs.messages, now)
+            if any(event.kind == "start" for event in outputs.events):
+                devices.begin_run()
+            if clock.is_real:
+                ticks.append(Tick(due, now, clock.now()))
+            _keep(sink, state, outputs, (*received, *sent), ticks[-1] if ticks else None)
             if show is not None:
                 show(state, outputs)
-            due += interval
-            if now > due + interval:  # what was missed is not made up for
-                due = now + interval
-    return state, timing_of(ticks, interval)
+            count += 1
+            if now > origin + (count + 1) * interval:  # what was missed is not made up for
+                origin, count = now, 1
+    return state, timing_of(ticks, interval) if clock.is_real else None
 
 
-def _keep(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick) -> None:
+def _keep(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
     try:
         sink.tick(state, outputs, frames, tick)
     except Exception:
         # The sink says so itself by `trouble`; one that cannot must not stop the loop in the middle of a tick.
         if not sink.trouble:
             raise
-
-
-@contextmanager
-def _without_pauses() -> Generator[None]:
-    """No collection of garbage within a tick, and quick changes between threads."""
-    switch, was_on = sys.getswitchinterval(), gc.isenabled()
-    gc.collect()
-    gc.disable()
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(switch)
-        if was_on:
-            gc.enable()

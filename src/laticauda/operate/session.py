@@ -1,25 +1,29 @@
 """One operation from the connections to the trial: devices, loop, recording, figures."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from laticauda.errors import TrialFileError
 from laticauda.interfaces import Plant
+from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.course.state import OperatorState, Outputs
+from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock
 from laticauda.operate.keys import Keys
-from laticauda.operate.loop import connected, run_loop
+from laticauda.operate.loop import Show, connected, run_loop
+from laticauda.operate.recording.header import Header
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import Header, OperationRecorder
+from laticauda.operate.recording.recorder import OperationRecorder
 from laticauda.operate.recording.sink import PlainSink, RecordingSink
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.safety.rules import BY_EVENT, cause_of
 from laticauda.operate.settings import Operation
-from laticauda.operate.stepped import SteppedTank, run_stepped
+from laticauda.operate.stepped import run_stepped
 from laticauda.operate.timing import Timing
+from laticauda.scenarios import Experiment
 from laticauda.trial import Trial, following
 
 LONGEST_PREPARATION = 120.0  # of what comes before a run, and after it, settling aside [s]
@@ -86,20 +90,17 @@ def header_of(operator: Operator, text: str = "") -> Header:
         text: The trial file as it was read.
     """
     how = operator.operation
+    made = {"ramp": how.ramp, "offset_bandwidth": how.offset_bandwidth, "rate": how.rate}
     return Header(
-        robot=operator.robot,
-        environment=how.pool(),
-        gait=how.gait,
+        run=Experiment(
+            robot=operator.robot,
+            gait=how.gait,
+            environment=how.pool(),
+            notes={"model": "robot", "joints": "modules", **made},
+        ),
         controller=None if how.following is None else how.controller(),
         estimator=operator.estimator,
         supply_voltage=how.supply_voltage,
-        settings={
-            "model": "robot",
-            "joints": "modules",
-            "ramp": how.ramp,
-            "offset_bandwidth": how.offset_bandwidth,
-            "rate": how.rate,
-        },
         operation=text,
     )
 
@@ -110,7 +111,7 @@ def operate(
     *,
     clock: Clock | None = None,
     keys: Keys | None = None,
-    show: Callable[[OperatorState, Outputs], None] | None = None,
+    show: Show | None = None,
     clears: bool = False,
     check_only: bool = False,
     text: str = "",
@@ -138,26 +139,24 @@ def operate(
     """
     operator = Operator(operation=operation, clears=clears, check_only=check_only, twin=twin)
     header = header_of(operator, text)  # refuses a robot that cannot do it before anything is connected
-    clock = clock or Clock()
-    keys = keys or Keys()
-    with connected(operation.connection, clock) as devices:
-        if folder is None:
-            state, timing = run_loop(operator, devices, clock, keys=lambda: keys.events, show=show)
-            return result_of(operator, state, None, timing)
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / f"{operation.name}.mcap"
-        with OperationRecorder(path, header) as recorder, RecordingSink(recorder) as sink:
-            state, timing = run_loop(operator, devices, clock, keys=lambda: keys.events, sink=sink, show=show)
+    clock, keys = clock or Clock(), keys or Keys()
+    path = None if folder is None else folder / f"{operation.name}.mcap"
+    with ExitStack() as stack:
+        devices, sink = stack.enter_context(connected(operation.connection, clock)), None
+        if path is not None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            sink = stack.enter_context(RecordingSink(stack.enter_context(OperationRecorder(path, header))))
+        state, timing = run_loop(operator, devices, clock, keys=lambda _: keys.events, sink=sink, show=show)
     return result_of(operator, state, path, timing)
 
 
 def operate_stepped(
     operation: Operation,
     folder: Path,
-    tank: SteppedTank,
+    tank: Tank,
     *,
     keys: Keys | None = None,
-    show: Callable[[OperatorState, Outputs], None] | None = None,
+    show: Show | None = None,
     text: str = "",
     twin: Plant[Any] | None = None,
     frames: bool = True,
@@ -179,16 +178,14 @@ def operate_stepped(
     """
     meter = "" if operation.supply_voltage is None else "stepped"
     operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
-    operator = Operator(operation=operation, twin=twin)
-    header = header_of(operator, text)
-    folder.mkdir(parents=True, exist_ok=True)
+    operator, keys = Operator(operation=operation, twin=twin), keys or Keys()
     path = folder / f"{operation.name}.mcap"
     path.unlink(missing_ok=True)
-    with OperationRecorder(path, header) as recorder:
+    folder.mkdir(parents=True, exist_ok=True)
+    with OperationRecorder(path, header_of(operator, text)) as recorder:
         sink = PlainSink(recorder, frames=frames)
         longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
-        pressed: Callable[[float], Mapping[str, str]] = lambda now: {} if keys is None else keys.events  # noqa: E731
-        state = run_stepped(operator, tank, keys=pressed, sink=sink, show=show, longest=longest)
+        state = run_stepped(operator, tank, keys=lambda _: keys.events, sink=sink, show=show, longest=longest)
     return result_of(operator, state, path, None)
 
 

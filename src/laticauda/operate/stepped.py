@@ -1,62 +1,37 @@
 """Operate something that is stepped, such as `laticauda.lab.Tank`: no threads, no wires, as fast as it goes.
 
-The same operator, the same protocol; only the drivers are left out. The same calls give the same answers.
+The same operator, loop and protocol; only the drivers are left out. The same calls give the same answers.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Protocol
+import math
+from collections.abc import Callable, Generator, Mapping
+from contextlib import contextmanager
 
-import numpy as np
-
-from laticauda.estimation import PoseSample
+from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.course.state import Inputs, OperatorState, Outputs
+from laticauda.operate.course.state import Inputs, OperatorState
 from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.loop import NoSink, Sink
+from laticauda.operate.loop import Devices, Show, run_loop
 from laticauda.operate.recording.entries import PowerReading
-from laticauda.protocol import MocapFrame, ProtocolError, decode, encode
+from laticauda.operate.recording.sink import Sink
+from laticauda.protocol import CanMessage, ProtocolError, decode, encode
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
 METER_INTERVAL = 0.2  # between two queries of the meter [s]
 
 
-class SteppedTank(Protocol):
-    """What can be operated without wires."""
-
-    time: float
-
-    def advance_to(self, time: float) -> None:
-        """Let time go on [s]."""
-        ...
-
-    def sent(self) -> Iterable[tuple[int, bytes]]:
-        """Take away the frames of the modules."""
-        ...
-
-    def captured(self) -> Iterable[MocapFrame]:
-        """Take away what the cameras saw."""
-        ...
-
-    def answer(self, line: str) -> bytes:
-        """What the power meter says to a line."""
-        ...
-
-    def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
-        """A frame of ours."""
-        ...
-
-
 def run_stepped(
     operator: Operator,
-    tank: SteppedTank,
+    tank: Tank,
     *,
     keys: Callable[[float], Mapping[str, str]] = lambda now: {},
     sink: Sink | None = None,
-    show: Callable[[OperatorState, Outputs], None] | None = None,
+    show: Show | None = None,
     longest: float = 600.0,
 ) -> OperatorState:
-    """Operate until it is done.
+    """Operate a tank until it is done: `run_loop` with the tank's own time and devices.
 
     Args:
         operator: What to do.
@@ -70,51 +45,70 @@ def run_stepped(
         The last state.
 
     Raises:
-        RuntimeError: If it is not done by then.
+        RuntimeError: As `run_loop`.
     """
-    interval, sink = 1.0 / operator.operation.rate, sink or NoSink()
-    state, first, queried = operator.init(), tank.time, -np.inf
-    count = 0
-    while not state.is_done:
-        now = first + count * interval
-        if now - first > longest:
-            raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
-        tank.advance_to(now)
-        received = [Frame(time=now, identifier=i, data=d, is_ours=False, message=decode(i, d)) for i, d in tank.sent()]
+    devices = _TankDevices(tank, has_meter=bool(operator.operation.connection.meter_port))
+    return run_loop(operator, devices, _TankTime(tank), keys=keys, sink=sink, show=show, longest=longest)[0]
+
+
+class _TankTime(Clock):
+    """The time up to which a tank has been stepped."""
+
+    is_real = False
+
+    def __init__(self, tank: Tank) -> None:
+        super().__init__()
+        self._tank, self._now = tank, tank.time
+
+    def now(self) -> float:
+        return self._now
+
+    def wait_until(self, moment: float) -> None:
+        self._tank.advance_to(moment)
+        self._now = moment
+
+    @contextmanager
+    def undisturbed(self) -> Generator[None]:
+        yield
+
+
+class _TankDevices(Devices):
+    """A tank without wires, as devices."""
+
+    def __init__(self, tank: Tank, *, has_meter: bool) -> None:
+        self._tank, self._has_meter = tank, has_meter
+        self._queried = -math.inf
+
+    def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
+        frames = tuple(_frame(now, decode(i, data), (i, data), is_ours=False) for i, data in self._tank.sent())
         readings: tuple[PowerReading, ...] = ()
-        if operator.operation.connection.meter_port and now - queried >= METER_INTERVAL - 1e-9:
-            readings, queried = _reading(tank, now), now
-        events = dict(keys(now))
-        if sink.trouble:
-            events["recorder_failed"] = sink.trouble
+        if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
+            readings, self._queried = self._readings(now), now
         inputs = Inputs(
-            messages=tuple((frame.time, frame.message) for frame in received if frame.message is not None),
-            frames=tuple((now, _first_body(frame)) for frame in tank.captured()),
+            messages=tuple((now, frame.message) for frame in frames if frame.message is not None),
+            frames=tuple(
+                (now, pose_sample(seen.timestamp, seen.bodies[0] if seen.bodies else None))
+                for seen in self._tank.captured()
+            ),
             readings=readings,
-            events=events,
         )
-        state, outputs = operator.tick(state, now, inputs)
-        sent: list[Frame] = []
-        for message in outputs.messages:
-            identifier, data = encode(message)
-            sent.append(Frame(time=now, identifier=identifier, data=data, is_ours=True, message=message))
-            tank.receive(identifier, data, now)
-        sink.tick(state, outputs, (*received, *sent), None)
-        if show is not None:
-            show(state, outputs)
-        count += 1
-    return state
+        return inputs, frames
+
+    def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
+        frames = tuple(_frame(now, message, encode(message), is_ours=True) for message in messages)
+        for frame in frames:
+            self._tank.receive(frame.identifier, frame.data, now)
+        return frames
+
+    def _readings(self, now: float) -> tuple[PowerReading, ...]:
+        """What the meter shows; nothing where it says nothing, or nothing of sense."""
+        try:
+            lines = LineReader().feed(self._tank.answer(DISPLAYED))
+            shown = decode_displayed(lines[1])
+        except (IndexError, ProtocolError):
+            return ()
+        return (PowerReading(time=now, current=shown.live),)
 
 
-def _first_body(frame: MocapFrame) -> PoseSample:
-    return pose_sample(frame.timestamp, frame.bodies[0] if frame.bodies else None)
-
-
-def _reading(tank: SteppedTank, now: float) -> tuple[PowerReading, ...]:
-    """What the meter shows; nothing where it says nothing, or nothing of sense."""
-    try:
-        lines = LineReader().feed(tank.answer(DISPLAYED))
-        shown = decode_displayed(lines[1])
-    except (IndexError, ProtocolError):
-        return ()
-    return (PowerReading(time=now, current=shown.live),)
+def _frame(now: float, message: CanMessage | None, wire: tuple[int, bytes], *, is_ours: bool) -> Frame:
+    return Frame(time=now, identifier=wire[0], data=wire[1], is_ours=is_ours, message=message)

@@ -2,14 +2,29 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.operate.recording.entries import Tick
-
 Times = Float[np.ndarray, " n_ticks"]
 SPREAD = ("median", "p99", "largest")
+
+
+class Tick(NamedTuple):
+    """One tick of the loop."""
+
+    due: float
+    """When it was to begin [s]."""
+    began: float
+    """When it began [s]."""
+    sent: float
+    """When its last frame had been handed to the bus [s]."""
+
+    @property
+    def time(self) -> float:
+        """When it began [s]."""
+        return self.began
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

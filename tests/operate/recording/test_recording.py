@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,9 @@ from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSam
 from laticauda.logs import open_recording, read_messages
 from laticauda.operate import Event, Header, OperationRecorder, PowerReading, read_operation
 from laticauda.operate.timing import Tick
+from laticauda.scenarios import Experiment
+
+RUN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
 
 
 @pytest.fixture(scope="module")
@@ -37,19 +41,16 @@ def test_everything_has_its_topic(file):
 def test_the_header_comes_back(file):
     log = read_operation(file)
     assert log.lost == "" and log.version == lc.__version__
-    assert log.header.robot == lc.load_robot("mamba")
+    assert log.header.run.robot == lc.load_robot("mamba")
     assert log.header.controller == follower()
     assert log.header.operation == "kind = 'operation'\n"
-    assert log.header.estimator.backlash > 0.0 and log.header.estimator.robot == log.header.robot
+    assert log.header.estimator.backlash > 0.0 and log.header.estimator.robot == log.header.run.robot
     assert log.notes["idle"] == {"current": repr(IDLE)}
 
 
 def test_the_ticks_of_the_loop_come_back_as_its_timing(tmp_path):
     ticks = [Tick(0.01 * k, 0.01 * k + 1e-4, 0.01 * k + 0.003) for k in range(1, 50)]
-    robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-    with OperationRecorder(
-        tmp_path / "a.mcap", Header(robot=robot, environment=water, settings={"rate": 100.0})
-    ) as recorder:
+    with OperationRecorder(tmp_path / "a.mcap", Header(run=replace(RUN, notes={"rate": 100.0}))) as recorder:
         for tick in ticks:
             recorder.tick(tick)
     timing = read_operation(tmp_path / "a.mcap").timing
@@ -66,8 +67,7 @@ def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
         PowerReading(time=0.12, current=1.5, average=1.4, since=0.02),
         PowerReading(time=0.13, current=1.5),
     ]
-    robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-    with OperationRecorder(tmp_path / "a.mcap", Header(robot=robot, environment=water)) as recorder:
+    with OperationRecorder(tmp_path / "a.mcap", Header(run=RUN)) as recorder:
         for sample in samples:
             recorder.sample(sample, received=0.2)
     found = read_operation(tmp_path / "a.mcap").entries
@@ -79,7 +79,7 @@ def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
 
 
 def test_an_older_file_is_never_replaced(file):
-    header = Header(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
+    header = Header(run=RUN)
     before = file.read_bytes()
     with pytest.raises(StorageFailed, match=r"Cannot write .*run\.mcap: file exists\."):
         OperationRecorder(file, header)
@@ -116,8 +116,9 @@ CHILD = textwrap.dedent(
     import sys
     import laticauda as lc
     from laticauda.operate import Event, Header, OperationRecorder, PowerReading
+    from laticauda.scenarios import Experiment
 
-    header = Header(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
+    header = Header(run=Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral")))
     recorder = OperationRecorder(sys.argv[1], header, chunk_seconds=0.5)
     for k in range(1, 10**6):
         recorder.sample(PowerReading(time=0.01 * k, current=float(k)))
@@ -149,7 +150,7 @@ def test_a_program_that_is_killed_loses_no_more_than_the_open_chunk(tmp_path):
 
 def test_what_comes_before_an_event_is_on_disk(tmp_path):
     path = tmp_path / "open.mcap"
-    header = Header(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
+    header = Header(run=RUN)
     with OperationRecorder(path, header) as recorder:
         recorder.sample(PowerReading(time=0.0, current=1.0))
         recorder.event(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
@@ -160,6 +161,5 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
 
 
 def test_settings_that_nobody_knows_are_refused():
-    header = Header(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"), controller=object())
-    with pytest.raises(ValueError, match="`value` must be made of numbers, texts and settings, got object"):
-        header.texts()
+    with pytest.raises(ValueError, match="`controller` must be of class Controller or NoneType, got object"):
+        Header(run=RUN, controller=object())

@@ -13,9 +13,11 @@ from laticauda.estimation import Estimate, Estimator, KinematicEstimator
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import load_trial
 from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
-from laticauda.operate.recording.schema import pack
-from laticauda.operate.recording.values import from_json, to_json, twin_from_json
+from laticauda.operate.recording.header import header_from_texts
+from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS
 from laticauda.scenarios import Experiment
+
+pack = SCHEMAS[ESTIMATE].pack
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +62,7 @@ def test_without_averages_the_meters_readings_count(recorded):
 def test_the_idle_current_is_the_robots_own_where_none_was_measured(recorded):
     _, log, _ = recorded
     trial = trial_of(replace(log, notes={}))
-    assert trial.electrical_power == pytest.approx(35.0 * DRAWN - log.header.robot.idle_power)
+    assert trial.electrical_power == pytest.approx(35.0 * DRAWN - log.header.run.robot.idle_power)
 
 
 def test_the_power_is_that_of_the_recordings_own_supply(recorded):
@@ -180,15 +182,16 @@ def test_a_recording_of_the_first_format_is_replayed_to_the_bits_of_its_time():
     assert rerun_controller(log).n_different == 0
 
 
-def test_an_estimator_of_a_recording_is_written_again_as_it_was():
-    header = Header(robot=TWIN.robot, environment=TWIN.environment, estimator=Estimator(robot=TWIN.robot, plant=TWIN))
-    text = header.texts()["estimator"]
-    again = from_json(text, robot=TWIN.robot)
-    assert to_json(again, twin=twin_from_json(text)) == text
+def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
+    run = Experiment(robot=TWIN.robot, environment=TWIN.environment, notes={"rate": 100.0})
+    header = Header(run=run, controller=follower(), estimator=Estimator(robot=TWIN.robot, plant=TWIN))
+    again = header_from_texts(header.texts())
+    assert again == header
+    assert again.texts() == header.texts()
 
 
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
     twin = lc.plant(TWIN.robot, water, joints="servo")
     with pytest.raises(ValueError, match="`plant` must have a law that is a class, and no shore, to be recorded"):
-        Header(robot=TWIN.robot, environment=water, estimator=Estimator(robot=TWIN.robot, plant=twin))
+        Header(run=Experiment(robot=TWIN.robot, environment=water), estimator=Estimator(robot=TWIN.robot, plant=twin))

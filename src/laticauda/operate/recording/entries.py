@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from laticauda.errors import finite
 from laticauda.estimation import JointSample, PoseSample, ReferenceSample
@@ -56,22 +56,6 @@ class Decision:
     """What it decided."""
     signals: Mapping[str, float]
     """Its signals, by name."""
-
-
-class Tick(NamedTuple):
-    """One tick of the loop."""
-
-    due: float
-    """When it was to begin [s]."""
-    began: float
-    """When it began [s]."""
-    sent: float
-    """When its last frame had been handed to the bus [s]."""
-
-    @property
-    def time(self) -> float:
-        """When it began [s]."""
-        return self.began
 
 
 Measurement: TypeAlias = PoseSample | JointSample | ReferenceSample | PowerReading

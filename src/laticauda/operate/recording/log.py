@@ -6,15 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from laticauda.errors import BadArgument, TrialFileError
+from laticauda.codec import decode, keys_of
+from laticauda.errors import TrialFileError
 from laticauda.estimation import Estimate
+from laticauda.interfaces import Command
 from laticauda.logs import Logged, open_recording
-from laticauda.operate.recording.entries import Decision, Event, Measurement, Tick
-from laticauda.operate.recording.recorder import COMMAND, FORMAT, HEADER, TICK, Header
-from laticauda.operate.recording.schema import SCHEMAS, unpack
-from laticauda.operate.recording.values import from_json, twin_from_json
-from laticauda.operate.timing import Timing, timing_of
-from laticauda.robot import Robot, from_toml
+from laticauda.operate.recording.entries import Decision, Event, Measurement
+from laticauda.operate.recording.header import FORMATS, HEADER, Header, header_from_texts, named_today
+from laticauda.operate.recording.recorder import COMMAND, TICK
+from laticauda.operate.recording.schema import SCHEMAS
+from laticauda.operate.timing import Tick, Timing, timing_of
 
 Entry = Measurement | Estimate | Decision | Event | Tick
 
@@ -40,7 +41,7 @@ class OperationLog:
     def timing(self) -> Timing | None:
         """How punctual the loop was; None if it had no clock."""
         ticks = self.of(Tick)
-        rate = self.header.settings.get("rate")
+        rate = self.header.run.notes.get("rate")
         return timing_of(ticks, 1.0 / float(rate)) if ticks and rate is not None else None
 
     def of(self, *kinds: type[Any]) -> list[Any]:
@@ -62,15 +63,15 @@ def read_operation(path: str | Path) -> OperationLog:
     texts = recording.metadata.get(HEADER)
     if texts is None:
         raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
-    if texts.get("format") != FORMAT:
+    if texts.get("format") not in FORMATS:
         raise TrialFileError(
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
-            f"{FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
+            f"{' and '.join(FORMATS)}: read it with the laticauda that wrote it, {texts.get('version')}."
         )
     try:
-        header = _header(texts)
-        topics = (*SCHEMAS, COMMAND, TICK, "/events")
-        entries = tuple(_entry(logged) for logged in recording.messages(*topics))
+        with keys_of(f"Cannot load {path}", TrialFileError):
+            header = header_from_texts(texts)
+            entries = tuple(_entry(logged) for logged in recording.messages(*SCHEMAS, COMMAND, TICK, "/events"))
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no {error}.") from error
     except (ValueError, TypeError, IndexError) as error:
@@ -86,24 +87,6 @@ def read_operation(path: str | Path) -> OperationLog:
     )
 
 
-def _header(texts: Mapping[str, str]) -> Header:
-    robot = from_toml(texts["robot"], Robot)
-    environment = from_toml(texts["environment"])
-    if isinstance(environment, Robot):
-        raise BadArgument("environment", "must be water or ground, got a robot")
-    return Header(
-        robot=robot,
-        environment=environment,
-        gait=from_json(texts["gait"]),
-        controller=from_json(texts["controller"]),
-        estimator=from_json(texts["estimator"], robot=robot),
-        twin=twin_from_json(texts["estimator"]),
-        supply_voltage=float(texts["supply_voltage"]) if texts["supply_voltage"] else None,
-        settings=json.loads(texts["settings"]),
-        operation=texts["operation"],
-    )
-
-
 def _entry(logged: Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
@@ -113,8 +96,8 @@ def _entry(logged: Logged) -> Entry:
         )
     if logged.topic == COMMAND:
         decided = json.loads(content["data"])
-        command = from_json(json.dumps(decided["command"]))
-        return Decision(time=decided["time"], command=command, signals=decided["signals"])
+        decided["command"] = decode(Command, named_today(decided["command"]), "command")
+        return Decision(**decided)
     if logged.topic == TICK:
         return Tick(*content["data"])
-    return unpack(logged.topic, content["data"])
+    return SCHEMAS[logged.topic].unpack(logged.topic, content["data"])

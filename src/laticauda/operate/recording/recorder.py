@@ -4,84 +4,28 @@ What the estimator and the controller got is kept bit for bit, in the order in w
 same in the types that Foxglove draws by itself. docs/how-to/recordings.md lists the topics.
 """
 
-import dataclasses
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
 
-from laticauda.errors import instance, not_negative, positive
-from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, StateEstimator
-from laticauda.gaits import Gait
+from laticauda.codec import encode
+from laticauda.errors import not_negative
+from laticauda.estimation import Estimate, JointSample, PoseSample
 from laticauda.interfaces import Command
 from laticauda.kinematics import to_quaternion
 from laticauda.logs import Recorder
-from laticauda.operate.recording.entries import Event, Measurement, PowerReading, Tick
-from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS, pack, topic_of
-from laticauda.operate.recording.values import record_of, to_json
-from laticauda.packaging import __version__
-from laticauda.robot import Environment, Robot, to_toml
-from laticauda.scenarios import Experiment
+from laticauda.operate.recording.entries import Event, Measurement, PowerReading
+from laticauda.operate.recording.header import HEADER, Header
+from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS, topic_of
+from laticauda.operate.timing import Tick
 
-HEADER = "operation"
-FORMAT = "1"
 COMMAND = "/command"
 TICK = "/loop/tick"
 RECEIVED, SENT = "/can/received", "/can/sent"
 LEVELS = {"fault": "error", "rejected": "warning"}
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Header:
-    """What a recording says about the whole operation."""
-
-    robot: Robot
-    """What swims."""
-    environment: Environment
-    """What it swims in, as far as it is known; its density and current count for the figures."""
-    gait: Gait | None = None
-    """What is swum; None if none is."""
-    controller: object | None = None
-    """What decides the commands, for a replay: one of those of `laticauda.control`, or None."""
-    estimator: StateEstimator | None = None
-    """What says where the robot is, for a replay, or None; the plant of an `Estimator` is kept as `twin`."""
-    twin: Experiment | None = None
-    """How the estimator's digital twin was made; None without one."""
-    supply_voltage: float | None = None
-    """V of (4); None without a power meter [V]."""
-    settings: Mapping[str, str | float] = dataclasses.field(default_factory=dict[str, str | float])
-    """Whatever else belongs to the record of the trial."""
-    operation: str = ""
-    """The trial file as it was read."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        instance("robot", self.robot, Robot)
-        instance("gait", self.gait, Gait, type(None))
-        if isinstance(self.estimator, Estimator) and self.estimator.plant is not None:
-            object.__setattr__(self, "twin", record_of(self.estimator.plant))
-            object.__setattr__(self, "estimator", dataclasses.replace(self.estimator, plant=None))
-        if self.supply_voltage is not None:
-            object.__setattr__(self, "supply_voltage", positive("supply_voltage", self.supply_voltage, "V"))
-
-    def texts(self) -> dict[str, str]:
-        """The header as texts by name."""
-        return {
-            "format": FORMAT,
-            "version": __version__,
-            "robot": to_toml(self.robot),
-            "environment": to_toml(self.environment),
-            "gait": to_json(self.gait),
-            "controller": to_json(self.controller),
-            "estimator": to_json(self.estimator, twin=self.twin),
-            "supply_voltage": "" if self.supply_voltage is None else repr(self.supply_voltage),
-            "settings": json.dumps(dict(self.settings)),
-            "operation": self.operation,
-        }
 
 
 class OperationRecorder:
@@ -102,8 +46,8 @@ class OperationRecorder:
     def __init__(self, path: str | Path, header: Header, *, chunk_seconds: float = 0.5) -> None:
         self._recorder = Recorder(path, chunk_seconds=chunk_seconds)
         self._recorder.metadata(HEADER, header.texts())
-        self._joints = tuple(f"joint_{i}" for i in range(header.robot.n_joints))
-        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(header.robot.joints) if joint.axis == "yaw")
+        self._joints = tuple(f"joint_{i}" for i in range(header.run.robot.n_joints))
+        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(header.run.robot.joints) if joint.axis == "yaw")
 
     @property
     def path(self) -> Path:
@@ -139,7 +83,8 @@ class OperationRecorder:
         self._recorder.scalar("/estimate/heading", time, estimate.heading, unit="rad")
 
     def _array(self, topic: str, time: float, entry: Measurement | Estimate) -> None:
-        self._recorder.array(topic, time, pack(entry), unit="SI", labels=(SCHEMAS[topic].label,))
+        schema = SCHEMAS[topic]
+        self._recorder.array(topic, time, schema.pack(entry), unit="SI", labels=(schema.label,))
 
     def command(self, time: float, command: Command, signals: Mapping[str, float] | None = None) -> None:
         """What a controller decided.
@@ -149,7 +94,7 @@ class OperationRecorder:
             command: Its decision.
             signals: Its signals, by name.
         """
-        content = {"time": time, "command": json.loads(to_json(command)), "signals": dict(signals or {})}
+        content = {"time": time, "command": encode(command), "signals": dict(signals or {})}
         self._recorder.json(COMMAND, time, content)
         for name, value in (signals or {}).items():
             self._recorder.scalar(f"/control/{name}", time, value, unit="SI")
@@ -195,5 +140,5 @@ class OperationRecorder:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

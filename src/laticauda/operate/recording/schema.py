@@ -1,4 +1,4 @@
-"""How samples and estimates are arrays of numbers in a recording, bit for bit: one row of fields per kind.
+"""How samples and estimates are arrays of numbers in a recording, bit for bit: one schema per kind.
 
 Everything that may be missing is nan; what is of variable length comes last, behind its length.
 """
@@ -6,6 +6,7 @@ Everything that may be missing is nan; what is of variable length comes last, be
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias, get_args
 
 import numpy as np
@@ -31,20 +32,24 @@ class Schema:
     """Its class."""
     label: str
     """What the numbers are, each in SI units."""
-    fields: tuple[tuple[str, int | str], ...]
-    """Names, and how many numbers each has: 0 for a plain one, `n` or `n + 1` where that is the number of joints, which
-    the field of that name says, and `...` for the rest."""
+    layout: str
+    """The fields, and behind a colon how many numbers one has that is an array: a number, `n` or `n+1`, where the field
+    `n` says how many joints there are, or `...` for the rest."""
+
+    @cached_property
+    def fields(self) -> tuple[tuple[str, str], ...]:
+        """Names and sizes; "" is the size of a plain number."""
+        return tuple((name, size) for name, _, size in (word.partition(":") for word in self.layout.split()))
 
     def pack(self, entry: Any) -> Numbers:
         """An entry of this kind as numbers."""
-        n = entry.angle.size if isinstance(entry, JointSample) else 0
-        n = entry.joint_angle.size if isinstance(entry, Estimate) else n
+        n = entry.joint_angle.size if isinstance(entry, Estimate) else getattr(entry, "angle", np.zeros(0)).size
         flat: list[float] = []  # quicker than arrays, for so few numbers
         for name, size in self.fields:
             value: Any = n if name == "n" else getattr(entry, name)
             if value is None:
                 flat += [math.nan] * _count(size, n)
-            elif size == 0:
+            elif not size:
                 flat.append(_STATUS.index(value) if name == "status" else value)
             else:
                 flat += value.ravel().tolist()
@@ -76,60 +81,37 @@ class Schema:
         return self.kind(**values)
 
 
-def _count(size: int | str, n: int) -> int:
-    return max(size, 1) if isinstance(size, int) else {"n": n, "n + 1": n + 1}[size]
+def _count(size: str, n: int) -> int:
+    return {"": 1, "n": n, "n+1": n + 1}[size] if size in ("", "n", "n+1") else int(size)
 
 
-def _value(name: str, size: int | str, part: Numbers) -> Any:
+def _value(name: str, size: str, part: Numbers) -> Any:
     if name in OPTIONAL and np.isnan(part).all():
         return None
     if name == "status":
         return _STATUS[int(part[0])]
     if name == "rotation":
         return part.reshape(3, 3)
-    return float(part[0]) if size == 0 else part
+    return part if size else float(part[0])
 
 
 SCHEMAS: dict[str, Schema] = {
     "/sample/pose": Schema(
-        PoseSample,
-        "time, x, y, z, rotation row by row, residual",
-        (("time", 0), ("position", 3), ("rotation", 9), ("residual", 0)),
+        PoseSample, "time, x, y, z, rotation row by row, residual", "time position:3 rotation:9 residual"
     ),
-    "/sample/joints": Schema(
-        JointSample,
-        "time, n, n angles, n rates, n torques",
-        (("time", 0), ("n", 0), ("angle", "n"), ("rate", "n"), ("torque", "n")),
-    ),
-    "/sample/references": Schema(
-        ReferenceSample, "time, frequency, angles", (("time", 0), ("frequency", 0), ("angle", "..."))
-    ),
+    "/sample/joints": Schema(JointSample, "time, n, n angles, n rates, n torques", "time n angle:n rate:n torque:n"),
+    "/sample/references": Schema(ReferenceSample, "time, frequency, angles", "time frequency angle:..."),
     "/sample/power": Schema(
         PowerReading,
         "time, current, average, minimum, maximum, since",
-        (("time", 0), ("current", 0), ("average", 0), ("minimum", 0), ("maximum", 0), ("since", 0)),
+        "time current average minimum maximum since",
     ),
     ESTIMATE: Schema(
         Estimate,
         "time, status, age, center of mass, its velocity, heading, heading rate, std of center of mass, "
         "std of heading, current, its std, n joints, n joint angles, n joint rates, n + 1 link angles",
-        (
-            ("time", 0),
-            ("status", 0),
-            ("age", 0),
-            ("center_of_mass", 2),
-            ("center_of_mass_velocity", 2),
-            ("heading", 0),
-            ("heading_rate", 0),
-            ("center_of_mass_std", 0),
-            ("heading_std", 0),
-            ("current", 2),
-            ("current_std", 0),
-            ("n", 0),
-            ("joint_angle", "n"),
-            ("joint_rate", "n"),
-            ("link_angle", "n + 1"),
-        ),
+        "time status age center_of_mass:2 center_of_mass_velocity:2 heading heading_rate center_of_mass_std "
+        "heading_std current:2 current_std n joint_angle:n joint_rate:n link_angle:n+1",
     ),
 }
 _TOPICS = {schema.kind: topic for topic, schema in SCHEMAS.items()}
@@ -138,21 +120,3 @@ _TOPICS = {schema.kind: topic for topic, schema in SCHEMAS.items()}
 def topic_of(entry: Measurement | Estimate) -> str:
     """Where an entry is recorded."""
     return _TOPICS[type(entry)]
-
-
-def pack(entry: Measurement | Estimate) -> Numbers:
-    """A sample, reading or estimate as numbers."""
-    return SCHEMAS[topic_of(entry)].pack(entry)
-
-
-def unpack(topic: str, numbers: Sequence[float] | Numbers) -> Any:
-    """The sample, reading or estimate again.
-
-    Args:
-        topic: Where it was recorded.
-        numbers: As `pack` made them.
-
-    Raises:
-        ValueError: If they are too few or too many, or no such entry.
-    """
-    return SCHEMAS[topic].unpack(topic, numbers)

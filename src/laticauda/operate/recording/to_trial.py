@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -11,7 +12,6 @@ from laticauda.estimation import Estimate, JointSample, ReferenceSample
 from laticauda.estimation.samples import yaw_joints
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
-from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 
 Column = Float[np.ndarray, " _n"]
@@ -87,12 +87,7 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
         electrical_work=electrical,
         not_measured=missing,
         signals=_signals(log, time, run),
-        scenario=Experiment(
-            robot=header.robot,
-            gait=header.gait,
-            environment=header.environment,
-            notes={"source": "recording", **power_source, **header.settings},
-        ),
+        scenario=replace(header.run, notes={"source": "recording", **power_source, **header.run.notes}),
         version=log.version,
         status=end.message if end is not None else "The recording reached its end.",
         succeeded=_succeeded(log, end),
@@ -138,7 +133,7 @@ def idle_current(log: OperationLog, supply_voltage: float) -> float:
     noted = log.notes.get("idle", {}).get("current")
     if noted is not None:
         return not_negative("idle current", float(noted), "A")
-    return log.header.robot.idle_power / supply_voltage
+    return log.header.run.robot.idle_power / supply_voltage
 
 
 # ---- inside --------------------------------------------------------------------------------------------------------
@@ -156,7 +151,7 @@ def _torque(log: OperationLog, time: Column) -> Table | None:
     samples = [sample for sample in log.of(JointSample) if sample.torque is not None]
     if not samples:
         return None
-    return _at_times(time, samples, [yaw_joints(log.header.robot, "torque", sample.torque) for sample in samples])
+    return _at_times(time, samples, [yaw_joints(log.header.run.robot, "torque", sample.torque) for sample in samples])
 
 
 def _at_times(time: Column, samples: list[JointSample], values: list[Column]) -> Table:
@@ -178,7 +173,7 @@ def _references(log: OperationLog, time: Column) -> Table | None:
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
-    table = np.stack([yaw_joints(log.header.robot, "angle", sample.angle) for sample in samples])
+    table = np.stack([yaw_joints(log.header.run.robot, "angle", sample.angle) for sample in samples])
     held = np.searchsorted(when, time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
 
