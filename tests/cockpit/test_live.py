@@ -14,6 +14,7 @@ from laticauda.control import StraightLine
 from laticauda.gaits import EelLike
 from laticauda.logs import load_trial
 from laticauda.paper.measured import efficiency_trials
+from laticauda.scenarios import Experiment
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)
@@ -168,6 +169,29 @@ def test_the_run_since_the_last_change_is_saved_whole(live, tmp_path):
     assert trial.forward_velocity == pytest.approx(numbers(live).forward_velocity)
     trial.save(tmp_path / "run.nc")
     assert load_trial(tmp_path / "run.nc").equals(trial)
+
+
+@pytest.mark.parametrize("change", [{}, {"path": StraightLine(point=(0.0, -0.6))}, {"joints": "servo"}])
+def test_a_run_in_which_nothing_was_changed_can_be_run_again(live, change, tmp_path):
+    live.alter(**change)  # before anything has happened, which is no change
+    for _ in range(203):
+        live.advance(TICK)
+    live.trial().save(tmp_path / "run.nc")
+    trial = load_trial(tmp_path / "run.nc")
+    again = lc.swim(trial.scenario)
+    assert trial.time.size == again.time.size >= 204
+    for name, values in again.series().items():
+        np.testing.assert_allclose(trial.series()[name], values, rtol=1e-12, atol=1e-12, err_msg=name)
+    live.alter(current=(0.1, 0.0))
+    live.advance(1.0)
+    assert isinstance(live.trial().scenario, Experiment)
+
+
+def test_a_run_that_began_before_what_is_kept_of_it_cannot_be_run_again(live):
+    live._record = RingBuffer(10)
+    swum(live, 1.0)
+    assert live.trial().time.size == 11
+    assert isinstance(live.trial().scenario, Experiment)
 
 
 def test_reset_begins_anew_with_the_present_scenario(live):

@@ -4,12 +4,21 @@ import math
 import threading
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
 from laticauda.cockpit.changes import Changes, changed
-from laticauda.cockpit.simulation import TICK, Simulation, advance, altered, begin, cross_track_error
+from laticauda.cockpit.simulation import (
+    TICK,
+    Simulation,
+    advance,
+    altered,
+    begin,
+    control_ticks,
+    cross_track_error,
+    has_interval,
+)
 from laticauda.errors import within
 from laticauda.interfaces import Log, log_of
 from laticauda.packaging import __version__
@@ -86,7 +95,7 @@ class Live:
         self.lag = 0.0
         """Time that was given up because the computer could not follow, in all [s]."""
         self._plots = RingBuffer(round(PLOTTED / TICK))
-        self._record = RingBuffer(round(RECORDED / (2.0 * TICK)))
+        self._record = RingBuffer(round(RECORDED / TICK))
         self._latest = self._sample()
 
     @property
@@ -124,7 +133,9 @@ class Live:
     def record(self) -> tuple[Log, Simulation]:
         """The samples since the scenario was last changed, at most the last ten minutes, and the simulation now."""
         with self._lock:
-            return log_of(self._record.last()), self._simulation
+            before, now = self._record.last(), _series(self._latest)
+            log = {name: np.concatenate((before.get(name, one[None][:0]), one[None])) for name, one in now.items()}
+            return log_of(log), self._simulation
 
     def advance(self, wall: float) -> int:
         """Let time pass.
@@ -184,20 +195,27 @@ class Live:
     def trial(self) -> Trial:
         """The run since the scenario was last changed, at most the last ten minutes of it.
 
+        If that is all since the simulation began, the trial holds a scenario, which can be run again; time goes on to
+        the next control instant for it. Else it holds an experiment.
+
         Raises:
             ValueError: If nothing has happened since then.
         """
-        log, now = self.record()
+        with self._lock:
+            controller = self.scenario.controller
+            while math.isfinite(controller.interval) and self._simulation.ticks % control_ticks(controller):
+                if self._simulation.failure is not None:
+                    break
+                self._tick(forces=False)
+            log, now = self.record()
         if len(log.time) < 2:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
+        body: dict[str, Any] = {"robot": now.plant.robot, "environment": now.plant.environment, "model": now.plant.settings}
+        is_whole = len(log.time) == now.ticks + 1 and has_interval(controller)
+        span = {"duration": now.ticks * TICK, "sample_interval": TICK}
         return Trial(
             **vars(log),
-            scenario=Experiment(
-                robot=now.plant.robot,
-                gait=now.scenario.gait,
-                environment=now.plant.environment,
-                model=now.plant.settings,
-            ),
+            scenario=replace(now.scenario, **body, **span) if is_whole else Experiment(gait=now.scenario.gait, **body),
             version=__version__,
             status=now.failure or "The run reached its end.",
             succeeded=now.failure is None,
@@ -209,10 +227,10 @@ class Live:
         self._simulation, log = advance(self._simulation, link_forces=forces)
         if self._simulation.failure is not None:
             return
+        # A sample is the end of a tick; what the controller said there belongs to the next one.
+        self._record.append(_series(replace(before, signals={**before.signals, **log.at(0).signals})))
         self._latest = log.at(-1)
         self._plots.append(self._plotted(before))
-        if self._simulation.ticks % 2 == 0:
-            self._keep(self._latest)
 
     def _plotted(self, before: Log) -> dict[str, float | np.ndarray]:
         now, n = self._latest, self._latest.joint_angle.size
@@ -231,11 +249,11 @@ class Live:
             row[f"joint_{name}"] = math.degrees(now.joint_angle[joint]) if n else 0.0
         return row
 
-    def _keep(self, sample: Log) -> None:
-        self._record.append(replace(sample, link_force=None).series())
-
     def _sample(self) -> Log:
-        """Take a first sample of a simulation that has just been made or changed, without letting time pass."""
-        first = advance(self._simulation)[1].at(0)
-        self._keep(first)
-        return first
+        """A first sample of a simulation that has just been made or changed, without letting time pass."""
+        return advance(self._simulation)[1].at(0)
+
+
+def _series(sample: Log) -> dict[str, np.ndarray]:
+    """What is kept of a sample."""
+    return replace(sample, link_force=None).series()

@@ -59,8 +59,8 @@ def numbers(live: Live) -> Numbers:
             weight = metrics.carried_weight(robot, scenario.environment)
             found["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
         cycle = 2.0 * math.pi / scenario.gait.frequency if scenario.gait.frequency > 0.0 else math.inf
-        if 2.0 * TICK <= cycle < elapsed:
-            n = round(cycle / (2.0 * TICK))
+        if TICK <= cycle < elapsed:
+            n = round(cycle / TICK)
             found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
     heading = float(live.latest().heading)
     return Numbers(time=elapsed, cross_track_error=cross_track_error(now), heading=heading, **found)

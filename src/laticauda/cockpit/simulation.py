@@ -1,5 +1,6 @@
 """The simulation behind the page: one value, that `advance` and `altered` make another one of."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -8,11 +9,11 @@ import numpy as np
 from laticauda.cockpit.changes import checked, path_of
 from laticauda.errors import instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Log, Plant, Start
+from laticauda.interfaces import Command, Controller, Log, Plant, Start
 from laticauda.scenarios import Scenario
 from laticauda.simulate import plant
 
-TICK = 0.025  # time between two samples, and twice that between two control instants [s]
+TICK = 0.025  # time between two samples [s]
 # For how long the amplitude is 0 before another kind of gait begins: 10 time constants of the generator's filter leave
 # some 1e-3 of it.
 FADE = 1.0  # [s]
@@ -30,14 +31,16 @@ class Simulation:
     """Of the plant."""
     controller_state: Any
     """Of the scenario's controller."""
-    offset: float = 0.0
-    """What the controller steers [rad]."""
+    command: Command
+    """What the controller said last."""
     shape: Gait
     """The gait whose envelope is swum: the old one until its amplitude has come down."""
     fade: float = 0.0
     """How long it still has to [s]."""
     ticks: int = 0
     """Since the simulation began [-]."""
+    next_control: int = 0
+    """The tick at which the controller is asked again."""
     failure: str | None = None
     """What went wrong; it stands still then."""
 
@@ -47,15 +50,11 @@ class Simulation:
         return self.ticks * TICK
 
     @property
-    def is_steered(self) -> bool:
-        """Whether a controller steers the gait."""
-        return not isinstance(self.scenario.motion, Gait)
-
-    @property
-    def command(self) -> Command:
-        """What the plant is given now."""
-        gait = replace(self.shape, amplitude=0.0) if self.fade > 0.0 else self.scenario.gait
-        return Command(gait=gait, offset=self.offset)
+    def held(self) -> Command:
+        """What the plant is given now: the command, but for another kind of gait that has to wait."""
+        if self.fade == 0.0:
+            return self.command
+        return replace(self.command, gait=replace(self.shape, amplitude=0.0))
 
 
 def begin(scenario: Scenario) -> Simulation:
@@ -69,17 +68,19 @@ def begin(scenario: Scenario) -> Simulation:
     """
     body, start = plant(checked(scenario)), scenario.start
     instance("start", start, Start)
+    command = Command(gait=scenario.gait)
     return Simulation(
         scenario=scenario,
         plant=body,
-        state=body.init(cast(Start, start), Command(gait=scenario.gait)),
+        state=body.init(cast(Start, start), command),
         controller_state=scenario.controller.init(),
+        command=command,
         shape=scenario.gait,
     )
 
 
 def altered(simulation: Simulation, scenario: Scenario) -> Simulation:
-    """The simulation with another scenario, from now on.
+    """The simulation with another scenario, from now on; before the first tick, one that begins with it.
 
     Another gait is taken up by the reference generator, so that nothing jumps. Another body (robot, water, model) goes
     on from the same state where that has the same numbers, else straight and at rest at the same place and heading.
@@ -91,25 +92,29 @@ def altered(simulation: Simulation, scenario: Scenario) -> Simulation:
     Raises:
         ValueError: If the scenario does not go together; the simulation stays what it was.
     """
+    if simulation.ticks == 0:
+        return begin(scenario)
     old, body, state = simulation.scenario, simulation.plant, simulation.state
     checked(scenario)
     if (scenario.robot, scenario.environment, scenario.model) != (old.robot, old.environment, old.model):
         body = plant(scenario)
         state = _carried(simulation, body, scenario.gait)
     goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
+    steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": simulation.ticks}
+    is_steered = not isinstance(scenario.motion, Gait)
     fading = scenario.gait.kind != simulation.shape.kind
     after = replace(
         simulation,
         scenario=scenario,
         plant=body,
         state=state,
-        controller_state=simulation.controller_state if goes_on else scenario.controller.init(),
-        offset=0.0 if isinstance(scenario.motion, Gait) else simulation.offset,
+        command=Command(gait=scenario.gait, offset=simulation.command.offset if is_steered else 0.0),
         shape=simulation.shape if fading else scenario.gait,
         fade=(simulation.fade or FADE) if fading else 0.0,
         failure=None,
+        **steering,
     )
-    body.march(after.state, after.command, TICK, TICK)  # refuses now what it would refuse later
+    body.march(after.state, after.held, TICK, TICK)  # refuses now what it would refuse later
     return after
 
 
@@ -126,17 +131,18 @@ def _carried(simulation: Simulation, body: Plant[Any], gait: Gait) -> Any:
 
 
 def advance(simulation: Simulation, *, link_forces: bool = False) -> tuple[Simulation, Log]:
-    """The simulation one `TICK` later, and what the plant logged: two samples, or one where it failed.
+    """The simulation one `TICK` later, and what the plant logged, with the controller's signals: both ends of the tick.
 
     Args:
         simulation: As it is.
         link_forces: Whether to log the force on every link too.
     """
-    now, body = simulation, simulation.plant
-    if now.is_steered and (now.ticks % 2 == 0 or now.controller_state.time is None):
-        state, command = now.scenario.controller.step(now.controller_state, body.observe(now.state))
-        now = replace(now, controller_state=state, offset=command.offset)
-    state, log, failure = body.march(now.state, now.command, TICK, TICK, link_forces=link_forces)
+    now, body, controller = simulation, simulation.plant, simulation.scenario.controller
+    if now.ticks >= now.next_control:
+        state, command = controller.step(now.controller_state, body.observe(now.state))
+        now = replace(now, controller_state=state, command=command, next_control=now.ticks + control_ticks(controller))
+    state, log, failure = body.march(now.state, now.held, TICK, TICK, link_forces=link_forces)
+    signals = {name: np.full(log.time.size, one) for name, one in controller.signals(now.controller_state).items()}
     fade = max(now.fade - TICK, 0.0)
     done = now.fade > 0.0 and fade < 0.5 * TICK
     after = replace(
@@ -147,7 +153,18 @@ def advance(simulation: Simulation, *, link_forces: bool = False) -> tuple[Simul
         ticks=now.ticks + 1,
         failure=failure,
     )
-    return after, log
+    return after, replace(log, signals={**log.signals, **signals})
+
+
+def control_ticks(controller: Controller[Any]) -> int:
+    """How many ticks a command is held [-]."""
+    return max(round(min(controller.interval, 1e3) / TICK), 1)
+
+
+def has_interval(controller: Controller[Any]) -> bool:
+    """Whether a command is held as long as the controller says, or until the end."""
+    interval = controller.interval
+    return math.isinf(interval) or math.isclose(interval, control_ticks(controller) * TICK)
 
 
 def cross_track_error(simulation: Simulation) -> float:

@@ -15,7 +15,7 @@ from laticauda.scenarios.models import Model, settings_of
 
 @value
 class Experiment:
-    """A run that cannot be run again: of a real robot, of the tank, of the page.
+    """A run that cannot be run again: of a real robot, of the tank, of a page where something was changed.
 
     Raises:
         ValueError: If a note is no text or number.
