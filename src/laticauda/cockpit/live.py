@@ -210,7 +210,8 @@ class Live:
             log, now = self.record()
         if len(log.time) < 2:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
-        body: dict[str, Any] = {"robot": now.plant.robot, "environment": now.plant.environment, "model": now.plant.settings}
+        swum = now.plant
+        body: dict[str, Any] = {"robot": swum.robot, "environment": swum.environment, "model": swum.settings}
         is_whole = len(log.time) == now.ticks + 1 and has_interval(controller)
         span = {"duration": now.ticks * TICK, "sample_interval": TICK}
         return Trial(
