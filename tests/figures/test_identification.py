@@ -12,15 +12,14 @@ def ax():
 
 def test_what_is_equal_lies_on_the_line_and_both_axes_have_one_scale(ax):
     values = np.array([0.1, 0.2, 0.3])
-    draw.parity([draw.Compared(label="a", measured=values, predicted=values)], ax, what="speed [m/s]")
+    draw.parity({"a": np.stack((values, values))}, ax, what="speed [m/s]")
     assert ax.get_xlim() == ax.get_ylim()
     np.testing.assert_array_equal(*ax.lines[-1].get_data())
     assert ax.get_xlabel() == "measured speed [m/s]"
 
 
 def test_what_is_not_identified_has_no_bar_but_words(ax):
-    rows = [draw.Interval(label="a", plain=(0.9, 1.1)), draw.Interval(label="b", plain=None, profile=(0.5, None))]
-    draw.intervals(rows, ax, confidence=0.95)
+    draw.intervals({"a": (np.array([0.9, 1.1]), None), "b": (None, np.array([0.5, np.nan]))}, ax, confidence=0.95)
     assert [text.get_text() for text in ax.texts] == ["not identified"]
     assert ax.get_xlim()[0] < 0.5
 

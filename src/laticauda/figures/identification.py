@@ -3,8 +3,9 @@
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -24,53 +25,31 @@ MARKS: tuple[tuple[str, str], ...] = (
 _LINES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Compared:
-    """Numbers of one group, measured and predicted."""
-
-    label: str
-    """What the legend says."""
-    measured: Float[np.ndarray, " n"]
-    """In the unit of the axes."""
-    predicted: Float[np.ndarray, " n"]
-    """Likewise."""
+Ends = Float[np.ndarray, "2"]
+"""Of an interval; nan where it is open."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Interval:
-    """One parameter and its uncertainty, as shares of its value."""
-
-    label: str
-    """Its name."""
-    plain: tuple[float, float] | None
-    """Confidence interval from the covariance; None: not identified [-]."""
-    profile: tuple[float | None, float | None] | None = None
-    """The same from the likelihood itself, None where it is open; None: not computed [-]."""
-
-
-def parity(groups: Sequence[Compared], ax: Axes, *, what: str) -> Axes:
+def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: str) -> Axes:
     """Predicted over measured numbers, with the line of equality and a band of 10 % about it.
 
     Args:
-        groups: What is compared.
+        groups: By what the legend says, the measured numbers and the predicted ones, in the unit of the axes.
         ax: Where to draw.
         what: The quantity with its unit, for both labels.
 
     Returns:
         `ax`.
     """
-    every = np.concatenate([values for group in groups for values in (group.measured, group.predicted)])
+    every = np.concatenate([*groups.values()], axis=1)
     low, high = float(np.min(every)), float(np.max(every))
     pad = 0.06 * (high - low or abs(high) or 1.0)
     ends = np.array([max(low - pad, 0.0) if low >= 0.0 else low - pad, high + pad])
     if low >= 0.0:
         ax.fill_between(ends, 0.9 * ends, 1.1 * ends, color=style.GRAY, alpha=0.15, linewidth=0, label="±10 %")
     ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
-    many = sum(group.measured.size for group in groups) > 200
-    for i, group in enumerate(groups):
-        color, marker = MARKS[i % len(MARKS)]
-        size = 1.5 if many else 4.0
-        ax.plot(group.measured, group.predicted, marker, color=color, markersize=size, label=group.label)
+    size = 1.5 if every.shape[1] > 200 else 4.0
+    for (label, (measured, predicted)), (color, marker) in zip(groups.items(), cycle(MARKS), strict=False):
+        ax.plot(measured, predicted, marker, color=color, markersize=size, label=label)
     style.dress(ax, xlabel=f"measured {what}", ylabel=f"predicted {what}")
     ax.set(xlim=ends, ylim=ends)
     ax.set_aspect("equal")
@@ -92,11 +71,9 @@ def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence
     Returns:
         `ax`.
     """
-    different = list(dict.fromkeys(groups))
     places = np.arange(len(names))
-    for i, group in enumerate(different):
+    for group, (color, _) in zip(dict.fromkeys(groups), cycle(MARKS), strict=False):
         mine = [k for k, other in enumerate(groups) if other == group]
-        color = MARKS[i % len(MARKS)][0]
         ax.barh(places[mine], [in_sigmas[k] for k in mine], height=0.7, color=color, label=group)
     ax.axvline(0.0, color=style.INK, linewidth=style.THIN)
     for level in (-2.0, 2.0):
@@ -138,42 +115,40 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
     return ax
 
 
-def intervals(rows: Sequence[Interval], ax: Axes, *, confidence: float) -> Axes:
+def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, confidence: float) -> Axes:
     """Confidence intervals of parameters, as shares of their values.
 
     Args:
-        rows: By parameter, from the top.
+        rows: By parameter, from the top: the interval from the covariance, None if it is not identified, and that from
+            the likelihood itself, None if it was not computed [-].
         ax: Where to draw.
         confidence: Of the intervals [-].
 
     Returns:
         `ax`.
     """
-    ends = [end for row in rows for pair in (row.plain, row.profile) if pair for end in pair if end is not None]
-    low, high = min([0.8, *(0.97 * end for end in ends)]), max([1.25, *(1.03 * end for end in ends)])
-    for i, row in enumerate(rows):
-        if row.plain is not None:
-            ax.plot(row.plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
+    ends = [pair for pairs in rows.values() for pair in pairs if pair is not None]
+    low, high = np.nanmin([0.8, *(0.97 * np.ravel(ends))]), np.nanmax([1.25, *(1.03 * np.ravel(ends))])
+    for i, (plain, profile) in enumerate(rows.values()):
+        if plain is not None:
+            ax.plot(plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
             ax.plot(1.0, i, "o", color=style.INK, markersize=3.5)
         else:
-            ax.annotate(
-                "not identified",
-                (1.0, i),
-                xytext=(4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=style.TICK,
-                color=style.GRAY,
+            _note(ax, "not identified", (1.0, i), xytext=(4, 0), va="center")
+        if profile is not None:
+            ax.plot(
+                np.where(np.isnan(profile), (low, high), profile),
+                (i + 0.22, i + 0.22),
+                color=style.ORANGE,
+                linewidth=1.6,
+                solid_capstyle="butt",
             )
-        if row.profile is not None:
-            shown = [end if end is not None else edge for end, edge in zip(row.profile, (low, high), strict=True)]
-            ax.plot(shown, (i + 0.22, i + 0.22), color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
     ax.plot([], [], color=style.BLUE, linewidth=3.0, label=f"{100 * confidence:g} % interval, from the covariance")
-    if any(row.profile is not None for row in rows):
+    if any(profile is not None for _, profile in rows.values()):
         ax.plot([], [], color=style.ORANGE, linewidth=1.6, label="from the profile likelihood (open ends: to the edge)")
     ax.axvline(1.0, color=style.GRAY, linewidth=style.THIN)
     style.dress(ax, xlabel="value / best value [-]", ylabel="")
-    ax.set_yticks(range(len(rows)), [row.label for row in rows])
+    ax.set_yticks(range(len(rows)), [*rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(low, high)
     return ax
@@ -197,29 +172,24 @@ def shrinking(
     n = np.arange(len(sigma))
     finite = sigma[np.isfinite(sigma)]
     top = 3.0 * min(float(np.max(finite, initial=limit)), 10.0 * limit)
-    for k, label in enumerate(labels):
-        color, marker = MARKS[k % len(MARKS)]
-        dashes = _LINES[k % len(_LINES)]  # lines may lie on each other
+    looks = zip(cycle(MARKS), cycle(_LINES), strict=False)  # lines may lie on each other
+    for label, mine, ((color, marker), dashes) in zip(labels, sigma.T, looks, strict=False):
         style_of = {"color": color, "marker": marker, "markersize": 4.0, "linewidth": style.LINE}
-        ax.semilogy(n, np.minimum(sigma[:, k], top), linestyle=dashes, label=label, **style_of)
-        beyond = n[~(sigma[:, k] < top)]
+        ax.semilogy(n, np.minimum(mine, top), linestyle=dashes, label=label, **style_of)
+        beyond = n[~(mine < top)]
         ax.semilogy(beyond, np.full(beyond.size, top), marker, color=color, markerfacecolor="white", markersize=4.0)
     ax.axhline(limit, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
-    for text, level, offset, va in (("not identified above", limit, 2, "bottom"), ("open: not known", top, -4, "top")):
-        if level == limit or not np.all(sigma < top):
-            ax.annotate(
-                text,
-                (1.0, level),
-                xycoords=("axes fraction", "data"),
-                xytext=(-2, offset),
-                textcoords="offset points",
-                ha="right",
-                va=va,
-                fontsize=style.TICK,
-                color=style.GRAY,
-            )
+    at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
+    _note(ax, "not identified above", (1.0, limit), xytext=(-2, 2), va="bottom", **at_right)
+    if not np.all(sigma < top):
+        _note(ax, "open: not known", (1.0, top), xytext=(-2, -4), va="top", **at_right)
     style.dress(ax, xlabel="further trials", ylabel=ylabel)
     ax.set_xticks(n)
     ax.set_ylim(top=1.15 * top)
     style.legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return ax
+
+
+def _note(ax: Axes, text: str, at: tuple[float, float], **place: Any) -> None:
+    """Small gray words near a place."""
+    ax.annotate(text, at, textcoords="offset points", fontsize=style.TICK, color=style.GRAY, **place)

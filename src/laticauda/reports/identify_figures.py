@@ -78,19 +78,14 @@ def _parity(found: "Fit") -> "Figure":
     return figure
 
 
-def _by_what(found: "Fit") -> dict[str, list[draw.Compared]]:
+def _by_what(found: "Fit") -> dict[str, dict[str, np.ndarray]]:
     """Measured and predicted numbers by figure or series, then by group."""
-    pieces: dict[str, dict[str, list[np.ndarray]]] = {}
+    pieces: dict[str, dict[str, np.ndarray]] = {}
     for _, group, name, here in places(found.problem):
         both = np.stack((found.problem.observed[here], found.predictions[here]))
-        pieces.setdefault(name, {}).setdefault(group, []).append(both)
-    result: dict[str, list[draw.Compared]] = {}
-    for what, groups in pieces.items():
-        result[what] = []
-        for group, parts in groups.items():
-            measured, predicted = np.concatenate(parts, axis=1)
-            result[what].append(draw.Compared(label=group, measured=measured, predicted=predicted))
-    return result
+        groups = pieces.setdefault(name, {})
+        groups[group] = np.concatenate((groups[group], both), axis=1) if group in groups else both
+    return pieces
 
 
 def _residuals(found: "Fit") -> "Figure":
@@ -114,22 +109,22 @@ def _residuals(found: "Fit") -> "Figure":
 
 
 def _intervals(done: "Validation") -> "Figure":
-    found = done.found
-    profiles = {one.name: one for one in done.profiles}
-    rows: list[draw.Interval] = []
-    shown = found.problem.of_interest
-    names = short_names([found.problem.names[k] for k in shown])
-    for estimate, label in zip([found.estimates[k] for k in shown], names, strict=True):
+    found, shown = done.found, done.found.problem.of_interest
+    profiles = {one.name: (one.low, one.high) for one in done.profiles}
+    rows: dict[str, tuple[draw.Ends | None, draw.Ends | None]] = {}
+    for k, label in zip(shown, short_names([found.problem.names[k] for k in shown]), strict=True):
+        estimate = found.estimates[k]
         best = estimate.value or 1.0
-        one = profiles.get(estimate.name)
-        pair = estimate.interval
-        plain = None if pair is None or best < 0.0 else (pair[0] / best, pair[1] / best)
-        ends = None if one is None else tuple(None if end is None else end / best for end in (one.low, one.high))
-        rows.append(draw.Interval(label=label, plain=plain, profile=ends))  # pyright: ignore[reportArgumentType]
+        plain, profile = estimate.interval if best >= 0.0 else None, profiles.get(estimate.name)
+        rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
     ax = draw.intervals(rows, figure.subplots(), confidence=found.confidence)
     style.outside_legend(figure, ax, "outside lower left")
     return figure
+
+
+def _share(ends: "tuple[float | None, float | None] | None", best: float) -> draw.Ends | None:
+    return None if ends is None else np.array(ends, dtype=float) / best
 
 
 def _correlations(found: "Fit") -> "Figure":
