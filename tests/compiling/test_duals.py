@@ -15,6 +15,7 @@ from laticauda.planar import functions, rows  # noqa: F401 - functions teaches l
 from laticauda.planar.model import PlanarPlant
 from laticauda.planar.specialize import specialize
 from laticauda.robot import PectoralFin, Tether, load_robot, load_water
+from laticauda.scenarios import Planar
 
 WIDTH = 8
 STEP = 2.0**-100
@@ -113,7 +114,7 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
         body, modules=body.modules[:4], joints=body.joints[:3], tether=Tether(drag=1.0), pectoral_fins=(plate,)
     )
     water = replace(load_water("paper-eel"), added_mass_form="kirchhoff", trailing_edge="elongated", current=(0.1, 0.0))
-    plant = PlanarPlant(robot=robot, environment=water, joints=JointLaw.of(joints))
+    plant = PlanarPlant(robot=robot, environment=water, settings=Planar(joints=JointLaw.of(joints)))
     command = Command(gait=GAIT)
     S = plant.rows(plant.init(Start(), command), command)
     # Lane k moves every eighth row, so that all parameters are perturbed, but not all at once.

@@ -123,7 +123,7 @@ def test_a_plucked_fin_swings_at_that_frequency():
     fin = CaudalFin(opening="closed", n_strips=50, n_hinges=2, flexural_rigidity=2.0, added_mass=1.0)
     still = replace(WATER, drag=PolynomialDrag(linear=False, quadratic=False))
     heavy = Robot(name="wall", modules=(Module(length=0.2, mass=1e9, inertia=1e9, section=SECTION),), caudal_fin=fin)
-    plant = PlanarPlant(robot=heavy, environment=still, dt=2e-4)
+    plant = PlanarPlant(robot=heavy, environment=still, settings=lc.Planar(dt=2e-4))
     command = lc.Command(gait=GAIT)
     state = plant.init(lc.Start(), command)
     state.values[-2:] = 0.02, 0.05  # rates of the hinges, the outer one first

@@ -120,11 +120,13 @@ def test_the_physical_robot_swims_upright_from_any_roll():
 
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
-    body = SpatialPlant(robot=robot, environment=WATER, tank=True, dt=0.002, joints=Servo())
+    body = SpatialPlant(
+        robot=robot, environment=WATER, settings=lc.Spatial(root="free", tank=True, dt=0.002, joints=Servo())
+    )
     command = Command(gait=replace(GAIT, amplitude=0.0))
     _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
     assert failure is None
-    height = robot.modules[0].section.half_height - body.ballast_depth
+    height = robot.modules[0].section.half_height - body.settings.ballast_depth
     assert log.center_of_mass[-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
     assert np.max(np.abs(log.center_of_mass_velocity[-1])) < 1e-3
 
@@ -138,7 +140,7 @@ def test_joint_limits_do_not_hold_prescribed_joints_up():
 
 def test_where_the_mass_is_above_the_middle_it_is_warned_of():
     robot = lc.load_robot("mamba-modules-fin")
-    body = SpatialPlant(robot=robot, environment=WATER, ballast_depth=-0.002, dt=0.01)
+    body = SpatialPlant(robot=robot, environment=WATER, settings=lc.Spatial(ballast_depth=-0.002, dt=0.01))
     with pytest.warns(UserWarning, match="`module_0` floats freely with its center of buoyancy at or below"):
         body.model  # noqa: B018
 
@@ -172,7 +174,7 @@ def test_bad_settings_are_refused_by_name():
     with pytest.raises(ValueError, match="`root` must be left out unless `model` is `spatial`, got 'free'"):
         plant(ROBOT, WATER, root="free")
     with pytest.raises(ValueError, match="`dt` must be between"):
-        SpatialPlant(robot=ROBOT, environment=WATER, dt=0.0)
+        SpatialPlant(robot=ROBOT, environment=WATER, settings=lc.Spatial(dt=0.0))
     with pytest.raises(ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"):
         plant(ROBOT, WATER, model="spatial").unpack({})
 

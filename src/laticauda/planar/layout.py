@@ -8,14 +8,14 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.actuation.laws import Drive, JointLaw, Prescribed
+from laticauda.actuation.laws import JointLaw, Prescribed
+from laticauda.dynamics.plant import joint_numbers
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.planar import rows
 from laticauda.planar.fin import FinBody, fin_bodies
 from laticauda.robot import (
     Environment,
     Ground,
-    Joint,
     Module,
     PectoralFin,
     Robot,
@@ -275,7 +275,7 @@ def _write_joints(
     n_fin, has_power = len(pieces), has_power_model(robot, joints)
     for joint in _distinct(robot.joints):
         alike = [n_fin + 1 + i for i, other in enumerate(robot.joints) if other is joint]
-        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = _joint_numbers(joint, joints, has_power=has_power)
+        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = joint_numbers(joint, joints, has_power=has_power)
     law = np.full(len(records), joints.code)
     law[0] = rows.LOCKED
     for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
@@ -299,19 +299,7 @@ def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> t
 
 def _write_hinge(record: np.ndarray, piece: FinBody, law: JointLaw, *, has_power: bool) -> None:
     if piece.joint is not None:
-        numbers = _joint_numbers(piece.joint, law, has_power=has_power)
+        numbers = joint_numbers(piece.joint, law, has_power=has_power)
         record[rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
     elif piece.hinge is not None:
         record[[rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
-
-
-def _joint_numbers(joint: Joint, law: JointLaw, *, has_power: bool) -> tuple[float, ...]:
-    """The rows from ENVELOPE to STALL_POWER."""
-    actuator = joint.actuator
-    return (
-        actuator.tracking if law.prescribed else 1.0,
-        joint.stiffness,
-        joint.damping,
-        *(getattr(actuator, name) for name in Drive._fields),
-        actuator.stall_power if has_power else 0.0,
-    )

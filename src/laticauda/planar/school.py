@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from laticauda.dynamics.plant import PlantState
 from laticauda.errors import BadArgument, positive, whole
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import WIDTH, aligned
-from laticauda.planar.model import PlanarPlant, PlanarState
+from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Water, has_power_model
 
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
@@ -165,13 +166,13 @@ class School:
         self._well &= self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
         self._keep_seen()
 
-    def state(self, which: int) -> PlanarState:
+    def state(self, which: int) -> PlantState:
         """The state of one of them, for `PlanarPlant`."""
         block, lane = divmod(which, self._width)
         values = self._lanes[block, :, lane]
         n_bodies = self.plant.layout.n_bodies
         body = values[rows.HEADER_ROWS : rows.HEADER_ROWS + n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-        return PlanarState(values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE])))
+        return PlantState(values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE])))
 
     def observe(self, which: int) -> Observation:
         """What can be seen of one of them."""

@@ -48,16 +48,13 @@ def plant(
 def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
     law_of(environment).check()
     model.joints.check()
-    settings: dict[str, Any] = dict(vars(model))
     if isinstance(model, Planar):
         from laticauda.planar.model import PlanarPlant
 
-        return PlanarPlant(robot=robot, environment=environment, **settings)
+        return PlanarPlant(robot=robot, environment=environment, settings=model)
     from laticauda.spatial.model import SpatialPlant
 
-    if model.root is None:
-        settings["root"] = "free" if any(joint.axis == "pitch" for joint in robot.joints) else "planar"
-    return SpatialPlant(robot=robot, environment=environment, **settings)
+    return SpatialPlant(robot=robot, environment=environment, settings=model)
 
 
 def needs_compiling(environment: Environment, model: Model | str | None = None) -> bool:

@@ -74,14 +74,14 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     SETUP_SIZE,
 ) = range(20)
 
-# --- One row of joint parameters: the law, the gait's envelope, which wave moves it, the skin, the motor
+# --- One row of joint parameters: the law, which wave moves it, the gait's envelope, the skin, the motor
 (
     LAW,
-    ENVELOPE,  # g, times the share that a prescribed joint does of it
     WAVE,
+    ENVELOPE,  # g, times the share that a prescribed joint does of it; from here on as in `planar.rows`
     STIFFNESS,
     DAMPING,
-    PROPORTIONAL_GAIN,  # the rest as in `planar.rows`
+    PROPORTIONAL_GAIN,
     DERIVATIVE_GAIN,
     SERVO_GAIN,
     STALL_TORQUE,

@@ -6,39 +6,38 @@ from threading import Lock
 import numpy as np
 
 from laticauda import mujoco_water as water
-from laticauda.actuation.laws import Drive, JointLaw
+from laticauda.actuation.laws import JointLaw
+from laticauda.dynamics.plant import FORCES, has_hinges, joint_numbers
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
-from laticauda.robot import Ground, Joint, Robot, has_power_model
+from laticauda.robot import Environment, Ground, Robot, has_power_model
+from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
-from laticauda.spatial.setup import SpatialSetup
 from laticauda.spatial.specialize import specialize
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
-FORCES = ("drag", "added_mass", "effector")
-
 
 class Twin:
-    """The model of a setup in MuJoCo and what the kernels need of it. A resource: one march at a time."""
+    """A robot, its place and a model's settings in MuJoCo. A resource: one march at a time."""
 
-    def __init__(self, setup: SpatialSetup) -> None:
+    def __init__(self, robot: Robot, environment: Environment, setup: Spatial) -> None:
         mujoco = load_mujoco()
         self._lock = Lock()
-        robot, environment = setup.robot, setup.environment
+        land = land_of(environment, setup)
         spec = mjcf.spec(
             robot,
             environment,
-            root=setup.root,
+            root=setup.root or "free",
             actuators="none",
             sensors=False,
             visuals=False,
             tank=setup.tank,
             ground=None if setup.shore is None else "ramp",
         )
-        if setup.land is not None:
+        if land is not None:
             spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
-            spec.option.gravity = (0.0, 0.0, -setup.land.gravity)
+            spec.option.gravity = (0.0, 0.0, -land.gravity)
         if not setup.gravity or setup.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
         else:
@@ -55,7 +54,7 @@ class Twin:
         self.height = float(self.model.body("module_0").pos[2])
         self.center = center_of_mass(robot)
         self.joints = np.array(_joint_rows(robot, setup.joints)).reshape(-1, rows.JOINT_SIZE)
-        self.water = self._attach(setup)
+        self.water = self._attach(robot, environment, setup)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
         self.water.numbers["hold"] = self._hold
@@ -64,14 +63,14 @@ class Twin:
         self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
-        self._setup = self._numbers(setup)
+        self._setup = self._numbers(robot, setup)
         self._stepping = specialize(setup.joints)
 
-    def _attach(self, setup: SpatialSetup) -> water.Water:
-        environment = setup.environment
-        elements = robot_elements(setup.robot, environment, floats=setup.gravity and setup.root == "free")
-        if setup.land is not None:
-            elements = on_ground(elements, setup.robot, setup.land, wet=setup.shore is not None)
+    def _attach(self, robot: Robot, environment: Environment, setup: Spatial) -> water.Water:
+        elements = robot_elements(robot, environment, floats=setup.gravity and setup.root == "free")
+        land = land_of(environment, setup)
+        if land is not None:
+            elements = on_ground(elements, robot, land, wet=setup.shore is not None)
         if isinstance(environment, Ground):
             return water.attach(self.model, elements)
         terrain = None
@@ -90,7 +89,7 @@ class Twin:
             terrain=terrain,
         )
 
-    def _numbers(self, setup: SpatialSetup) -> np.ndarray:
+    def _numbers(self, robot: Robot, setup: Spatial) -> np.ndarray:
         where = native.offsets()
         base = (3, 3) if setup.root == "planar" else (7, 6)
         fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
@@ -103,9 +102,9 @@ class Twin:
                 self.n_qpos,
                 self.n_qvel,
                 *base,
-                setup.robot.n_links,
+                robot.n_links,
                 self.model.nbody,
-                setup.is_implicit,
+                not setup.joints.prescribed or has_hinges(robot),
                 setup.root == "planar",
                 *(where[name] for name in fields),
             ],
@@ -140,27 +139,30 @@ class Twin:
         return total
 
 
+def land_of(environment: Environment, setup: Spatial) -> Ground | None:
+    """The ground on which the robot lies with its weight; None: there is none, or it slides on it in the plane.
+
+    Args:
+        environment: The water it swims in, or the ground.
+        setup: The model's settings.
+    """
+    if isinstance(environment, Ground) and setup.root == "free" and setup.gravity:
+        return environment
+    return setup.shore
+
+
 def _joint_rows(robot: Robot, law: JointLaw) -> list[np.ndarray]:
     """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
     waves = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
     has_power = has_power_model(robot, law)
-    found = [_joint_row(joint, law, waves[joint.axis], has_power=has_power) for joint in robot.joints]
+    driven = [(joint, waves[joint.axis]) for joint in robot.joints]
     fin = robot.caudal_fin
     if fin is not None and fin.joint is not None:
-        found.append(_joint_row(fin.joint, law, rows.FIN_WAVE, has_power=has_power))
+        driven.append((fin.joint, rows.FIN_WAVE))
+    found = [np.array([law.code, wave, *joint_numbers(joint, law, has_power=has_power)]) for joint, wave in driven]
     for hinge in fin.hinges if fin is not None else ():
         row = np.zeros(rows.JOINT_SIZE)
         row[[rows.LAW, rows.WAVE]] = rows.PASSIVE, rows.NO_WAVE
         row[[rows.STIFFNESS, rows.DAMPING]] = hinge.stiffness, hinge.damping
         found.append(row)
     return found
-
-
-def _joint_row(joint: Joint, law: JointLaw, wave: int, *, has_power: bool) -> np.ndarray:
-    row, actuator = np.zeros(rows.JOINT_SIZE), joint.actuator
-    row[[rows.LAW, rows.WAVE]] = law.code, wave
-    row[rows.ENVELOPE] = actuator.tracking if law.prescribed else 1.0
-    row[rows.STIFFNESS], row[rows.DAMPING] = joint.stiffness, joint.damping
-    row[rows.PROPORTIONAL_GAIN : rows.STALL_POWER] = [getattr(actuator, name) for name in Drive._fields]
-    row[rows.STALL_POWER] = actuator.stall_power if has_power else 0.0
-    return row

@@ -150,7 +150,7 @@ def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Tr
 def _difference(plant: PlanarPlant, water: Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
     """How the rows change per unit of a field of the water."""
     there: Any = {field: getattr(water, field) + step}
-    other = layout(plant.robot, replace(water, **there), joints=plant.joints, fin_as_links=plant.fin_as_links).template
+    other = layout(plant.robot, replace(water, **there), joints=plant.joints).template
     change = (other - here) / step
     change[np.abs(other - here) <= 1e-13 * np.abs(here)] = 0.0
     return change

@@ -85,7 +85,6 @@ def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, fl
 
 
 def _clock(plant: PlanarPlant) -> Iterator[Variable]:
-    assert plant.dt is not None
     text = "Largest step of the integration; each communication step is cut into equal ones."
     yield _parameter("dt", "s", "", plant.dt, text, least=LEAST_DT, most=1e3)
 
@@ -139,8 +138,9 @@ def _law(prefix: str, law: Law, first: int) -> Iterator[Variable]:
 def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
     text = "Bandwidth of the filters behind the gait's parameters."
     share = ((rows.BANDWIDTH, 1.0),)
-    yield _parameter("offset_bandwidth", "rad/s", "", plant.offset_bandwidth, text, least=TINY, most=1e6, rows=share)
-    assert plant.ramp is not None
+    yield _parameter(
+        "offset_bandwidth", "rad/s", "", plant.settings.offset_bandwidth, text, least=TINY, most=1e6, rows=share
+    )
     text = "Duration of the smooth start."
     yield _parameter("ramp", "s", "T", plant.ramp, text, least=0.0, most=1e6, rows=((rows.RAMP, 1.0),))
     template = plant.layout.template

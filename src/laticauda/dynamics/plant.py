@@ -1,0 +1,284 @@
+"""The frame of both models' plants: settings with nothing left open, a state that is one vector, marches and logs."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.actuation.laws import Drive, JointLaw
+from laticauda.errors import BadArgument
+from laticauda.gaits.reference import WaveState, WaveTarget, first_state
+from laticauda.interfaces import Command, Log, Start, check_waves, fin_signals
+from laticauda.robot import Environment, Joint, Robot, check_fits, has_power_model
+from laticauda.scenarios import Model
+
+ModelType = TypeVar("ModelType", bound=Model)
+Waves = tuple[WaveState, WaveState, WaveState]
+Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
+
+FORCES = ("drag", "added_mass", "effector")
+ELASTIC_DT = 0.005  # s, with a fin that bends
+# A wave of amplitude 1 that stands still at its crest: the joints' envelope is their reference.
+CREST, STILL = WaveState(0.5 * math.pi, 1.0, *(0.0,) * 7), WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlantState:
+    """Everything that a run needs to go on, as one vector; its model's `rows` say what stands where."""
+
+    values: Float[np.ndarray, " n"]
+
+
+class Samples(NamedTuple):
+    """What the kernels logged, by what it means; the first axis is time."""
+
+    seen: dict[str, np.ndarray]
+    """What an `Observation` holds."""
+    reference: np.ndarray
+    """What the joints followed [rad]."""
+    offset: np.ndarray
+    """phi_0 of every joint, or one for all [rad]."""
+    torque: np.ndarray
+    """Of the joints [N m]."""
+    work: np.ndarray
+    """Absolute, net, positive, electrical [J]."""
+    fin: tuple[np.ndarray, ...]
+    """Angle, rate, reference and torque of the fin's joints."""
+    signals: Mapping[str, np.ndarray]
+    """What else there is."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelPlant(ABC, Generic[ModelType]):
+    """A robot in an environment, by a model.
+
+    Raises:
+        ValueError: If robot and environment do not fit together.
+    """
+
+    robot: Robot
+    """What swims."""
+    environment: Environment
+    """The water it swims in or the ground it crawls on."""
+    settings: ModelType
+    """How it is simulated; what is left open there is filled in."""
+
+    name: ClassVar[str]
+    """Of the model."""
+    usual_dt: ClassVar[float]
+    """Step of prescribed joints [s]."""
+    generator: ClassVar[tuple[slice, ...]]
+    """The waves in a state vector that references from outside replace."""
+
+    def __post_init__(self) -> None:
+        """Fill in what the settings leave open."""
+        check_fits(self.robot, self.environment)
+        settings = self.settings
+        dt, ramp = settings.dt, settings.ramp
+        if dt is None:
+            elastic = ELASTIC_DT if has_hinges(self.robot) else math.inf
+            dt = min(self.joints.dt or self.usual_dt, elastic, self._stable_step())
+        closed = replace(settings, dt=dt, ramp=self.joints.ramp if ramp is None else ramp)
+        object.__setattr__(self, "settings", closed)
+
+    @property
+    def joints(self) -> JointLaw:
+        """How they follow their references."""
+        return self.settings.joints
+
+    @property
+    def dt(self) -> float:
+        """Largest time step [s]."""
+        return cast(float, self.settings.dt)
+
+    @property
+    def ramp(self) -> float:
+        """T of the smooth start [s]."""
+        return cast(float, self.settings.ramp)
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether any joint is free, so that steps are linearly implicit (`laticauda.planar.stepping`)."""
+        return not self.joints.prescribed or has_hinges(self.robot)
+
+    def steps_in(self, interval: float) -> int:
+        """How many equal steps, none longer than `dt`, make up an interval [s] between two samples."""
+        return max(1, math.ceil(interval / self.dt - 1e-9))
+
+    @abstractmethod
+    def init(self, start: Start, command: Command) -> PlantState:
+        """Straight, the generator at the commanded gait, its offset building up from zero."""
+
+    def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
+        """The state `dt` [s] later, under a command that is held."""
+        return self.march(state, command, dt, dt)[0]
+
+    def march(
+        self,
+        state: PlantState,
+        command: Command,
+        duration: float,
+        sample_interval: float,
+        *,
+        link_forces: bool = False,
+    ) -> tuple[PlantState, Log, str | None]:
+        """Many steps at once under one command; see `Plant.march`."""
+        n_intervals = max(1, round(duration / sample_interval))
+        every = self.steps_in(duration / n_intervals)
+        dt = duration / n_intervals / every
+        end, samples = self._run(state, command, n_intervals, every, dt)
+        if len(samples) <= n_intervals:
+            when = state.values[0] + len(samples) * duration / n_intervals
+            # What the state calls for at once may be out of range; the state itself is kept.
+            return (
+                state,
+                self._log(samples if len(samples) else self._sample_of(state, command)),
+                self.what_went_wrong(when),
+            )
+        log = self._log(samples)
+        if link_forces:
+            force = self._link_forces(state, command, samples, every, dt)
+            log = replace(log, link_force={name: force[i] for i, name in enumerate(FORCES)})
+        if command.references is not None:
+            for wave in self.generator:
+                end[wave] = state.values[wave]
+        return PlantState(values=end), log, None
+
+    def what_went_wrong(self, time: float) -> str:
+        """The sentence that a run ends with that diverged at `time` [s]."""
+        return (
+            f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
+            f"beyond all bounds); try {self.joints.remedy}."
+        )
+
+    def pack(self, state: PlantState) -> dict[str, np.ndarray]:
+        """A state as arrays that can be stored."""
+        return {self.name: state.values}
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
+        """The state back from `pack`.
+
+        Raises:
+            ValueError: If the arrays do not come from such a plant.
+        """
+        values = np.asarray(stored.get(self.name, ()), dtype=float)
+        if values.shape != (self._size,):
+            rule = f"must be that of {self._words} ({self._size} numbers), got {values.size} numbers"
+            raise BadArgument("state", rule)
+        return PlantState(values=values)
+
+    @property
+    @abstractmethod
+    def _size(self) -> int:
+        """Of a state vector."""
+
+    @property
+    def _words(self) -> str:
+        """What it is, for messages."""
+        return f"a {self.name} run of {self.robot.n_links} links"
+
+    @abstractmethod
+    def _stable_step(self) -> float:
+        """Step up to which all loads may be treated explicitly [s]."""
+
+    @abstractmethod
+    def _run(
+        self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The state vector at the end, and the samples: fewer than n_intervals + 1 if the run diverged."""
+
+    @abstractmethod
+    def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
+        """The one sample of a state from which no step is possible, in finite numbers."""
+
+    @abstractmethod
+    def _samples(self, samples: np.ndarray) -> Samples:
+        """Samples by what they mean."""
+
+    @abstractmethod
+    def _link_forces(
+        self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
+    ) -> np.ndarray:
+        """Force on every link at the samples of a march: component, time, link, axis."""
+
+    def _log(self, samples: np.ndarray) -> Log:
+        found = self._samples(samples)
+        return Log(
+            **found.seen,
+            joint_angle_ref=self._commanded(found.reference, found.offset),
+            joint_torque=found.torque,
+            work=found.work[:, :3],
+            electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
+            link_force=None,
+            signals={**found.signals, **fin_signals(self.robot.caudal_fin, *found.fin)},
+        )
+
+    def _commanded(self, done: np.ndarray, offset: np.ndarray) -> np.ndarray:
+        """The reference that the gait says; the kernels' own is what prescribed joints do of it (`tracking`)."""
+        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if not self.joints.prescribed or np.all(share == 1.0):
+            return done
+        return offset + (done - offset) / share
+
+    def _first_waves(self, command: Command) -> Waves:
+        """Where the waves of yaw joints, pitch joints and fin begin."""
+        yaw, pitch, fin = map(first_state, command.gait.targets())
+        return yaw, pitch, fin
+
+    def _targets(self, command: Command) -> Targets:
+        """What the three waves are to become; held references stand on waves that stand still."""
+        check_waves(self.robot, command.gait)
+        yaw, pitch, fin = command.gait.targets(command.offset, command.pitch_offset)
+        return (yaw, pitch, fin) if command.references is None else (STILL, STILL, fin)
+
+    def _begun(self, state: PlantState, command: Command) -> np.ndarray:
+        """A copy of the state vector in which waves stand still at their crest, where references are held."""
+        values = state.values.copy()
+        for wave in self.generator if command.references is not None else ():
+            values[wave] = CREST
+        return values
+
+    def _hold(self, joints: np.ndarray, command: Command) -> None:
+        """Put references from outside into the joints' numbers (see `joint_numbers`), and switch motors off."""
+        command.check_held(self.robot.n_joints, self.joints)
+        if command.references is not None:
+            joints[:, 0] = command.references
+        if command.enabled is not None:
+            # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
+            off = np.logical_not(command.enabled)
+            joints[off, _DRIVE : _DRIVE + 4] = 0.0
+            joints[off, -1] = 0.0
+
+
+_DRIVE = 3  # where the drive's gains and stall torque begin
+
+
+def joint_numbers(joint: Joint, law: JointLaw, *, has_power: bool) -> tuple[float, ...]:
+    """What kernels know of a driven joint: envelope, stiffness, damping, the drive, the power at stall.
+
+    Args:
+        joint: The joint.
+        law: How it follows its reference.
+        has_power: Whether its electrical power counts.
+    """
+    actuator = joint.actuator
+    return (
+        actuator.tracking if law.prescribed else 1.0,
+        joint.stiffness,
+        joint.damping,
+        *(getattr(actuator, name) for name in Drive._fields),
+        actuator.stall_power if has_power else 0.0,
+    )
+
+
+def has_hinges(robot: Robot) -> bool:
+    """Whether its fin bends.
+
+    Args:
+        robot: Whose.
+    """
+    return robot.caudal_fin is not None and robot.caudal_fin.n_hinges > 0
