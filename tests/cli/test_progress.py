@@ -26,7 +26,7 @@ def clock(monkeypatch: pytest.MonkeyPatch, step: float) -> None:
 def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):
     terminal = screen(monkeypatch, Terminal)
     clock(monkeypatch, 3.0)
-    show = progress.progress(30.0)
+    show = progress.run_bar(30.0)
     for reached in (10.0, 20.0, 30.0):
         show(reached)
     assert "swam 20 of 30 s" in terminal.getvalue()
@@ -35,7 +35,7 @@ def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):
 def test_a_short_run_shows_nothing(monkeypatch):
     terminal = screen(monkeypatch, Terminal)
     clock(monkeypatch, 0.1)
-    show = progress.progress(30.0)
+    show = progress.run_bar(30.0)
     for reached in (10.0, 20.0, 30.0):
         show(reached)
     assert terminal.getvalue() == ""
@@ -44,5 +44,5 @@ def test_a_short_run_shows_nothing(monkeypatch):
 def test_nothing_is_shown_where_nobody_looks(monkeypatch):
     terminal = screen(monkeypatch, io.StringIO)
     clock(monkeypatch, 3.0)
-    progress.progress(30.0)(10.0)
+    progress.run_bar(30.0)(10.0)
     assert terminal.getvalue() == ""

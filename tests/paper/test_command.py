@@ -80,4 +80,4 @@ def test_a_trial_that_blows_up_ends_with_status_1(run, folder: Path, monkeypatch
 
     monkeypatch.setattr(MODULE, "_run", fail)
     done = run("reproduce")
-    assert (done.status, done.out, done.err) == (1, "", "mamba: the run blew up at 3 s.\n")
+    assert (done.status, done.out, done.err) == (1, "", "laticauda: mamba: the run blew up at 3 s.\n")

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Union
 import tyro
 
 from laticauda.cli.flags import BadFlag, read, spelled
-from laticauda.errors import BadArgument, LaticaudaError
+from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
@@ -90,14 +90,16 @@ def main(args: Sequence[str] | None = None) -> int:
         return status
     except SystemExit as end:  # tyro printed its help or its complaint
         return end.code if isinstance(end.code, int) else 2
-    except KeyboardInterrupt:
-        return _complain("stopped.", 130)
+    except KeyboardInterrupt as stop:
+        return _complain(str(stop) or "stopped.", 130)
     except BrokenPipeError:
         # Whoever read our output has gone. Nothing may be written there any more, not even at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except BadArgument as error:
         return _complain(f"{spelled(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}", 2)
+    except SimulationFailed as error:
+        return _complain(str(error), 1)
     except (BadFlag, LaticaudaError, ValueError) as error:
         return _complain(str(error), 2)
     except OSError as error:

@@ -1,6 +1,5 @@
 """`laticauda cockpit`: the live page, with one line that says where it is."""
 
-import json
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,12 +7,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from laticauda.cli.flags import File, Maybe, Text, read
-from laticauda.cli.scene import Names, named, warn_of_compiling, was_typed
+from laticauda.cli.command import LOCAL, until_stopped
+from laticauda.cli.flags import File, Maybe, Text, read, was_typed
+from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
-from laticauda.scenarios import Scenario
 
 if TYPE_CHECKING:
     from laticauda.cockpit.operated import OperatedRobot
@@ -79,7 +78,7 @@ class Tank:
 
 
 @value
-class CockpitCommand:
+class CockpitCommand(OfScenario):
     """Serve a page on which the robot swims, until Ctrl-C: everything on it can be changed while it swims.
 
     It prints one line with the page's address. Whoever opens the page can use all of its controls.
@@ -87,57 +86,39 @@ class CockpitCommand:
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """
 
-    names: Names = option("What swims, how and where, by name", default=Names())
-    scenario: Scenario = option("What the names stand for; every number can be changed")
-    before: Any = option("What the names stand for, before single numbers were changed", default=None)
     tank: Tank = option("A robot that somebody else operates", default=Tank())
     load: Maybe = option(
         "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None
     )
     host: Text = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
-    json: bool = option("Print the line as a JSON object", default=False)
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "CockpitCommand":
-        """The command that was typed.
-
-        Args:
-            words: Behind its name.
-            prog: What the help calls it.
-        """
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed; see `OfScenario.read`."""
         names, tank = Names.read(words, prog), read(Tank, words, prog, first=True)
         in_tank = tank.robot()
         if in_tank is not None and not was_typed("robot", words):
             names = replace(names, robot=in_tank)
-        found, _ = names.scenario(words)
-        return read(cls, words, prog, cls(names=names, scenario=found, before=found, tank=tank))
+        return cls.of(names, words, prog, tank=tank)
 
-    def __call__(self) -> int:
-        """Serve, and return the exit status."""
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
         from laticauda.cockpit import Cockpit, Live
-        from laticauda.cockpit.pages import LOCAL, load_viser
+        from laticauda.cockpit.pages import load_viser
 
         load_viser()
-        scenario = named(self.scenario, self.before)
-        warn_of_compiling(scenario)
+        scenario = self.chosen
+        warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
         if self.host not in LOCAL:
-            print(
-                f"Warning: anyone who reaches {self.host} can use this page and read what it shows: it knows no "
-                "passwords.",
-                file=sys.stderr,
-            )
-        try:
+            warning = "can use this page and read what it shows: it knows no passwords."
+            print(f"Warning: anyone who reaches {self.host} {warning}", file=sys.stderr)
+        with until_stopped(cockpit.close):
             if self.load is not None:
                 cockpit.load(Path(self.load))
             if self.tank.is_asked_for:
                 self.tank.connect(cockpit.operated, scenario.robot)
             cockpit.open()
-            print(json.dumps({"address": cockpit.address}) if self.json else cockpit.address, flush=True)
+            self.announce({"address": cockpit.address}, cockpit.address)
             cockpit.wait()
-        except KeyboardInterrupt:
-            print("stopped.", file=sys.stderr)
-        finally:
-            cockpit.close()
-        return 0

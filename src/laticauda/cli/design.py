@@ -1,29 +1,26 @@
 """`laticauda design-experiment`: the next trials that would tell the most."""
 
-import json
 import math
-import sys
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal
 
-from laticauda.cli.flags import File, Maybe, MaybeName, Text, Words
-from laticauda.cli.outputs import check_output
-from laticauda.cli.progress import PATIENCE
-from laticauda.cli.tables import aligned, number
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flags import File, Maybe, MaybeName, Picture, Text, Words
+from laticauda.cli.progress import PATIENCE, SHARE, progress
+from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.identify import Unknown
     from laticauda.identify.candidates import Candidate
-    from laticauda.identify.design import Design
+    from laticauda.identify.design import Design, Step
     from laticauda.identify.problem import Problem
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
-_FORMAT = "judged {percentage:3.0f} % of the candidates |{bar}| {remaining} left"
 
 
 def _degrees(*angles: float) -> tuple[float, ...]:
@@ -89,7 +86,7 @@ class Candidates:
 
 
 @value
-class DesignExperiment:
+class DesignExperiment(Command):
     """Find the next trials that would shrink the uncertainty of parameters most.
 
     For example: laticauda design-experiment --parameters water.tangential_friction water.normal_drag water.added_mass
@@ -101,33 +98,20 @@ class DesignExperiment:
     unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
     robot: Body = option("What would swim", default=Body())
     candidates: Candidates = option("Trials that could be done", default=Candidates())
-    output: File = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
-    json: bool = option("Print one JSON object in SI units instead of the tables", default=False)
+    output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
 
-    def __call__(self) -> int:
-        """Judge, choose, print, and return the exit status."""
-        from laticauda.errors import SimulationFailed
+    def run(self) -> Outcome:
+        """Judge, choose and draw."""
         from laticauda.identify.design import design
 
-        check_output("output", self.output, (".png", ".pdf"))
-        show = _progress()
-        try:
-            put, known = self._problem()
-            found = design(
-                put,
-                self._candidates(put),
-                self.unknowns.trials,
-                **known,
-                criterion=self.unknowns.criterion,
-                progress=show,
-            )
-        except SimulationFailed as error:
-            print(f"laticauda: {error}", file=sys.stderr)
-            return 1
+        show = progress(SHARE, what="judged", patience=PATIENCE)
+        problem, known = self._problem()
+        candidates = self._candidates(problem)
+        criterion = self.unknowns.criterion
+        found = design(problem, candidates, self.unknowns.trials, **known, criterion=criterion, progress=show)
         if self.output is not None:
             _draw(found, self.output)
-        print(as_json(found) if self.json else as_text(found))
-        return 0
+        return Outcome(facts=_facts(found), text=_text(found))
 
     def _problem(self) -> "tuple[Problem, dict[str, Any]]":
         """The unknowns, and what is known of them."""
@@ -210,16 +194,10 @@ class DesignExperiment:
 def _unknown(word: str) -> "Unknown":
     from laticauda.identify import Unknown
 
-    name, equals, text = word.rpartition("=")
-    if not equals:
+    if "=" not in word:
         return Unknown(name=word)
-    mean, found, sd = text.partition("+-")
-    try:
-        return Unknown(name=name, start=float(mean), prior=(float(mean), float(sd)) if found else None)
-    except ValueError as error:
-        if isinstance(error, BadArgument):
-            raise
-        raise BadArgument("parameters", f"must be {FORM}, got {word!r}") from None
+    name, sign, (mean, *sd) = numbers("parameters", word, FORM, "+-")
+    return Unknown(name=name, start=mean, prior=(mean, sd[0]) if sign else None)
 
 
 def _sensors(words: tuple[str, ...]) -> dict[str, float]:
@@ -227,78 +205,52 @@ def _sensors(words: tuple[str, ...]) -> dict[str, float]:
 
     found: dict[str, float] = {}
     for word in words:
-        name, equals, text = word.partition("=")
-        try:
-            sigma = float(text) if equals else SENSORS[name][2]
-        except (ValueError, KeyError):
-            raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}") from None
+        usual = SENSORS.get(word, ("", "", 0.0))[2]
+        name, _, (sigma,) = numbers("sensors", word, SENSOR_FORM) if "=" in word else (word, "", [usual])
         if name not in SENSORS or not sigma > 0.0:
             raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}")
         found[name] = sigma
     return found
 
 
-def as_json(found: "Design") -> str:
-    """The trials in their order, and the expected standard deviations after each.
-
-    Args:
-        found: The design.
-    """
+def _facts(found: "Design") -> dict[str, Any]:
+    """The trials in their order, and the expected standard deviations after each."""
     from laticauda.packaging import __version__
 
-    def shares(sigma: Any) -> dict[str, float | None]:
+    def shares(sigma: Iterable[float]) -> dict[str, float | None]:
         values = [float(value) if math.isfinite(value) else None for value in sigma]
         return dict(zip(found.names, values, strict=True))
 
-    return json.dumps(
-        {
-            "criterion": found.criterion,
-            "values": dict(zip(found.names, map(float, found.values), strict=True)),
-            "relative_sigma_before": shares(found.before),
-            "trials": [
-                {"trial": step.candidate.name, "kind": step.candidate.kind, "relative_sigma": shares(step.sigma)}
-                for step in found.steps
-            ],
-            "candidates": [
-                {"trial": step.candidate.name, "kind": step.candidate.kind, "relative_sigma": shares(step.sigma)}
-                for step in found.alone
-            ],
-            "version": __version__,
-        },
-        indent=2,
-        allow_nan=False,
-    )
+    def listed(steps: "Iterable[Step]") -> list[dict[str, Any]]:
+        named = [(step.candidate, shares(step.sigma)) for step in steps]
+        return [{"trial": one.name, "kind": one.kind, "relative_sigma": sigma} for one, sigma in named]
+
+    return {
+        "criterion": found.criterion,
+        "values": dict(zip(found.names, map(float, found.values), strict=True)),
+        "relative_sigma_before": shares(found.before),
+        "trials": listed(found.steps),
+        "candidates": listed(found.alone),
+        "version": __version__,
+    }
 
 
-def as_text(found: "Design") -> str:
-    """The same for people, with what each trial is good for.
-
-    Args:
-        found: The design.
-    """
-    labels = [_label(found, k) for k in range(len(found.names))]
-    rows = [["after", *labels]]
-    rows.append(["what is known now", *map(_shown, found.before)])
+def _text(found: "Design") -> str:
+    """The same for people, with what each trial is good for."""
+    labels = [name if one.is_log else f"{name} *" for name, one in zip(found.names, found.unknowns, strict=True)]
+    rows = [["after", *labels], ["what is known now", *map(_shown, found.before)]]
     rows += [[f"{i + 1}. {step.candidate.name}", *map(_shown, step.sigma)] for i, step in enumerate(found.steps)]
+    kinds = {step.candidate.kind: step for step in reversed(found.alone)}
+    best = sorted(kinds.values(), key=found.alone.index)
     alone = [["by itself", *labels]]
-    kinds: dict[str, Any] = {}
-    for step in found.alone:
-        kinds.setdefault(step.candidate.kind, step)
-    alone += [[f"best {kind}: {step.candidate.name}", *map(_shown, step.sigma)] for kind, step in kinds.items()]
+    alone += [[f"best {s.candidate.kind}: {s.candidate.name}", *map(_shown, s.sigma)] for s in best]
     right = range(1, len(labels) + 1)
-    return "\n\n".join(
-        [
-            f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
-            "standard deviations (shares of the value; *: in the unit); -: not known.",
-            aligned(rows, right=right),
-            "\n".join(found.reasons).replace("`", ""),
-            aligned(alone, right=right),
-        ]
+    title = (
+        f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
+        "standard deviations (shares of the value; *: in the unit); -: not known."
     )
-
-
-def _label(found: "Design", k: int) -> str:
-    return found.names[k] if found.unknowns[k].is_log else f"{found.names[k]} *"
+    reasons = "\n".join(found.reasons).replace("`", "")
+    return "\n\n".join([title, aligned(rows, right=right), reasons, aligned(alone, right=right)])
 
 
 def _shown(sigma: float) -> str:
@@ -317,23 +269,3 @@ def _draw(found: "Design", path: str) -> None:
     ax = figure.subplots()
     shrinking(short_names(found.names), found.sigma, ax, ylabel="expected standard deviation / value [-]", limit=LIMIT)
     save_figure(figure, path)
-
-
-def _progress() -> Callable[[float], None]:
-    """A bar on standard error after a while, if that is a terminal."""
-    import time
-
-    began, bars = time.monotonic(), list[Any]()
-
-    def show(share: float) -> None:
-        if not bars and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
-            from tqdm import tqdm
-
-            bars.append(tqdm(total=1.0, bar_format=_FORMAT, leave=False, file=sys.stderr))
-        for bar in bars:
-            bar.n = share
-            bar.refresh()
-            if share >= 1.0:
-                bar.close()
-
-    return show

@@ -6,10 +6,12 @@ says is what the help shows, and what the flags change.
 """
 
 import math
+import re
+import textwrap
 import types
 import typing
 from collections.abc import Callable, Sequence
-from dataclasses import MISSING, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
@@ -31,6 +33,9 @@ SPELLED = {"center_of_mass": "position", "interval": "control_interval"}
 """Fields of nested values, and what their flags are called."""
 WAVES = {"pitch": "a second wave, of the pitch joints", "fin": "a driven fin's own wave"}
 """Fields of a gait that it may lack."""
+LAST = "scenario"
+"""The field whose numbers, the many that specialists change, the help lists last."""
+WIDTH = 110
 _IN_DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 
 
@@ -38,9 +43,26 @@ class BadFlag(Exception):
     """A flag that cannot be used: the sentence that its user reads."""
 
 
+@dataclass(frozen=True)
+class Written:
+    """Marks the name of a file that a command will write."""
+
+    endings: tuple[str, ...]
+
+
 def flag(name: str) -> str:
     """How an option is typed."""
     return "--" + name.replace("_", "-")
+
+
+def was_typed(name: str, words: Sequence[str]) -> bool:
+    """Whether an option is among the words.
+
+    Args:
+        name: Of its field.
+        words: What was typed.
+    """
+    return any(word.split("=")[0] == flag(name) for word in words)
 
 
 def _texts(nargs: int | Literal["*"], metavar: str) -> Any:
@@ -63,6 +85,10 @@ def _shown(value: Any) -> list[str]:
 Text = Annotated[str, _texts(1, "TEXT")]
 Name = Annotated[str, _texts(1, "NAME|PATH")]
 File = Annotated[str | None, _texts(1, "FILE")]
+NetCdf = Annotated[File, Written((".nc",))]
+Picture = Annotated[File, Written((".png", ".pdf"))]
+Film = Annotated[File, Written((".mp4",))]
+Toml = Annotated[File, Written((".toml",))]
 Folder = Annotated[str, _texts(1, "DIR")]
 Maybe = Annotated[str | None, _texts(1, "TEXT")]
 MaybeName = Annotated[str | None, _texts(1, "NAME|PATH")]
@@ -70,6 +96,7 @@ Words = Annotated[tuple[str, ...], _texts("*", "NAME=VALUES ...")]
 Files = Annotated[tuple[str, ...], _texts("*", "FILE ...")]
 Input = Annotated[str, tyro.conf.Positional, _texts(1, "FILE")]
 Output = Annotated[str, tyro.conf.Positional, _texts(1, "OUTPUT")]
+ScenarioFile = Annotated[str | None, tyro.conf.Positional, _texts(1, "FILE")]
 Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _texts("*", "FILES ...")]
 
 
@@ -89,7 +116,9 @@ def read(
         BadFlag: If a flag cannot be used.
         SystemExit: If the help was asked for, or a flag is unknown.
     """
-    text = "\n\n".join(" ".join(part.split()) for part in (command.__doc__ or "").split("\n\nFields:")[0].split("\n\n"))
+    parts = (command.__doc__ or "").split("\n\nFields:")[0].split("\n\n")
+    how: Any = {"width": WIDTH, "break_on_hyphens": False, "subsequent_indent": "  "}  # tyro joins lines without indent
+    text = "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in parts)
     found: Any = tyro.cli(
         command,
         prog=prog,
@@ -133,7 +162,8 @@ def spelled(name: str, command: object) -> str:
 
 def is_positional(command: object) -> bool:
     """Whether the output of a command comes without a flag."""
-    return typing.get_type_hints(type(command), include_extras=True).get("output") == Output
+    hint = typing.get_type_hints(type(command), include_extras=True).get("output")
+    return tyro.conf.Positional in getattr(hint, "__metadata__", ())
 
 
 def is_declared(thing: object) -> bool:
@@ -163,7 +193,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
     hints = typing.get_type_hints(kind, include_extras=True)
     specs: list[StructFieldSpec] = []
     of_flag: dict[str, str] = {}
-    for field in fields(kind):
+    for field in sorted(fields(kind), key=lambda field: field.name == LAST):
         if field.name in WAVES and default is not None:
             specs += _wave_flags(field.name, getattr(default, field.name))
             continue
@@ -237,7 +267,8 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
     if hint is bool:
         return Annotated[bool, tyro.conf.FlagCreatePairsOff] if usual is False else bool
     if is_declared(usual):
-        return cast(Any, type(usual))
+        title = re.sub("(?<=[a-z])(?=[A-Z])", "-", type(usual).__name__).lower()
+        return Annotated[type(usual), tyro.conf.arg(name=title, prefix_name=False)]
     inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
     if len(inner) == 1 and get_origin(inner[0]) is Literal:
         return Annotated[Any, _choices(get_args(inner[0]))]

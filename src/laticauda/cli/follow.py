@@ -1,15 +1,14 @@
 """`laticauda follow`: one run along a path, its figures, its file and its picture."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-import tyro
-
-from laticauda.cli.flags import File, Maybe, read
+from laticauda.cli.command import Outcome
+from laticauda.cli.flags import read
 from laticauda.cli.scene import Names
-from laticauda.cli.swim import Outputs, run_and_report
+from laticauda.cli.swim import Run
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.quantities import option, quantity, value
@@ -75,52 +74,41 @@ class Plan:
 
 
 @value
-class Follow:
+class Follow(Run):
     """Let a robot follow a path with its gait, from beside it, and print how soon and how well it came there.
 
     For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60 --save run.nc --plot
     run.png
     """
 
-    file: Annotated[Maybe, tyro.conf.Positional] = option(
-        "A scenario file (.toml) that the flags change; it comes first", default=None
-    )
-    names: Names = option("What swims, how and where, by name", default=Names())
     route: Route = option("Where to go, and by which law", default=Route())
-    scenario: Scenario = option("What the names stand for; every number can be changed")
-    before: Any = option("What the names stand for, before single numbers were changed", default=None)
-    origin: Any = option("Where the environment is from, in words", default="")
-    link_forces: bool = option("Log the force on every link too", default=False)
-    save_scenario: File = option("Write what runs to this scenario file (.toml)", default=None)
-    output: Outputs = option("What becomes of it", default=Outputs())
+    sheet: ClassVar[str] = "follow_sheet"
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Callable[[], int]:
-        """The command that was typed.
-
-        Args:
-            words: Behind its name.
-            prog: What the help calls it.
-        """
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed; see `OfScenario.read`."""
         names, route = Names.read(words, prog), read(Route, words, prog, first=True)
         scenario, origin = names.scenario(words)
-        if scenario.motion == scenario.gait:  # a file may have a controller
-            scenario = replace(scenario, duration=90.0, start=Start(center_of_mass=(0.0, 1.0)))
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
-        if scenario.motion == scenario.gait and kind is cls:
-            scenario = replace(scenario, motion=route.controller(scenario.gait))
-        return read(
-            kind, words, prog, kind(names=names, route=route, scenario=scenario, before=scenario, origin=origin)
-        )
+        if scenario.motion == scenario.gait:  # a file may have a controller
+            motion = scenario.gait if kind is FollowPlanned else route.controller(scenario.gait)
+            scenario = replace(scenario, motion=motion, duration=90.0, start=Start(center_of_mass=(0.0, 1.0)))
+        return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
 
-    def __call__(self) -> int:
-        """Run, write, print, and return the exit status."""
+    def run(self) -> Outcome:
+        """Run and write."""
         from laticauda.cli.report import following_table
 
-        return run_and_report(self, self._steered(), "follow_sheet", following_table)
+        trial = self.swum(self.steered(self.chosen))
+        return self.outcome(trial, self.origin, f"\n\n{following_table(trial)}")
 
-    def _steered(self) -> Scenario:
-        return self.scenario
+    def steered(self, scenario: Scenario) -> Scenario:
+        """The scenario with the controller that is asked for.
+
+        Args:
+            scenario: With the numbers that were typed.
+        """
+        return scenario
 
 
 @value
@@ -132,15 +120,14 @@ class FollowPlanned(Follow):
 
     plan: Plan = option("Model-predictive guidance", default=Plan())
 
-    def _steered(self) -> Scenario:
+    def steered(self, scenario: Scenario) -> Scenario:
+        """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
         from laticauda.control import ModelPredictive
         from laticauda.simulate import plant
         from laticauda.studies import averaged_model
 
-        gait, settings = self.scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
-        model = averaged_model(plant(self.scenario), gait, self.plan.frequency_limits)
+        gait, settings = scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
+        model = averaged_model(plant(scenario), gait, self.plan.frequency_limits)
         settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
         settings["interval"] = settings.pop("control_interval")
-        return replace(
-            self.scenario, motion=ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings)
-        )
+        return replace(scenario, motion=ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings))

@@ -1,13 +1,12 @@
 """`laticauda identify`: physical parameters with their uncertainty from measured trials."""
 
-import json
 import shlex
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import (
     BadFlag,
     File,
@@ -19,19 +18,19 @@ from laticauda.cli.flags import (
     flag,
     options_of,
     read,
+    was_typed,
 )
-from laticauda.cli.scene import was_typed
-from laticauda.cli.tables import MISSING, aligned, number
+from laticauda.cli.progress import SHARE, progress
+from laticauda.cli.tables import numbers, table
+from laticauda.codec import keys_of
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.identify.tasks import Task
-    from laticauda.identify.unknowns import Unknown
     from laticauda.identify.validation import Validation
 
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
-_FORMAT = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
 @value
@@ -93,11 +92,10 @@ class Results:
     output: Folder = option(
         "The folder; made if need be, files of the same names are replaced", default="identification"
     )
-    json: bool = option("Print one JSON object in SI units instead of the tables", default=False)
 
 
 @value
-class Identify:
+class Identify(Command):
     """Identify physical parameters with their uncertainty from measured trials.
 
     For example: laticauda identify run-1.nc run-2.nc --parameters water.tangential_friction water.normal_drag=0.5:4
@@ -127,210 +125,119 @@ class Identify:
         """
         return replace(read(cls, words, prog), words=tuple(words))
 
-    def __call__(self) -> int:
-        """Identify, write, print, and return the exit status."""
-        from laticauda.errors import SimulationFailed
+    def run(self) -> Outcome:
+        """Identify and write."""
         from laticauda.identify.validation import validate
         from laticauda.reports.chapter import templates, writable_folder
         from laticauda.reports.identify import as_dict, write_identification
 
         task = self._task()
-        folder = Path(self.result.output)
-        command, show = (
-            shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")]),
-            _progress(),
-        )
+        folder, bar = Path(self.result.output), progress(SHARE)
+        command = shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
         writable_folder(folder)
         templates()  # what the report needs is asked for before the search
-        try:
-            found = task.run(threads=self.method.threads, progress=lambda share: show("search", share))
-            done = validate(
-                task,
-                found,
-                exact=self.method.exact,
-                by_group=not self.method.quick,
-                profiles=self.method.profiles,
-                progress=show,
-            )
-        except SimulationFailed as error:
-            print(f"laticauda: {error}", file=sys.stderr)
-            return 1
+        found = task.run(threads=self.method.threads, progress=lambda share: bar(share, what="search"))
+        done = validate(
+            task,
+            found,
+            exact=self.method.exact,
+            by_group=not self.method.quick,
+            profiles=self.method.profiles,
+            progress=lambda what, share: bar(share, what=what),
+        )
         files = write_identification(done, folder, command=command)
-        if self.result.json:
-            listed = as_dict(done, command) | {"output": str(folder), "files": files}
-            print(json.dumps(listed, indent=2, allow_nan=False))
-        else:
-            print(as_text(done, folder))
-        return 0 if found.searches[0].converged else 1
+        return Outcome(
+            facts=as_dict(done, command) | {"output": str(folder), "files": files},
+            text=_text(done, folder),
+            succeeded=found.searches[0].converged,
+        )
 
     def _task(self) -> "Task":
         """What is asked for."""
-        from laticauda.identify.tasks import load_task
+        from laticauda.identify.tasks import load_task, task_from_table
 
-        if len(self.files) == 1 and self.files[0].lower().endswith(".toml"):
-            self._refuse_beside_a_file()
-            task = load_task(self.files[0])
-            names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
-            typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
-            options = {**task.options, **typed}
-            return replace(task, options=options, name=self.result.name or task.name)
-        return self._task_of_flags()
-
-    def _refuse_beside_a_file(self) -> None:
+        if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
+            with keys_of("identify", BadFlag):
+                return task_from_table(self._table(), self.result.name or "identified", Path())
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
                 raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
+        task = load_task(self.files[0])
+        names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
+        typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
+        return replace(task, options={**task.options, **typed}, name=self.result.name or task.name)
 
-    def _task_of_flags(self) -> "Task":
-        from laticauda.identify.measurements import from_table1
-        from laticauda.identify.tasks import fixed, task_of_files
-        from laticauda.identify.trial_files import TrialFile
-        from laticauda.robot import load_parameters, load_robot
+    def _table(self) -> dict[str, Any]:
+        """What the flags say, as a file would."""
+        from laticauda.robot import load_parameters
 
         if not self.files and not self.what.table1:
             raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
         if not self.what.parameters:
             raise BadFlag("--parameters must name at least one number to identify, as water.normal_drag, got none.")
-        figures, series = _measured(self.what.measured)
-        names = _names(self.files)
-        trials = [
-            TrialFile(
-                file=file,
-                columns=None if Path(file).suffix.lower() in (".nc", ".mcap") else self.what.columns,
-                name=name,
-                figures=figures,
-                series=series,
-                interval=self.what.interval,
-            )
-            for file, name in zip(self.files, names, strict=True)
-        ]
-        base = None if self.fixed.base is None else load_parameters(self.fixed.base)
-        joints = self.fixed.joints or (base.joints if base is not None else None) or "prescribed"
-        options: dict[str, Any] = {
-            "joints": joints,
-            "model": self.fixed.model,
-            "noise": self.method.noise,
-            "n_starts": self.method.starts,
-            "seed": self.method.seed,
+        counted: dict[str, Any] = {**_measured(self.what.measured), "interval": self.what.interval}
+        short = [Path(file).stem for file in self.files]
+        trials: list[dict[str, Any]] = []
+        for file, stem in zip(self.files, short, strict=True):
+            name = stem if short.count(stem) == 1 else file  # with its folder where two are alike
+            columns = {} if Path(file).suffix.lower() in (".nc", ".mcap") else {"columns": self.what.columns}
+            trials.append({"file": file, "name": name, **columns, **counted})
+        given: dict[str, Any] = {
+            **{name: getattr(self.fixed, name) for name in ("robot", "base", "joints", "model")},
+            **{name: getattr(self.method, name) for name in ("noise", "starts", "seed")},
+            "parameters": [_unknown(word) for word in self.what.parameters],
+            "trials": trials,
+            "table1": self.what.table1 or None,
         }
-        name = self.result.name or "identified"
-        task = task_of_files(
-            trials,
-            [_unknown(word) for word in self.what.parameters],
-            name=name,
-            title=name,
-            robot=None if self.fixed.robot is None else load_robot(self.fixed.robot),
-            base=base,
-            options=options,
-        )
-        if not self.what.table1:
-            return task
-        table = [fixed(measurement, None, base) for measurement in from_table1()]
-        return replace(task, measurements=(*task.measurements, *table))
+        if given["joints"] is None and (given["base"] is None or load_parameters(given["base"]).joints is None):
+            given["joints"] = "prescribed"
+        return {"kind": "identification", **{name: one for name, one in given.items() if one is not None}}
 
 
-def _names(files: Sequence[str]) -> list[str]:
-    """Short names of trials: the files' own, with their folder where two are alike."""
-    short = [Path(file).stem for file in files]
-    return [one if short.count(one) == 1 else file for one, file in zip(short, files, strict=True)]
-
-
-def _measured(words: Sequence[str]) -> tuple[dict[str, float], dict[str, float]]:
+def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
     """Figures and series that count."""
     from laticauda.errors import one_of
     from laticauda.identify.measurements import SERIES
     from laticauda.simulate.sensitivities import UNITS
 
-    figures: dict[str, float] = {}
-    series: dict[str, float] = {}
+    found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
+    form = "NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01"
     for word in words:
-        name, equals, text = word.partition("=")
-        try:
-            sigma = float(text)
-        except ValueError:
-            equals, sigma = "", 0.0
-        if not equals or sigma <= 0.0:
-            rule = f"must be NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01, got {word!r}"
-            raise BadArgument("measured", rule)
+        name, _, (sigma,) = numbers("measured", word, form)
+        if sigma <= 0.0:
+            raise BadArgument("measured", f"must be {form}, got {word!r}")
         one_of("measured", name, (*UNITS, *SERIES))
-        (series if name in SERIES else figures)[name] = sigma
-    return figures, series
+        found["series" if name in SERIES else "figures"][name] = sigma
+    return found
 
 
-def _unknown(word: str) -> "Unknown":
-    """One of `parameters`."""
-    from laticauda.identify.unknowns import Unknown
-
-    name, equals, text = word.rpartition("=")
-    if not equals:
-        return Unknown(name=word)
-    for sign in (":", "+-"):
-        low, found, high = text.partition(sign)
-        if found:
-            try:
-                first, second = float(low), float(high)
-            except ValueError:
-                break
-            if sign == ":":
-                return Unknown(name=name, lower=first, upper=second)
-            return Unknown(name=name, prior=(first, second))
-    raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
+def _unknown(word: str) -> dict[str, Any]:
+    """One of `parameters`, as a file has it."""
+    if "=" not in word:
+        return {"name": word}
+    name, sign, ends = numbers("parameters", word, FORM, "+-", ":")
+    if len(ends) != 2:
+        raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
+    return {"name": name} | ({"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]})
 
 
-def as_text(done: "Validation", folder: Path) -> str:
-    """The parameters, what the data do not see, the errors, and where everything is.
+def _text(done: "Validation", folder: Path) -> str:
+    """The parameters, what the data do not see, the errors, and where everything is."""
+    from laticauda.reports.identify_tables import identification_tables
 
-    Args:
-        done: What was found.
-        folder: Where it was written.
-    """
     found = done.found
-    rows = [["parameter", "value", "", "+-", f"{100 * found.confidence:g} % interval", "", ""]]
-    shown = found.problem.of_interest
-    for estimate in (found.estimates[k] for k in shown):
-        if estimate.interval is None:
-            cells = [MISSING, estimate.unit, MISSING, MISSING]
-        else:
-            low, high = map(number, estimate.interval)
-            cells = [number(estimate.value), estimate.unit, number(estimate.sigma or 0.0), f"{low} to {high}"]
-        rows.append([estimate.name, *cells, "", estimate.note])
-    parts = [found.status, aligned(rows, right=(1, 3))]
-    if len(shown) < len(found.estimates):
-        parts[-1] += f"\nand {len(found.estimates) - len(shown)} numbers of where the trials began."
+    tables: dict[str, list[dict[str, Any]]] = {
+        name: cast("Any", frame).to_dict("records") for name, frame in identification_tables(done).items()
+    }
+    rows = [
+        {name: cell for name, cell in row.items() if name not in ("prior", "range")} for row in tables["parameters"]
+    ]
+    parts = [found.status, table(rows)]
+    if "began" in tables:
+        parts[-1] += f"\nand {len(tables['began'])} numbers of where the trials began."
     if found.warnings:
         parts.append("\n".join(found.warnings))
-    if done.error(found.predictions) is not None:
-        parts.append(_errors(done))
+    if "errors" in tables:
+        parts.append("Mean error of the forward velocity:\n" + table(tables["errors"]))
     parts.append(f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters")
     return "\n\n".join(parts)
-
-
-def _errors(done: "Validation") -> str:
-    def shown(value: float | None) -> str:
-        return MISSING if value is None or value != value else f"{value:.1f} %"
-
-    by_group = None if done.by_group is None else done.by_group.predictions
-    mine = (done.error(done.found.predictions), done.error(done.left_out), done.error(by_group))
-    rows = [["mean error of forward velocity", "fitted", "left out", "group left out"], ["this fit", *map(shown, mine)]]
-    for null in done.null_models:
-        rows.append([f"null model: {null.name}", *map(shown, (null.fitted, null.left_out, null.group_left_out))])
-    return aligned(rows, right=(1, 2, 3))
-
-
-def _progress() -> Callable[[str, float], None]:
-    """A bar on standard error for each part of the work, if that is a terminal."""
-    bars: dict[str, Any] = {}
-
-    def show(what: str, share: float) -> None:
-        if not sys.stderr.isatty():
-            return
-        if what not in bars:
-            from tqdm import tqdm
-
-            bars[what] = tqdm(total=1.0, desc=what, bar_format=_FORMAT, leave=False, file=sys.stderr)
-        bars[what].n = share
-        bars[what].refresh()
-        if share >= 1.0:
-            bars[what].close()
-
-    return show

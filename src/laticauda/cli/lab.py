@@ -1,15 +1,15 @@
 """`laticauda lab`: the virtual tank, with one line that says where to reach it."""
 
-import json
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
-from laticauda.cli.flags import File, Name, Text, read
-from laticauda.cli.outputs import check_output
-from laticauda.cli.scene import COMPILING
+from laticauda.cli.command import LOCAL, Command, until_stopped
+from laticauda.cli.flags import File, Name, NetCdf, Text, read
+from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
+from laticauda.interfaces import Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Water, load_robot, load_water
 from laticauda.scenarios import named_after
@@ -29,8 +29,6 @@ class Body:
     model: Literal["planar", "spatial"] = option(
         "The model of the body; the joints are servos in either", default="planar"
     )
-    position: tuple[float, float] = quantity("m", "Where the center of mass starts, x y", default=(0.0, 0.0))
-    heading: float = quantity("rad", "Initial heading, counter-clockwise from the x axis", default=0.0)
 
 
 @value
@@ -58,7 +56,7 @@ class Time:
 
 
 @value
-class LabCommand:
+class LabCommand(Command):
     """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM's clients read, a power meter.
 
     It prints one line that says where to reach them. Lines that you type are for the person at the tank: `leak node=5
@@ -68,11 +66,11 @@ class LabCommand:
     """
 
     body: Body = option("What swims, where", default=Body())
+    start: Start = option("Where it lies, straight", default=Start())
     coefficients: Water = option("Replace what the chosen water has")
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
-    json: bool = option("Print the line as a JSON object", default=False)
-    save: File = option(
+    save: NetCdf = option(
         "Write what was really so, since the robot was last put into the water, to this netCDF file (.nc)",
         default=None,
     )
@@ -88,70 +86,51 @@ class LabCommand:
         body: Body = read(Body, words, prog, first=True)
         return read(cls, words, prog, cls(body=body, coefficients=load_water(body.water)))
 
-    def __call__(self) -> int:
-        """Serve, and return the exit status."""
-        check_output("save", self.save, (".nc",))
+    def run(self) -> None:
+        """Serve until Ctrl-C, or as long as is asked for."""
         from laticauda.lab import Lab
         from laticauda.protocol import bus_address
 
         bus = bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
-            rule = f"must be udp_multicast or socketcan, which other processes reach, got {bus}"
-            raise BadArgument("bus", rule)
+            raise BadArgument("bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}")
         tank = self._tank()
         lab = Lab(tank, bus=bus, host=self.wires.host, port=self.wires.port, speed=self.time.speed)
         addresses = lab.open()
-        try:
+        with until_stopped(lab.close):
             self._announce(addresses, tank)
             threading.Thread(target=_listen, args=(lab,), daemon=True).start()
             lab.run(self.time.duration)
-        except KeyboardInterrupt:
-            print("stopped.", file=sys.stderr)
-        finally:
-            lab.close()
         if lab.lag > 0.0:
             print(f"This computer could not follow: the lab's clock waited for {lab.lag:.1f} s.", file=sys.stderr)
         if self.save is not None:
             from laticauda.packaging import __version__
 
             tank.body.trial(__version__).save(self.save)
-        return 0
 
     def _tank(self) -> "Tank":
         """The tank that is asked for, its kernels compiled."""
-        from laticauda.interfaces import Start
         from laticauda.lab import LabSettings, Tank, VirtualRobot, load_faults
-        from laticauda.simulate import needs_compiling, plant
+        from laticauda.simulate import plant
 
         robot = load_robot(self.body.robot)
         water = named_after(self.coefficients, load_water(self.body.water))
-        start = Start(center_of_mass=self.body.position, heading=self.body.heading)
         faults = () if self.time.faults is None else load_faults(self.time.faults)
         settings = LabSettings(seed=self.time.seed)
-        if needs_compiling(water, model=self.body.model):
-            print(COMPILING, file=sys.stderr, flush=True)
+        warn_of_compiling(water, self.body.model)
         body = plant(robot, water, model=self.body.model, joints="servo")
-        return Tank(VirtualRobot(robot, body, start, depth=settings.mocap.depth), settings, faults)
+        return Tank(VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: "LabAddresses", tank: "Tank") -> None:
-        if addresses.mocap_host not in ("127.0.0.1", "localhost", "::1"):
-            print(
-                f"Anyone who reaches {addresses.mocap_host} can read the cameras: the protocol knows no passwords.",
-                file=sys.stderr,
-            )
-        if addresses.bus.hops or addresses.bus.interface == "socketcan":
-            print(f"Anyone on {addresses.bus} can move the robot: a CAN bus knows no passwords.", file=sys.stderr)
-        line: dict[str, Any] = {
-            "bus": str(addresses.bus),
-            "qtm": f"{addresses.mocap_host}:{addresses.mocap_port}",
-            "meter": addresses.meter,
-            "nodes": len(tank.nodes),
-        }
-        if self.json:
-            print(json.dumps(line), flush=True)
-        else:
-            only = "" if addresses.mocap_host != "127.0.0.1" or addresses.bus.hops else " (this computer only)"
-            print(" | ".join(f"{name} {value}" for name, value in line.items()) + only, flush=True)
+        host, bus = addresses.mocap_host, addresses.bus
+        if host not in LOCAL:
+            print(f"Anyone who reaches {host} can read the cameras: the protocol knows no passwords.", file=sys.stderr)
+        if bus.hops or bus.interface == "socketcan":
+            print(f"Anyone on {bus} can move the robot: a CAN bus knows no passwords.", file=sys.stderr)
+        qtm = f"{host}:{addresses.mocap_port}"
+        line = {"bus": str(bus), "qtm": qtm, "meter": addresses.meter, "nodes": len(tank.nodes)}
+        only = "" if host != "127.0.0.1" or bus.hops else " (this computer only)"
+        self.announce(line, " | ".join(f"{name} {value}" for name, value in line.items()) + only)
 
 
 def _listen(lab: "Lab") -> None:

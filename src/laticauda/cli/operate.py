@@ -1,11 +1,12 @@
 """`laticauda operate`: run a trial file or a series file on the robot, virtual or real."""
 
-import json
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import Folder, Input, Maybe
 from laticauda.quantities import option, quantity, value
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @value
-class Operate:
+class Operate(Command):
     """Operate the robot: connect, check, calibrate, swim, stop, and keep everything.
 
     Space, q or Ctrl-C straighten and stop the robot; the second time, it is the emergency stop. The virtual tank of
@@ -30,7 +31,6 @@ class Operate:
     no_dashboard: bool = option(
         "Plain lines instead of the dashboard; so it is where the output is no terminal", default=False
     )
-    json: bool = option("Print one JSON object at the end", default=False)
     speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
     repeats: int | None = quantity("", "Of every setting of a series; the file's if left out", ge=1, default=None)
     meter: Maybe = option("Serial port of the power meter; the file's if left out", default=None)
@@ -42,19 +42,20 @@ class Operate:
     )
     mocap: Maybe = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
-    def __call__(self) -> int:
-        """Operate, print, and return the exit status."""
+    def run(self) -> Outcome:
+        """Operate."""
         from laticauda.operate.files import SeriesFile, load_operation
+        from laticauda.operate.session import table
 
         wanted = load_operation(self.file)
         folder = Path(self.output)
         if isinstance(wanted, SeriesFile):
-            return self._series(wanted, folder)
-        operation = self._chosen(wanted)
-        result = self._operate(operation, None if self.check else folder)
-        summary = result.summary()
-        self._print(summary)
-        return 0 if result.accepted else 1
+            done = self._series(wanted, folder)
+            return Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
+        summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
+        accepted = bool(summary["accepted"])
+        problem = "" if accepted else summary["reason"]
+        return Outcome(facts=summary, text=table(summary), problem=problem, succeeded=accepted)
 
     def _operate(self, operation: "Operation", folder: Path | None) -> Any:
         from laticauda.files import read_text
@@ -77,7 +78,7 @@ class Operate:
                 twin=plant(operation.body(), operation.pool(), joints="servo"),
             )
 
-    def _series(self, series: Any, folder: Path) -> int:
+    def _series(self, series: Any, folder: Path) -> Any:
         from laticauda.operate.series import run_series
 
         series = replace(
@@ -85,19 +86,12 @@ class Operate:
             repeats=series.repeats if self.repeats is None else self.repeats,
             trials=tuple(self._chosen(operation) for operation in series.trials),
         )
-        done = run_series(series, folder / series.name, self._operate, place=self._place)
-        if self.json:
-            print(json.dumps(done.summary()))
-        else:
-            print(done.table())
-        return 0 if done.is_complete else 1
+        return run_series(series, folder / series.name, self._operate, place=self._place)
 
     def _place(self, operation: "Operation", repeat: int) -> None:
         """Ask for the robot to be put where the next run starts."""
         if operation.start is None:
             return
-        import math
-
         x, y = operation.start.position
         where = f"({x:.2f}, {y:.2f}) m, heading {math.degrees(operation.start.heading):.1f} deg"
         print(f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True)
@@ -117,10 +111,3 @@ class Operate:
         connection = operation.connection.at(can=self.can, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
         return replace(operation, connection=connection, supply_voltage=voltage)
-
-    def _print(self, summary: dict[str, Any]) -> None:
-        from laticauda.operate.session import table
-
-        if not summary["accepted"]:
-            print(summary["reason"], file=sys.stderr)
-        print(json.dumps(summary) if self.json else table(summary))

@@ -1,60 +1,70 @@
-"""A progress bar for runs that take long."""
+"""How far a command is: bars on standard error, if that is a terminal."""
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from typing import Any
 
-PATIENCE = 2.0  # nobody wants a bar for less [s]
-FORMAT = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
-COUNT_FORMAT = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
+PATIENCE = 2.0
+"""Nobody wants a bar for less [s]."""
+SECONDS = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
+TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
+SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
-def progress(duration: float, *, done: str = "swam") -> Callable[[float], None]:
-    """What a run calls now and then with the time it has reached [s].
+def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0) -> Callable[..., None]:
+    """What work calls now and then with how much is done; also with `total` and `what`, a bar for each `what`.
 
-    After a while, a bar appears on standard error, if that is a terminal.
+    Args:
+        form: Of the bar, as tqdm has it.
+        total: How much there is to do.
+        what: What the bar says before that.
+        patience: How long nothing is shown [s].
+    """
+    began = time.monotonic()
+    bars: dict[str, Any] = {}
+
+    def show(done: float, total: float = total, what: str = what) -> None:
+        if what not in bars:
+            if not sys.stderr.isatty() or time.monotonic() - began < patience:
+                return
+            from tqdm import tqdm
+
+            bars[what] = tqdm(total=total, initial=done, desc=what, bar_format=form, leave=False, file=sys.stderr)
+        bars[what].n = done
+        bars[what].refresh()
+        if done >= total:
+            bars[what].close()
+
+    return show
+
+
+def run_bar(duration: float, what: str = "swam") -> Callable[..., None]:
+    """What a run calls now and then with the time it has reached [s]; short ones show nothing.
 
     Args:
         duration: Simulated time of the whole run [s].
-        done: What the bar says before the time that has been reached.
+        what: What the bar says before the time that has been reached.
     """
-    began = time.monotonic()
-    bar: Any = None
-
-    def show(reached: float) -> None:
-        nonlocal bar
-        if bar is None and sys.stderr.isatty() and time.monotonic() - began > PATIENCE:
-            from tqdm import tqdm
-
-            bar = tqdm(total=duration, initial=reached, desc=done, bar_format=FORMAT, leave=False, file=sys.stderr)
-        if bar is not None:
-            bar.n = reached
-            bar.refresh()
-            if reached >= duration:
-                bar.close()
-
-    return show
+    return progress(SECONDS, duration, what, patience=PATIENCE)
 
 
-def trials_bar() -> Callable[[int, int], None]:
-    """What many trials call now and then with the number of them that are done, and of all.
+@contextmanager
+def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
+    """The progress of many trials that are stored as they are done: Ctrl-C says how many, and how to go on.
 
-    A bar appears on standard error, if that is a terminal.
+    Args:
+        folder: Where they are stored.
     """
-    bars: list[Any] = []
+    bar, reached = progress(TRIALS), [0, 0]
 
     def show(done: int, total: int) -> None:
-        if not sys.stderr.isatty():
-            return
-        if not bars:
-            from tqdm import tqdm
+        reached[:] = done, total
+        bar(done, total)
 
-            bars.append(
-                tqdm(total=total, initial=done, desc="swam", bar_format=COUNT_FORMAT, leave=False, file=sys.stderr)
-            )
-        bars[0].update(done - bars[0].n)
-        if done >= total:
-            bars[0].close()
-
-    return show
+    try:
+        yield show
+    except KeyboardInterrupt:
+        stored = f"{reached[0]} of {reached[1]} trials are stored in {folder}"
+        raise KeyboardInterrupt(f"stopped; {stored}. Run the same command again to go on.") from None

@@ -1,12 +1,9 @@
 """`laticauda replay`: a recorded operation as a trial, and once more through the estimator and the controller."""
 
-import json
-import sys
 from typing import TYPE_CHECKING, Any
 
-from laticauda.cli.flags import File, Input
-from laticauda.cli.outputs import check_output
-from laticauda.cli.swim import PICTURES
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flags import Input, NetCdf, Picture
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 
@@ -17,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @value
-class Replay:
+class Replay(Command):
     """Make a trial of a recorded operation, and print its figures.
 
     The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
@@ -27,7 +24,7 @@ class Replay:
     """
 
     file: Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
-    save: File = option("Write the trial to this file (.nc)", default=None)
+    save: NetCdf = option("Write the trial to this file (.nc)", default=None)
     estimate: bool = option(
         "Estimate the motion again from the recorded samples; the trial is then of that", default=False
     )
@@ -35,42 +32,36 @@ class Replay:
     control: bool = option(
         "Let the controller decide again, and compare its commands with the recorded ones", default=False
     )
-    plot_timing: File = option(
-        "Draw how punctual the operator's loop was into this file (.png, .svg or .pdf)", default=None
+    plot_timing: Picture = option(
+        "Draw how punctual the operator's loop was into this picture (.png or .pdf)", default=None
     )
-    json: bool = option("Print one JSON object in SI units", default=False)
 
-    def __call__(self) -> int:
-        """Read, run again, write, print, and return the exit status."""
-        check_output("save", self.save, (".nc",))
-        check_output("plot_timing", self.plot_timing, PICTURES)
-        from laticauda.cli.report import as_json, as_text
+    def run(self) -> Outcome:
+        """Read, run again, and write."""
+        from laticauda.cli.report import as_text, facts_of
         from laticauda.operate import read_operation, rerun_controller, trial_of
 
         log = read_operation(self.file)
         estimates = self._estimates(log)
         trial = trial_of(log, estimates)
-        timing = log.timing
-        self._draw(timing)
+        self._draw(log.timing)
         rerun = rerun_controller(log, estimates=estimates) if self.control else None
         if self.save is not None:
             trial.save(self.save)
-        if log.lost:
-            print(f"laticauda: {log.lost}", file=sys.stderr)
-        if self.json:
-            found: dict[str, Any] = {**json.loads(as_json(trial)), "lost": log.lost}
-            if timing is not None:
-                found["timing"] = timing.summary()
-            if rerun is not None:
-                found["control"] = _compared(rerun)
-            print(json.dumps(found, indent=2, allow_nan=False))
-        else:
-            print(as_text(trial))
-            if timing is not None:
-                print(f"\n{_punctual(timing)}")
-            if rerun is not None:
-                print(f"\n{_sentence(rerun)}")
-        return 0 if trial.succeeded else 1
+        facts: dict[str, Any] = {**facts_of(trial), "lost": log.lost}
+        text = [as_text(trial)]
+        if log.timing is not None:
+            facts["timing"] = log.timing.summary()
+            text.append(_punctual(log.timing))
+        if rerun is not None:
+            facts["control"] = {
+                "n_commands": len(rerun.recorded),
+                "n_different": rerun.n_different,
+                "largest_difference": rerun.largest_difference,
+            }
+            text.append(_sentence(rerun))
+        lost = f"laticauda: {log.lost}" if log.lost else ""
+        return Outcome(facts=facts, text="\n\n".join(text), problem=lost, succeeded=trial.succeeded)
 
     def _draw(self, timing: "Timing | None") -> None:
         if self.plot_timing is None:
@@ -103,14 +94,6 @@ def _punctual(timing: "Timing") -> str:
         if f"{name}_median" in ms
     ]
     return "\n".join(words)
-
-
-def _compared(rerun: "Rerun") -> dict[str, float]:
-    return {
-        "n_commands": len(rerun.recorded),
-        "n_different": rerun.n_different,
-        "largest_difference": rerun.largest_difference,
-    }
 
 
 def _sentence(rerun: "Rerun") -> str:

@@ -1,24 +1,25 @@
 """A trial as text to read, and as JSON: what moved, in what, how, and the figures beside what was measured."""
 
 import dataclasses
-import json
 import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any
 
 from laticauda.cli.tables import aligned, number, percent, read_in
-from laticauda.gaits import Custom, Gait
+from laticauda.gaits import Custom, Gait, Wave
+from laticauda.quantities import quantities_of
 from laticauda.robot import Ground, Robot, Water
-from laticauda.trial import FIGURES, ComparedFigure, MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
 # Said once at the top, or by `mean_power`.
 LEFT_OUT = ("duration",)
+ALWAYS = ("tangential_friction", "normal_drag", "added_mass", "added_inertia")
 
 
-def as_json(trial: Trial) -> str:
-    """One JSON object in SI units: the trial's summary, what was measured, and how the run was made."""
+def facts_of(trial: Trial) -> dict[str, Any]:
+    """In SI units, for JSON: the trial's summary, what was measured, and how the run was made."""
     measured = measured_counterpart(trial)
     environment = dataclasses.asdict(trial.environment)
     found: dict[str, Any] = {
@@ -34,7 +35,7 @@ def as_json(trial: Trial) -> str:
     }
     if "cross_track_error" in trial.signals:
         found["path_following"] = following.summary(trial)
-    return json.dumps(found, indent=2, allow_nan=False)
+    return found
 
 
 def as_text(trial: Trial, origin: str = "") -> str:
@@ -51,42 +52,6 @@ def as_text(trial: Trial, origin: str = "") -> str:
         head.append(("FAILED", trial.status))
     parts = [_wrapped(head), figure_table(trial), _notes(trial)]
     return "\n\n".join(part for part in parts if part)
-
-
-def comparison_as_json(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
-    """One JSON object: the trials' names, and per figure its unit, values and differences, also in percent."""
-    found = {
-        row.figure.name: {
-            "unit": row.figure.unit,
-            "values": row.values,
-            "differences": row.differences,
-            "differences_percent": row.differences_percent,
-        }
-        for row in rows
-    }
-    return json.dumps({"trials": list(names), "figures": found}, indent=2, allow_nan=False)
-
-
-def comparison_as_text(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
-    """A table with a figure a line and, per trial, its value and its difference to the first."""
-    first, *others = names
-    lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
-    for row in rows:
-        cells = [read_in(value, row.figure.unit) for value in row.values]
-        line = [row.figure.title, cells[0][0], cells[0][1]]
-        for i, (shown, _) in enumerate(cells[1:], start=1):
-            line += [shown, _difference(row, i)]
-        lines.append(line)
-    return aligned(lines, right=(1, *range(3, len(lines[0]))))
-
-
-def _difference(row: ComparedFigure, i: int) -> str:
-    """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
-    share, difference = row.differences_percent[i], row.differences[i]
-    if share is not None or difference is None:
-        return percent(share)
-    shown, unit = read_in(difference, row.figure.unit)
-    return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
 
 
 def following_table(trial: Trial) -> str:
@@ -168,26 +133,25 @@ def _robot(robot: Robot) -> str:
 def _gait(gait: Gait | None) -> str:
     if gait is None:
         return "none"
-    amplitude, shift, offset = (math.degrees(angle) for angle in (gait.amplitude, gait.phase_shift, gait.offset))
-    text = (
-        f"{gait.kind.replace('_', '-')}: amplitude {amplitude:.4g} deg, "
-        f"frequency {math.degrees(gait.frequency):.4g} deg/s, phase shift {shift:.4g} deg"
-    )
-    if gait.offset:
-        text += f", offset {offset:.4g} deg"
+    parts = [f"{gait.kind.replace('_', '-')}: {_listed(gait, 'amplitude', 'frequency', 'phase_shift')}"]
     if isinstance(gait.envelope, Custom):
-        text += f", envelope {' '.join(f'{g:g}' for g in gait.envelope.values)}"
+        parts.append(f"envelope {' '.join(f'{g:g}' for g in gait.envelope.values)}")
     if gait.pitch is not None:
-        pitch = gait.pitch
-        amplitude, ahead = math.degrees(pitch.amplitude), math.degrees(pitch.phase)
-        text += f", pitch wave: amplitude {amplitude:.4g} deg, {ahead:.4g} deg ahead"
-        text += f", offset {math.degrees(pitch.offset):.4g} deg" if pitch.offset else ""
+        parts.append(f"pitch wave: {_listed(gait.pitch, 'amplitude')}")
     if gait.fin is not None:
-        fin = gait.fin
-        amplitude, frequency, ahead = (math.degrees(x) for x in (fin.amplitude, fin.frequency, fin.phase))
-        text += f", fin: amplitude {amplitude:.4g} deg, frequency {frequency:.4g} deg/s, {ahead:.4g} deg ahead"
-        text += f", offset {math.degrees(fin.offset):.4g} deg" if fin.offset else ""
-    return text
+        parts.append(f"fin: {_listed(gait.fin, 'amplitude', 'frequency')}")
+    return ", ".join(parts)
+
+
+def _listed(wave: Gait | Wave, *names: str) -> str:
+    """Numbers of a wave, in degrees."""
+    parts = [f"{name.replace('_', ' ')} {math.degrees(getattr(wave, name)):.4g} deg" for name in names]
+    parts = [f"{part}/s" if part.startswith("frequency") else part for part in parts]
+    if isinstance(wave, Wave):
+        parts.append(f"{math.degrees(wave.phase):.4g} deg ahead")
+    if wave.offset:
+        parts.append(f"offset {math.degrees(wave.offset):.4g} deg")
+    return ", ".join(parts)
 
 
 def _environment(trial: Trial, origin: str) -> str:
@@ -198,6 +162,7 @@ def _environment(trial: Trial, origin: str) -> str:
 
 
 def _water(water: Water) -> str:
+    """The coefficients that every water has, and what of the rest is not as usual."""
     parts = [
         f"tangential_friction {water.tangential_friction:g}",
         f"normal_drag {water.normal_drag:g}",
@@ -205,18 +170,13 @@ def _water(water: Water) -> str:
         f"added_inertia {water.added_inertia:g} (rotation: {water.rotational})",
         f"drag {water.drag.words}",
     ]
-    if water.tangential_added_mass:
-        parts.append(f"tangential_added_mass {water.tangential_added_mass:g}")
-    if water.friction_taper:
-        parts.append(f"friction_taper {water.friction_taper:g}")
     if water.trailing_edge != "none":
         parts.append(f"trailing edge {water.trailing_edge}")
-    if any(water.current):
-        parts.append(f"current ({water.current[0]:g}, {water.current[1]:g}) m/s")
-    if water.depth is not None:
-        parts.append(f"depth {water.depth:g} m")
-    if water.density != 1000.0:
-        parts.append(f"density {water.density:g} kg/m^3")
+    for field in dataclasses.fields(water):
+        given, declared = getattr(water, field.name), quantities_of(Water).get(field.name)
+        if declared is not None and field.name not in ALWAYS and given != field.default:
+            words = f"({given[0]:g}, {given[1]:g})" if isinstance(given, tuple) else f"{given:g}"
+            parts.append(f"{field.name} {words} {declared.unit}".rstrip())
     return ", ".join(parts)
 
 

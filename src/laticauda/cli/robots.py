@@ -1,13 +1,14 @@
 """`laticauda robots`: what there is to swim, where, and with which parameters."""
 
-import json
+import tomllib
 from collections.abc import Sequence
 from typing import Annotated, Any
 
 import tyro
 
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import MaybeName
-from laticauda.cli.tables import aligned
+from laticauda.cli.tables import table
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 from laticauda.robot import (
@@ -37,7 +38,7 @@ GROUND_FACTS = ("friction", "tangential", "normal")
 
 
 @value
-class Robots:
+class Robots(Command):
     """List the robots, waters, grounds and parameters that come with laticauda, or show one of them.
 
     For example: laticauda robots mamba --toml
@@ -47,23 +48,22 @@ class Robots:
         "A preset of any kind, or a TOML file; all if left out", default=None
     )
     toml: bool = option("Print its TOML file, to change and to swim with", default=False)
-    json: bool = option("Print one JSON object in SI units", default=False)
 
-    def __call__(self) -> int:
-        """Print, and return the exit status."""
+    def run(self) -> Outcome:
+        """Load, and describe."""
         if self.toml and self.json:
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is None:
             if self.toml:
                 raise BadArgument("toml", "must be given with the NAME of a robot, water, ground or parameters")
-            print(json.dumps(_all(), indent=2) if self.json else _lists())
-            return 0
+            return Outcome(facts=_all(), text="" if self.json else _lists())
         thing = _named(self.name)
-        if self.json:
-            print(json.dumps(_one(thing), indent=2, allow_nan=False))
-        else:
-            print(_toml(thing).rstrip() if self.toml or isinstance(thing, Parameters) else describe(thing))
-        return 0
+        toml = thing.to_toml() if isinstance(thing, Parameters) else to_toml(thing)
+        facts = summary(thing) if isinstance(thing, Robot) else {}
+        return Outcome(
+            facts={**tomllib.loads(toml), **facts},  # all fields, as its TOML file has them, under the main facts
+            text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else describe(thing),
+        )
 
 
 def _named(name: str) -> Robot | Water | Ground | Parameters:
@@ -88,30 +88,22 @@ def _all() -> dict[str, Any]:
     return {"robots": summary_rows(), **{kind: list(found) for kind, found in names.items()}}
 
 
-def _toml(thing: Robot | Water | Ground | Parameters) -> str:
-    return thing.to_toml() if isinstance(thing, Parameters) else to_toml(thing)
-
-
-def _one(thing: Robot | Water | Ground | Parameters) -> dict[str, Any]:
-    """All fields, as its TOML file has them, under the main facts."""
-    import tomllib
-
-    facts = summary(thing) if isinstance(thing, Robot) else {}
-    return {**tomllib.loads(_toml(thing)), **facts}
-
-
 def _lists() -> str:
-    waters = _rows("water", {name: describe(load_water(name)) for name in water_names()}, WATER_FACTS)
-    grounds = _rows("ground", {name: describe(load_ground(name)) for name in ground_names()}, GROUND_FACTS)
-    titles = [[name, load_parameters(name).title] for name in parameter_names()]
-    own = [["parameters", "title"], *titles]
-    return "\n\n".join([summary_table(), aligned(waters), aligned(grounds), aligned(own)])
+    waters = {name: describe(load_water(name)) for name in water_names()}
+    grounds = {name: describe(load_ground(name)) for name in ground_names()}
+    titles = [{"parameters": name, "title": load_parameters(name).title} for name in parameter_names()]
+    return "\n\n".join([
+        summary_table(),
+        table(_rows("water", waters, WATER_FACTS)),
+        table(_rows("ground", grounds, GROUND_FACTS)),
+        table(titles),
+    ])  # fmt: skip
 
 
-def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[list[str]]:
+def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[dict[str, str]]:
     """A row per thing, with what its description says about these facts."""
-    rows = [[kind, *facts]]
+    rows: list[dict[str, str]] = []
     for name, text in descriptions.items():
-        said = dict(line.split(maxsplit=1) for line in text.splitlines())
-        rows.append([name, *(said[fact] for fact in facts)])
+        found = dict(line.split(maxsplit=1) for line in text.splitlines())
+        rows.append({kind: name, **{fact: found[fact] for fact in facts}})
     return rows

@@ -2,24 +2,22 @@
 
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from importlib import import_module
 from typing import Any, Self, TypeVar, cast
 
-from laticauda.cli.flags import Maybe, MaybeName, Name, Text, flag, read
-from laticauda.cli.progress import progress
+from laticauda.cli.command import Command
+from laticauda.cli.flags import Maybe, MaybeName, Name, Text, read, was_typed
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.gaits import Gait
 from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot, Water, load_robot
-from laticauda.scenarios import Choice, Scenario, load_scenario, model_of, named_after
+from laticauda.scenarios import Choice, Model, Scenario, load_scenario, model_of, named_after
 
 Kind = TypeVar("Kind", bound=Extensible)
-
-COMPILING = "compiling the kernels for this machine (once, about 10 s) ..."
 
 
 @value
@@ -157,49 +155,70 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
         raise BadArgument(option, error.rule) from None
 
 
-def was_typed(name: str, words: Sequence[str]) -> bool:
-    """Whether an option is among the words.
-
-    Args:
-        name: Of its field.
-        words: What was typed.
-    """
-    return any(word == flag(name) or word.startswith(f"{flag(name)}=") for word in words)
-
-
-def named(scenario: Scenario, before: Scenario) -> Scenario:
-    """A scenario whose water says by its name in what it differs from the one before.
-
-    Args:
-        scenario: With the numbers that were typed.
-        before: What the names stand for, without them.
-    """
-    water, old = scenario.environment, before.environment
-    if not isinstance(water, Water) or not isinstance(old, Water):
-        return scenario
-    return replace(scenario, environment=named_after(water, old))
-
-
-def announced(scenario: Scenario) -> Callable[[float], None]:
-    """Say that kernels will be compiled, if so, and return what shows the progress of the run.
-
-    Args:
-        scenario: What is going to run.
-    """
-    warn_of_compiling(scenario)
-    return progress(scenario.duration)
-
-
-def warn_of_compiling(scenario: Scenario) -> None:
+def warn_of_compiling(environment: Environment, model: Model | str = "planar") -> None:
     """Say that kernels will be compiled, if so.
 
     Args:
-        scenario: What is going to run.
+        environment: Where something is going to swim.
+        model: By which model.
     """
     from laticauda.simulate import needs_compiling
 
-    if needs_compiling(scenario.environment, scenario.model):
-        print(COMPILING, file=sys.stderr, flush=True)
+    if needs_compiling(environment, model):
+        print("compiling the kernels for this machine (once, about 10 s) ...", file=sys.stderr, flush=True)
 
 
 NAMES = tuple(field.name for field in fields(Names))
+
+
+@value
+class OfScenario(Command):
+    """A command about one scenario: names say which, and every number of what they stand for is a flag."""
+
+    choice: Names = option("What swims, how and where, by name", default=Names())
+    scenario: Scenario = option("What the names stand for; every number can be changed")
+    before: Any = option("What the names stand for, before single numbers were changed", default=None)
+    origin: Any = option("Where the environment is from, in words", default="")
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        return cls.of(Names.read(words, prog), words, prog)
+
+    @classmethod
+    def of(cls, names: Names, words: Sequence[str], prog: str, **parts: Any) -> Self:
+        """The command whose names are known.
+
+        Args:
+            names: Of what its scenario is made.
+            words: What was typed; a file may come first.
+            prog: What the help calls the command.
+            parts: Other fields, as far as they are known.
+        """
+        scenario, origin = names.scenario(words)
+        return cls.about(scenario, words, prog, choice=names, origin=origin, **parts)
+
+    @classmethod
+    def about(cls, scenario: Scenario, words: Sequence[str], prog: str, **parts: Any) -> Self:
+        """The command whose scenario is known, but for single numbers.
+
+        Args:
+            scenario: What the names stand for.
+            words: What was typed.
+            prog: What the help calls the command.
+            parts: Other fields, as far as they are known.
+        """
+        return read(cls, words, prog, cls(scenario=scenario, before=scenario, **parts))
+
+    @property
+    def chosen(self) -> Scenario:
+        """The scenario with the numbers that were typed; its water says by its name in what it differs."""
+        water, old = self.scenario.environment, self.before.environment
+        if not isinstance(water, Water) or not isinstance(old, Water):
+            return self.scenario
+        return replace(self.scenario, environment=named_after(water, old))

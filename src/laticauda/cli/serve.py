@@ -1,18 +1,18 @@
 """`laticauda serve`: robots in water for other programs, with one line that says where to reach them."""
 
-import json
 import sys
 from pathlib import Path
 
+from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import Files, Text
-from laticauda.cli.scene import COMPILING
+from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, load_robot, load_water, robot_names
 
 
 @value
-class Serve:
+class Serve(Command):
     """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has a world of its own.
 
     It prints one line that says where. A client for GNU Octave and MATLAB comes with laticauda; its folder is in the
@@ -28,37 +28,26 @@ class Serve:
         "TOML files of robots that clients may ask for by their file's name without .toml, besides the presets",
         default=(),
     )
-    json: bool = option("Print the line as a JSON object", default=False)
 
-    def __call__(self) -> int:
-        """Serve, and return the exit status."""
+    def run(self) -> None:
+        """Serve until Ctrl-C."""
         from laticauda.cosim import PROTOCOL_VERSION, Server, matlab_folder
 
         server = Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
         _compile()
         server.open()
-        try:
-            self._announce(server.host, server.port, PROTOCOL_VERSION, str(matlab_folder()))
+        with until_stopped(server.close):
+            only = " (this computer only)"
+            if server.host not in LOCAL:
+                warning = "can use this computer's time: the protocol knows no passwords."
+                print(f"Anyone who reaches {server.host} {warning}", file=sys.stderr)
+                only = ""
+            facts = {"host": server.host, "port": server.port, "protocol": PROTOCOL_VERSION}
+            address = f"{server.host}:{server.port}"
+            folder = str(matlab_folder())
+            text = f"tcp {address}{only} | protocol {PROTOCOL_VERSION} | matlab {folder}"
+            self.announce({**facts, "matlab": folder}, text)
             server.run()
-        except KeyboardInterrupt:
-            print("stopped.", file=sys.stderr)
-        finally:
-            server.close()
-        return 0
-
-    def _announce(self, host: str, port: int, protocol: int, folder: str) -> None:
-        only = host in ("127.0.0.1", "localhost", "::1")
-        if not only:
-            print(
-                f"Anyone who reaches {host} can use this computer's time: the protocol knows no passwords.",
-                file=sys.stderr,
-            )
-        if self.json:
-            line = {"host": host, "port": port, "protocol": protocol, "matlab": folder}
-            print(json.dumps(line), flush=True)
-        else:
-            note = " (this computer only)" if only else ""
-            print(f"tcp {host}:{port}{note} | protocol {protocol} | matlab {folder}", flush=True)
 
 
 def _own(files: tuple[str, ...]) -> dict[str, Robot]:
@@ -78,14 +67,13 @@ def _own(files: tuple[str, ...]) -> dict[str, Robot]:
 
 def _compile() -> None:
     """Let nobody's first step wait for the compiler."""
-    from laticauda.interfaces import Command, Start
-    from laticauda.simulate import needs_compiling, plant
+    from laticauda.gaits import lateral_undulation
+    from laticauda.interfaces import Command as Order
+    from laticauda.interfaces import Start
+    from laticauda.simulate import plant
 
     water = load_water("paper-lateral")
-    if needs_compiling(water):
-        print(COMPILING, file=sys.stderr, flush=True)
-    from laticauda.gaits import lateral_undulation
-
-    command = Command(gait=lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
+    warn_of_compiling(water)
+    command = Order(gait=lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
     body = plant(load_robot("mamba"), water)
     body.step(body.init(Start(), command), command, 1e-3)

@@ -1,7 +1,10 @@
-"""Aligned tables of plain text, and numbers with their units."""
+"""Aligned tables of plain text, numbers with their units, and words that give numbers to names."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from laticauda.errors import BadArgument
 
 # Units of the SI that people read in others: factor and name.
 READ_IN = {"rad": (math.degrees(1.0), "deg"), "rad/s": (math.degrees(1.0), "deg/s")}
@@ -19,6 +22,21 @@ def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
         for row in rows
     )
     return "\n".join(lines)
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Rows of texts and numbers under their names; numbers end one below the other, what is missing is "-"."""
+    if not rows:
+        return MISSING
+    names = list(rows[0])
+    right = [i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)]
+    return aligned([names, *([_cell(row[name]) for name in names] for row in rows)], right)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return MISSING if value is None or math.isnan(value) else number(value)
 
 
 def read_in(value: float | None, unit: str) -> tuple[str, str]:
@@ -42,3 +60,26 @@ def number(value: float) -> str:
 def percent(value: float | None) -> str:
     """A difference in percent, with its sign."""
     return MISSING if value is None else f"{value:+.1f} %"
+
+
+def numbers(option: str, word: str, form: str, *signs: str) -> tuple[str, str, list[float]]:
+    """What a word NAME=NUMBERS says: the name, the sign between the numbers ("" for a single one), and the numbers.
+
+    Args:
+        option: Whose word it is, for messages.
+        word: What was typed.
+        form: What it should look like, for messages.
+        signs: What may stand between numbers.
+
+    Raises:
+        ValueError: If it does not look so.
+    """
+    name, _, text = word.rpartition("=")
+    sign = next((one for one in signs if one in text), "")
+    try:
+        values = [float(part) for part in (text.split(sign) if sign else [text])]
+    except ValueError:
+        values = []
+    if not (name and values and all(map(math.isfinite, values))):
+        raise BadArgument(option, f"must be {form}, got {word!r}")
+    return name, sign, values

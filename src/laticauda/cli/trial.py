@@ -1,46 +1,50 @@
 """`laticauda trial show | compare | convert`: stored trials."""
 
-import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from laticauda.cli.command import Command, Outcome, check_output
 from laticauda.cli.flags import File, Input, Inputs, Output
-from laticauda.cli.outputs import check_output
+from laticauda.cli.tables import aligned, percent, read_in
 from laticauda.quantities import option, value
 
 if TYPE_CHECKING:
-    from laticauda.trial import Trial
+    from laticauda.trial import ComparedFigure, Trial
 
-COLUMNS = "What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs"
 TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 
 
 @value
-class Show:
+class OfTrials(Command):
+    """A command about stored trials."""
+
+    columns: File = option(
+        "What the columns of a log are, a TOML file: for CSV, TSV, C3D, Parquet and .mat of other programs",
+        default=None,
+    )
+
+
+@value
+class Show(OfTrials):
     """Print the figures of a stored trial.
 
     For example: laticauda trial show run.nc
     """
 
     file: Input = option(TRIAL)
-    columns: File = option(COLUMNS, default=None)
-    json: bool = option("Print one JSON object in SI units", default=False)
 
-    def __call__(self) -> int:
-        """Print, and return the exit status."""
-        from laticauda.cli.report import as_json, as_text
+    def run(self) -> Outcome:
+        """Read."""
+        from laticauda.cli.report import as_text, facts_of
         from laticauda.logs import load_trial
 
         trial = load_trial(self.file, self.columns)
-        if self.json:
-            print(as_json(trial))
-        else:
-            print(f"made     {trial.created} with laticauda {trial.version}")
-            print(as_text(trial))
-        return 0
+        made = f"made     {trial.created} with laticauda {trial.version}"
+        return Outcome(facts=facts_of(trial), text=f"{made}\n{as_text(trial)}")
 
 
 @value
-class Compare:
+class Compare(OfTrials):
     """Print the figures of stored trials side by side, with their differences to the first.
 
     For example: laticauda trial compare bare.nc fin.nc
@@ -49,22 +53,26 @@ class Compare:
     files: Inputs = option(
         "Two trials or more; the one to compare with first. Logs of other programs need --columns", default=()
     )
-    columns: File = option(COLUMNS, default=None)
-    json: bool = option("Print one JSON object in SI units", default=False)
 
-    def __call__(self) -> int:
-        """Print, and return the exit status."""
-        from laticauda.cli.report import comparison_as_json, comparison_as_text
+    def run(self) -> Outcome:
+        """Read and compare."""
         from laticauda.trial import compare
 
         rows = compare([_either(file, self.columns) for file in self.files])
-        write = comparison_as_json if self.json else comparison_as_text
-        print(write(self.files, rows))
-        return 0
+        figures = {
+            row.figure.name: {
+                "unit": row.figure.unit,
+                "values": row.values,
+                "differences": row.differences,
+                "differences_percent": row.differences_percent,
+            }
+            for row in rows
+        }
+        return Outcome(facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows))
 
 
 @value
-class Convert:
+class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
     For example: laticauda trial convert run.nc run.mcap
@@ -74,20 +82,41 @@ class Convert:
     output: Output = option(
         "The file to write; its ending says the format, .nc, .mcap, .parquet, .mat or .csv. An older one is replaced"
     )
-    columns: File = option(COLUMNS, default=None)
-    json: bool = option("Print one JSON object", default=False)
 
-    def __call__(self) -> int:
-        """Write, and return the exit status."""
+    def run(self) -> Outcome:
+        """Read and write."""
         from laticauda.logs import load_trial
         from laticauda.trial import Format
 
         check_output("output", self.output, Format.endings())
         trial = load_trial(self.file, self.columns)
         trial.save(self.output)
-        done = {"output": self.output, "n_samples": int(trial.time.size)}
-        print(json.dumps(done) if self.json else f"{done['output']}: {done['n_samples']} samples")
-        return 0
+        n_samples = int(trial.time.size)
+        return Outcome(
+            facts={"output": self.output, "n_samples": n_samples}, text=f"{self.output}: {n_samples} samples"
+        )
+
+
+def _compared(names: Sequence[str], rows: "Sequence[ComparedFigure]") -> str:
+    """A table with a figure a line and, per trial, its value and its difference to the first."""
+    first, *others = names
+    lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
+    for row in rows:
+        cells = [read_in(value, row.figure.unit) for value in row.values]
+        line = [row.figure.title, cells[0][0], cells[0][1]]
+        for i, (shown, _) in enumerate(cells[1:], start=1):
+            line += [shown, _difference(row, i)]
+        lines.append(line)
+    return aligned(lines, right=(1, *range(3, len(lines[0]))))
+
+
+def _difference(row: "ComparedFigure", i: int) -> str:
+    """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
+    share, difference = row.differences_percent[i], row.differences[i]
+    if share is not None or difference is None:
+        return percent(share)
+    shown, unit = read_in(difference, row.figure.unit)
+    return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
 
 
 def _either(file: str, columns: str | None) -> "Trial":
@@ -95,9 +124,9 @@ def _either(file: str, columns: str | None) -> "Trial":
     from laticauda.errors import TrialFileError
     from laticauda.logs import load_trial
 
-    if columns is None:
-        return load_trial(file)
     try:
         return load_trial(file)
     except TrialFileError:
+        if columns is None:
+            raise
         return load_trial(file, columns)

@@ -1,4 +1,4 @@
-"""What `laticauda sweep` varies: names as options have them, and values with the unit in the name.
+"""Commands about many trials of one scenario: names of numbers as options have them, their values, and what came out.
 
 `amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is three values.
 """
@@ -8,48 +8,69 @@ import difflib
 import io
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.cli.tables import aligned, read_in
+from laticauda.cli.command import Outcome
+from laticauda.cli.scene import OfScenario
+from laticauda.cli.tables import MISSING, READ_IN, aligned, numbers, read_in, table
 from laticauda.errors import BadArgument
 from laticauda.files import read_text
+from laticauda.quantities import DEGREES, option, quantity, value
+from laticauda.scenarios import Scenario
+from laticauda.simulate.numbers import parameters
 
 if TYPE_CHECKING:
     from laticauda.simulate import Parameter
-    from laticauda.studies import Grid, Rows, Samples
+    from laticauda.studies import Grid, Rows
 
 # Fields of these go by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
-SUFFIXES = {"rad": "-deg", "rad/s": "-deg-s"}
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
 SAMPLES_FORM = "NAME=LOW:HIGH with --samples, as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
+
+Known = Mapping[str, "Parameter"]
+
+
+@value
+class Study(OfScenario):
+    """A command that lets a scenario swim with many values of its numbers."""
+
+    names: bool = option("Print the names of what can be varied, and end", default=False)
+    threads: int | None = quantity(
+        "", "How many trials run at once on this machine; one per core if left out", ge=1, default=None
+    )
+
+    def run(self) -> Outcome:
+        """Do the work, or list what can be varied."""
+        known = parameters(self.chosen)
+        if not self.names:
+            return self.studied(self.chosen, known)
+        lines = [(spelled(one), read_in(0.0, one.unit)[1] or MISSING, one.title) for one in known.values()]
+        facts = {name: {"unit": one.unit, "title": one.title} for name, one in known.items()}
+        return Outcome(facts=facts, text=aligned([("name", "unit", ""), *lines]))
+
+    def studied(self, scenario: Scenario, known: Known) -> Outcome:
+        """Do the work.
+
+        Args:
+            scenario: What all trials share.
+            known: What of it can be varied.
+        """
+        raise NotImplementedError
 
 
 def spelled(parameter: "Parameter") -> str:
     """How a parameter is typed."""
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
-    return (".".join(rest) if short else parameter.name).replace("_", "-") + SUFFIXES.get(parameter.unit, "")
+    return ((".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")).replace("_", "-")
 
 
-def listed(known: Mapping[str, "Parameter"]) -> str:
-    """A table of what can be varied.
-
-    Args:
-        known: That.
-    """
-    lines = [("name", "unit", "")]
-    for parameter in known.values():
-        unit = read_in(0.0, parameter.unit)[1]
-        lines.append((spelled(parameter), unit or "-", parameter.title))
-    return aligned(lines)
-
-
-def grid(words: Sequence[str], known: Mapping[str, "Parameter"]) -> "Grid":
+def grid(words: Sequence[str], known: Known) -> "Grid":
     """Every combination of the values.
 
     Args:
@@ -63,31 +84,20 @@ def grid(words: Sequence[str], known: Mapping[str, "Parameter"]) -> "Grid":
 
     found: dict[str, list[float]] = {}
     for word in words:
-        name, text = _split(word)
-        parameter, factor = _meant(name, known)
-        _once(name, parameter.name in found)
-        found[parameter.name] = [factor * value for value in _values(word, text)]
+        name, sign, values = numbers("vary", word, FORM, ":", ",")
+        parameter, factor = _meant(name, known, found)
+        if sign == ":":
+            if len(values) != 3:
+                raise BadArgument("vary", f"must be {FORM}, got {word!r}")
+            low, high, count = values
+            if not (count.is_integer() and 1 <= count <= MOST_COUNT):
+                raise BadArgument("vary", f"must have a COUNT that is a whole number >= 1, got {word!r}")
+            values = np.linspace(low, high, int(count)).tolist()
+        found[parameter.name] = [factor * one for one in values]
     return Grid(values=found)
 
 
-def samples(words: Sequence[str], known: Mapping[str, "Parameter"], n_points: int, seed: int) -> "Samples":
-    """Points that fill the ranges evenly.
-
-    Args:
-        words: NAME=LOW:HIGH each.
-        known: What can be varied.
-        n_points: How many points.
-        seed: Of the sequence.
-
-    Raises:
-        ValueError: If a word cannot be read.
-    """
-    from laticauda.studies import Samples
-
-    return Samples(ranges=ranges(words, known, SAMPLES_FORM), n_points=n_points, seed=seed)
-
-
-def ranges(words: Sequence[str], known: Mapping[str, "Parameter"], form: str) -> dict[str, tuple[float, float]]:
+def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
     """Least and greatest values by parameter.
 
     Args:
@@ -100,17 +110,15 @@ def ranges(words: Sequence[str], known: Mapping[str, "Parameter"], form: str) ->
     """
     found: dict[str, tuple[float, float]] = {}
     for word in words:
-        name, text = _split(word, form)
-        parameter, factor = _meant(name, known)
-        _once(name, parameter.name in found)
-        ends = [_number(word, part, form) for part in text.split(":")]
+        name, _, ends = numbers("vary", word, form, ":")
+        parameter, factor = _meant(name, known, found)
         if len(ends) != 2:
             raise BadArgument("vary", f"must be {form}, got {word!r}")
         found[parameter.name] = (factor * ends[0], factor * ends[1])
     return found
 
 
-def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
+def rows(path: str, known: Known) -> "Rows":
     """The points of a CSV file: names in the first line, a point in every other.
 
     Args:
@@ -128,39 +136,41 @@ def rows(path: str, known: Mapping[str, "Parameter"]) -> "Rows":
         names = [name.strip() for name in next(lines, ())]
         if not names:
             raise BadArgument("list", f"must be a CSV file with the names of parameters in its first line, got {path}")
-        meant = [_meant(name, known) for name in names]
-        for i, name in enumerate(names):
-            _once(name, meant[i][0].name in [parameter.name for parameter, _ in meant[:i]])
-        columns: list[list[float]] = [[] for _ in names]
-        for line in lines:
-            if not line:
-                continue
+        columns: dict[str, list[float]] = {}
+        factors: list[float] = []
+        for name in names:
+            parameter, factor = _meant(name, known, columns)
+            columns[parameter.name] = []
+            factors.append(factor)
+        for line in filter(None, lines):
             where = f"{path}, line {lines.line_num}"
             if len(line) != len(names):
                 raise BadArgument("list", f"must have {len(names)} numbers in every line, got {len(line)} in {where}")
-            for column, (_, factor), text in zip(columns, meant, line, strict=True):
-                column.append(factor * _number(f"{text} in {where}", text, "a table of numbers", "list"))
-    return Rows(values={parameter.name: column for (parameter, _), column in zip(meant, columns, strict=True)})
+            for column, factor, text in zip(columns.values(), factors, line, strict=True):
+                found = _number(text)
+                if not math.isfinite(found):
+                    raise BadArgument("list", f"must be a table of numbers, got {f'{text} in {where}'!r}")
+                column.append(factor * found)
+    return Rows(values=columns)
 
 
-def _split(word: str, form: str = FORM) -> tuple[str, str]:
-    name, equals, text = word.partition("=")
-    if not (name and equals and text):
-        raise BadArgument("vary", f"must be {form}, got {word!r}")
-    return name, text
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
-def _meant(name: str, known: Mapping[str, "Parameter"]) -> tuple["Parameter", float]:
-    """The parameter, and what its values are multiplied by."""
+def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple["Parameter", float]:
+    """The parameter, and what its values are multiplied by; none that was named before."""
     plain = name.replace("_", "-")
     for parameter in known.values():
-        word = spelled(parameter)
-        suffix = SUFFIXES.get(parameter.unit, "")
-        full = parameter.name.replace("_", "-")
-        if plain in (word, full + suffix):
-            return parameter, math.radians(1.0) if suffix else 1.0
-        if plain == full:  # with dots: SI, as in Python
-            return parameter, 1.0
+        full, suffix = parameter.name.replace("_", "-"), DEGREES.get(parameter.unit, "").replace("_", "-")
+        if plain in (spelled(parameter), full + suffix, full):
+            if parameter.name in before:
+                raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
+            # With dots and no unit it is in SI, as in Python.
+            return parameter, math.radians(1.0) if suffix and plain != full else 1.0
     words = [spelled(parameter) for parameter in known.values()]
     near = difflib.get_close_matches(plain, words, n=3, cutoff=0.6)
     near += [word for word in words if word.rsplit(".", 1)[-1] == plain and word not in near]
@@ -168,28 +178,35 @@ def _meant(name: str, known: Mapping[str, "Parameter"]) -> tuple["Parameter", fl
     raise BadArgument("vary", f"must name what the robot, gait or water has, got {name!r}{listed} (--names lists all)")
 
 
-def _once(name: str, is_there: bool) -> None:
-    if is_there:
-        raise BadArgument("vary", f"must name a parameter once, got {name!r} again")
+def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]) -> str:
+    """Some points as a table.
+
+    Args:
+        scenario: What all trials share.
+        names: Of the parameters.
+        figures: Names of what the points came to.
+        points: Mappings with both.
+    """
+    from laticauda.studies.trials import QUANTITIES
+
+    known = parameters(scenario)
+    heads = {name: f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures}
+    rows = [
+        {spelled(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0] for name in names}
+        | {head: point[name] for name, head in heads.items()}
+        for point in points
+    ]
+    return table(rows)
 
 
-def _values(word: str, text: str) -> list[float]:
-    if ":" not in text:
-        return [_number(word, part, FORM) for part in text.split(",")]
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise BadArgument("vary", f"must be {FORM}, got {word!r}")
-    low, high, count = (_number(word, part, FORM) for part in parts)
-    if not (count.is_integer() and 1 <= count <= MOST_COUNT):
-        raise BadArgument("vary", f"must have a COUNT that is a whole number >= 1, got {word!r}")
-    return np.linspace(low, high, int(count)).tolist()
+def point_facts(point: Mapping[str, float]) -> dict[str, float | None]:
+    """A point for JSON."""
+    return {name: None if math.isnan(one) else one for name, one in point.items()}
 
 
-def _number(word: str, text: str, form: str, option: str = "vary") -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise BadArgument(option, f"must be {form}, got {word!r}")
-    return number
+def shared_facts(scenario: Scenario) -> dict[str, Any]:
+    """What all trials share, for JSON."""
+    from laticauda.studies.trials import attributes_of
+
+    found = attributes_of(scenario)
+    return {**found, "version": found.pop("laticauda")}

@@ -1,21 +1,19 @@
 """`laticauda view`: a stored trial in 3D, in a window, as a film or as a picture."""
 
-import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from laticauda.cli.flags import File, Input
-from laticauda.cli.outputs import check_output
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flags import File, Film, Input, Written
+from laticauda.cli.progress import run_bar
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
     from laticauda.trial import Trial
 
-FILM, STILL = (".mp4",), (".png",)
-
 
 @value
-class View:
+class View(Command):
     """Show a stored trial in 3D: in MuJoCo's window, or as a film or a picture where there is no screen.
 
     A planar trial is shown as it was: the 3D robot takes its postures.
@@ -24,16 +22,15 @@ class View:
     """
 
     file: Input = option("The trial, as `laticauda swim --save` wrote it")
-    video: File = option("Write a film (.mp4) instead of opening a window", default=None)
-    still: File = option("Write a picture (.png) instead of opening a window", default=None)
+    video: Film = option("Write a film (.mp4) instead of opening a window", default=None)
+    still: Annotated[File, Written((".png",))] = option(
+        "Write a picture (.png) instead of opening a window", default=None
+    )
     time: float | None = quantity("s", "Moment of the picture; the end if left out", default=None)
     speed: float = quantity("", "How many times as fast to show it", gt=0.0, default=1.0)
-    json: bool = option("Print one JSON object", default=False)
 
-    def __call__(self) -> int:
-        """Show or write, and return the exit status."""
-        check_output("video", self.video, FILM)
-        check_output("still", self.still, STILL)
+    def run(self) -> Outcome:
+        """Show or write."""
         if self.time is not None and self.still is None:
             raise BadArgument("time", "must be given with --still: it is the moment of the picture")
         from laticauda.logs import load_trial
@@ -49,27 +46,14 @@ class View:
             from laticauda.pictures.window import show
 
             show(trial, speed=self.speed)
-        done = {"file": self.file, "video": self.video, "still": self.still}
-        print(json.dumps(done) if self.json else f"{self.video or self.still or self.file}: {trial.duration:g} s shown")
-        return 0
-
-
-def check_film(path: str | None) -> None:
-    """Refuse a film that cannot be made, before the run that it would show.
-
-    Args:
-        path: What the option `video` has; None is fine.
-    """
-    check_output("video", path, FILM)
-    if path is not None:
-        from laticauda.pictures.render import check_video
-
-        check_video()
+        return Outcome(
+            facts={"file": self.file, "video": self.video, "still": self.still},
+            text=f"{self.video or self.still or self.file}: {trial.duration:g} s shown",
+        )
 
 
 def write_film(trial: "Trial", path: str, **options: Any) -> None:
     """Write the film of a trial, and show how far it is; arguments as for `pictures.render.video`."""
-    from laticauda.cli.progress import progress
     from laticauda.pictures.render import video
 
-    video(trial, path, progress=progress(trial.duration, done="filmed"), **options)
+    video(trial, path, progress=run_bar(trial.duration, "filmed"), **options)

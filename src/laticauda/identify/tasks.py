@@ -29,7 +29,7 @@
 It is read strictly: what is unknown, missing or out of range is refused with its key.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -136,52 +136,27 @@ def load_task(path: str | Path) -> Task:
     file = Path(path)
     table = read_table(file)
     with keys_of(file, RobotFileError):
-        return _task(table, file)
+        task = task_from_table(table, file.stem, file.parent)
+    return replace(task, sources=(file, *task.sources))
 
 
-def task_of_files(
-    files: Sequence[TrialFile],
-    unknowns: Sequence[Unknown],
-    *,
-    name: str,
-    title: str,
-    robot: Robot | None = None,
-    base: Parameters | None = None,
-    options: Table | None = None,
-) -> Task:
-    """A task from trials that lie in files.
+def task_from_table(table: Table, name: str, folder: Path) -> Task:
+    """The task that a table says, as a file holds it.
 
     Args:
-        files: The files, and what counts of them.
-        unknowns: What is looked for.
-        name: Of the parameter file that it makes.
-        title: What a legend says.
-        robot: What has to have swum; None: whatever the trials say.
-        base: What is fixed.
-        options: Arguments of `fit`.
+        table: As a TOML reader gives it.
+        name: Of the parameter file, if the table says none.
+        folder: Where the files lie that it names.
 
     Raises:
-        TrialFileError: If a file cannot be read.
-        ValueError: If it lacks what is to count.
+        BadKey: If anything in it is wrong.
+        RobotFileError: If a robot or parameter file is wrong.
+        TrialFileError: If a trial in it cannot be read.
     """
-    measurements = [fixed(file.measurement(), None, base) for file in files]
-    return Task(
-        name=name,
-        title=title,
-        measurements=tuple(measurements),
-        unknowns=(*unknowns, *(start for file in files for start in file.starts)),
-        robot=None if robot is None else adjusted(robot, base.changes if base else {}),
-        base=base,
-        options=dict(options or {}),
-        sources=tuple(path for file in files for path in file.sources),
-    )
-
-
-def _task(table: Table, file: Path) -> Task:
     check_keys(table, KEYS)
     if table.get("kind") != KIND:
         raise BadKey("kind", f'must be "{KIND}" here, got {table.get("kind")!r}')
-    name = _text(table, "name", file.stem)
+    name = _text(table, "name", name)
     if not table.get("trials") and "table1" not in table:
         raise BadKey("trials", "is missing; trials or [table1] are what is identified from")
     robot = load_robot(_text(table, "robot", "")) if "robot" in table else None
@@ -192,18 +167,19 @@ def _task(table: Table, file: Path) -> Task:
     options: dict[str, Any] = {OPTIONS[key]: table[key] for key in OPTIONS if key in table}
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    trials = [_trial_file(entry, file.parent, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
-    done = task_of_files(
-        trials,
-        _unknowns(table),
+    trials = [_trial_file(entry, folder, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
+    measured = [*(fixed(trial.measurement(), None, base) for trial in trials)]
+    measured += [fixed(measurement, links, base) for measurement in _table1(table)]
+    return Task(
         name=name,
         title=_text(table, "title", name),
-        robot=robot,
+        measurements=tuple(measured),
+        unknowns=(*_unknowns(table), *(start for trial in trials for start in trial.starts)),
+        robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=options,
+        sources=tuple(path for trial in trials for path in trial.sources),
     )
-    measured = [*done.measurements, *(fixed(m, links, base) for m in _table1(table))]
-    return replace(done, measurements=tuple(measured), sources=(file, *done.sources))
 
 
 def fixed(measurement: Measurement, links: int | None, base: Parameters | None) -> Measurement:

@@ -1,13 +1,13 @@
 """`laticauda reproduce`: the paper's experiments in simulation, as one folder with a report."""
 
 import os
-import sys
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, Folder, Maybe, MaybeName
-from laticauda.cli.scene import COMPILING
-from laticauda.paper.printed import as_json, as_text
+from laticauda.cli.progress import progress
+from laticauda.cli.scene import warn_of_compiling
+from laticauda.paper.printed import as_text, facts_of
 from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 
 
 @value
-class Reproduce:
+class Reproduce(Command):
     """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
 
     Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), what the paper did not
@@ -44,64 +44,33 @@ class Reproduce:
         "", "Processes to spread the work over; one per core if left out", ge=1, default=None
     )
     output: Folder = option("The folder; made if need be, files of the same names are replaced", default="reproduction")
-    json: bool = option("Print one JSON object instead of the tables", default=False)
 
-    def __call__(self) -> int:
-        """Run, write, print, and return the exit status."""
-        from laticauda.errors import SimulationFailed
+    def run(self) -> Outcome:
+        """Run and write."""
         from laticauda.paper.repeats import load_repeats
         from laticauda.paper.report.experiments import paper_experiments
         from laticauda.paper.report.reproduce import reproduce
+        from laticauda.robot import load_water
 
         parameters = self._parameters()
         settings = paper_experiments(parameters)
         joints = self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
         repeats = () if self.repeats is None else load_repeats(self.repeats)
-        _warn_of_compiling()
-        try:
-            done = reproduce(
-                self.output,
-                settings,
-                only=self.only,
-                model=self.model,
-                joints=joints,
-                repeats=repeats,
-                workers=os.cpu_count() or 1 if self.workers is None else self.workers,
-                progress=_progress(),
-            )
-        except SimulationFailed as error:
-            print(error, file=sys.stderr)
-            return 1
-        print(as_json(done) if self.json else as_text(done))
-        return 0
+        warn_of_compiling(load_water("paper-lateral"))
+        bar = progress(FORMAT)
+        done = reproduce(
+            self.output,
+            settings,
+            only=self.only,
+            model=self.model,
+            joints=joints,
+            repeats=repeats,
+            workers=os.cpu_count() or 1 if self.workers is None else self.workers,
+            progress=lambda what, done, total: bar(done, total, what),
+        )
+        return Outcome(facts=facts_of(done), text=as_text(done))
 
     def _parameters(self) -> "Parameters | None":
         from laticauda.robot import load_parameters
 
         return None if self.parameters is None else load_parameters(self.parameters)
-
-
-def _warn_of_compiling() -> None:
-    from laticauda.robot import load_water
-    from laticauda.simulate import needs_compiling
-
-    if needs_compiling(load_water("paper-lateral")):
-        print(COMPILING, file=sys.stderr, flush=True)
-
-
-def _progress() -> Callable[[str, int, int], None]:
-    """A bar on standard error for each part of the work, if that is a terminal."""
-    bars: dict[str, Any] = {}
-
-    def show(what: str, done: int, total: int) -> None:
-        if not sys.stderr.isatty():
-            return
-        if what not in bars:
-            from tqdm import tqdm
-
-            bars[what] = tqdm(total=total, desc=what, bar_format=FORMAT, leave=False, file=sys.stderr)
-        bars[what].update(done - bars[what].n)
-        if done >= total:
-            bars[what].close()
-
-    return show

@@ -1,15 +1,13 @@
 """A current across the path: what it does to line of sight, and what the integral does about it."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from laticauda.control import IntegralLineOfSight, LineOfSight, StraightLine
-from laticauda.paper.runs import Runs, Steering, Swimmer, long_enough
-from laticauda.paper.settings import swimmers
+from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.following import last_third_error, mean_error
@@ -89,23 +87,24 @@ class DriftRun:
         return abs(self.mean_error) < self.tolerance
 
 
-def drift_run(settings: DriftSettings, law: Steering, model: Model, runs: Runs) -> DriftRun:
+def drift_run(settings: DriftSettings, law: Steering, *, model: str, joints: str, offset_bandwidth: float) -> DriftRun:
     """One law in the current.
 
     Args:
         settings: Who swims, in which current, for how long.
         law: How it is steered.
-        model: By which model.
-        runs: What runs it.
+        model: See `laticauda.simulate.plant`.
+        joints: See `laticauda.simulate.plant`.
+        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
 
     Raises:
         SimulationFailed: If the run blows up; the message says which.
     """
     swimmer = settings.swimmer
-    water = replace(swimmer.environment, current=settings.current)
+    body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth, current=settings.current)
     controller = law.controller(swimmer.gait, StraightLine(), settings.control_interval)
-    scenario = replace(swimmer, motion=controller, environment=water, model=model, duration=settings.duration)
-    trial = runs.swim(f"{swimmer.name}, in a current, {law.name}", scenario)
+    name = f"{swimmer.name}, in a current, {law.name}"
+    trial = run_named(name, body, controller, settings.duration)
     assert trial.period is not None
     measured = trial.time, trial.signals["cross_track_error"], trial.period
     error = mean_error(*measured)

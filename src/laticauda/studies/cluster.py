@@ -11,10 +11,12 @@ sweep with an error; what was stored stays, and the next call goes on from there
 
 from __future__ import annotations
 
+import logging
 import queue
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from laticauda.errors import ClusterFailed, LaticaudaError
@@ -55,6 +57,25 @@ def connect(address: str) -> Any:
         return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and can it be reached?") from error
+
+
+@contextmanager
+def connected(address: str | None) -> Generator[Any]:
+    """A client of a cluster while it is needed.
+
+    Args:
+        address: See `connect`; None: there is no cluster, and None instead of a client.
+    """
+    if address is None:
+        yield None
+        return
+    # What it logs about a scheduler that has gone is long, and said by our own error.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    client = connect(address)
+    try:
+        yield client
+    finally:
+        client.close(timeout=2)
 
 
 def swim_on(

@@ -67,6 +67,15 @@ class Front:
         """
         return self.scenario(point).gait
 
+    def point(self, point: int) -> dict[str, float]:
+        """The parameters and all figures of a point by name.
+
+        Args:
+            point: Its number.
+        """
+        figures = {name: float(self.figures[name][point]) for name in FIGURES}
+        return dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
+
     def spread(self, count: int) -> list[int]:
         """Numbers of points that lie evenly along the front, its ends included.
 

@@ -4,8 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from laticauda.paper.claims import Claim, Misprint, misprints
-from laticauda.paper.report.chapter import PaperChapter
-from laticauda.reports.chapter import Chapter
+from laticauda.paper.report.chapter import Chapter
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """The best first."""
@@ -36,7 +35,7 @@ def claims_chapter(found: Sequence[Claim], wrong: Sequence[Misprint] | None = No
         for entry in (misprints() if wrong is None else wrong)
     ]
     counts = Counter(claim.verdict for claim in found)
-    return PaperChapter(
+    return Chapter(
         name="claims",
         values={"n_claims": len(found), "counts": {name: counts[name] for name in VERDICTS if counts[name]}},
         tables={"claims": DataFrame(claims), "misprints": DataFrame(misprinted)},
