@@ -1,5 +1,6 @@
 """Every simulated trial can be run again from what it stores."""
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -8,7 +9,15 @@ import pytest
 
 import laticauda as lc
 from laticauda.actuation.laws import JointLaw
-from laticauda.control import HeadingController, LineOfSight, OffsetSteps, Polyline, Spline
+from laticauda.control import (
+    AveragedModel,
+    HeadingController,
+    LineOfSight,
+    ModelPredictive,
+    OffsetSteps,
+    Polyline,
+    Spline,
+)
 from laticauda.interfaces import Controller
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
@@ -25,6 +34,31 @@ MOTIONS = {
     "following": FOLLOWING,
     "cycle-mean": replace(FOLLOWING, path=Spline(waypoints=((0, 0), (1, 1))), heading_estimate="cycle-mean"),
     "steps": OffsetSteps(gait=GAIT, offsets=(0.1, -0.1), interval=0.7),
+    "predictive": ModelPredictive(
+        gait=GAIT,
+        path=lc.StraightLine(),
+        model=AveragedModel(
+            **dict.fromkeys(("turn_0", "speed_0", "speed_lag", "bend_lag"), 0.02),
+            **dict.fromkeys(("turn_1", "bend", "sway", "sway_lag", "power_0", "power_1"), 1.0),
+            **{"speed_1": 0.08, "speed_offset": -0.3, "power_exponent": 3.0, "power_offset": 11.0},
+        ),
+        speed=0.12,
+        horizon=4,
+    ),
+    "spatial": FOLLOWING,
+    "spatial-following": lc.SpatialPathFollowing(
+        gait=GAIT,
+        path=lc.StraightLine(),
+        profile=Spline(waypoints=((0.0, -0.5), (2.0, -0.5), (5.0, -1.0))),
+        guidance=LineOfSight(look_ahead_distance=0.5),
+        climb_guidance=LineOfSight(look_ahead_distance=1.0),
+        heading=HeadingController(gain=0.4, max_offset=0.3),
+        climb=HeadingController(gain=0.2, max_offset=0.1),
+    ),
+}
+IN_SPACE = {
+    "spatial": {"robot": "mamba", "root": "free", "environment": "paper-vortex"},
+    "spatial-following": {"robot": "mamba-modules"},
 }
 LIBRARIES = {"nc": "netCDF4", "mcap": "mcap", "parquet": "pyarrow", "mat": "scipy"}
 
@@ -35,22 +69,26 @@ def same(again, trial):
         np.testing.assert_array_equal(getattr(again, name), getattr(trial, name))
 
 
+@functools.cache
+def swum(motion):
+    changes = {"model": "spatial", **IN_SPACE[motion]} if motion in IN_SPACE else {"joints": "pd"}
+    robot, start = changes.pop("robot", "mamba"), lc.Start(heading=0.3, velocity=0.1)
+    return lc.swim(robot, MOTIONS[motion], 1.0 if motion in IN_SPACE else 2.0, start=start, **changes)
+
+
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("ending", LIBRARIES)
 def test_a_trial_from_a_file_is_run_again_to_the_last_bit(motion, ending, tmp_path):
     pytest.importorskip(LIBRARIES[ending])
-    trial = lc.swim("mamba", MOTIONS[motion], 2.0, joints="pd", start=lc.Start(heading=0.3, velocity=0.1))
+    if motion in IN_SPACE:
+        pytest.importorskip("mujoco")
+    if motion == "predictive":
+        pytest.importorskip("casadi")
+    trial = swum(motion)
     trial.save(tmp_path / f"run.{ending}")
     stored = lc.load_trial(tmp_path / f"run.{ending}")
     assert stored.equals(trial)
     same(lc.swim(stored.scenario), trial)
-
-
-def test_a_spatial_trial_is_run_again_to_the_last_bit(tmp_path):
-    pytest.importorskip("mujoco")
-    trial = lc.swim("mamba", FOLLOWING, 1.0, model="spatial", root="free", environment="paper-vortex")
-    trial.save(tmp_path / "run.nc")
-    same(lc.swim(lc.load_trial(tmp_path / "run.nc").scenario), trial)
 
 
 def test_a_run_that_was_cut_and_one_that_went_on_are_run_again_too():
