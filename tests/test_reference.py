@@ -34,6 +34,16 @@ def test_a_declared_field_shows_its_text_unit_and_range():
     assert str(water["density"].value) == "1000.0"
 
 
+def test_a_series_and_a_figure_show_what_is_declared_of_them():
+    extensions = griffe.load_extensions(ROOT / "docs/declared_fields.py")
+    log = griffe.load("laticauda.series", search_paths=[ROOT / "src"], extensions=extensions)["Log"]
+    assert log["joint_rate"].docstring.value == "Rate of the joint angle [rad s-1]."
+    assert (str(log["joint_rate"].annotation), str(log["electrical_work"].value)) == ("Joints", "None")
+    trial = griffe.load("laticauda.trial.trial", search_paths=[ROOT / "src"], extensions=extensions)["Trial"]
+    assert trial["mechanical_power"].docstring.value == "Mechanical power, mean of sum |u phi'| [W]."
+    assert trial["forward_velocity"].docstring.value.endswith("over the whole run (5) [m/s].")
+
+
 @pytest.mark.parametrize("page", ["architecture", "extending", "decisions", "release"])
 def test_those_who_carry_it_on_find_their_pages(page):
     assert (ROOT / "docs/developing" / f"{page}.md").stat().st_size > 1000

@@ -1,8 +1,8 @@
 """What bodies and brains agree on: the planar model, the 3D twin and the robot in the tank are all a `Plant`."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -15,6 +15,7 @@ from laticauda.gaits import Gait
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import CaudalFin, Environment, Robot
+from laticauda.series import Log
 
 State = TypeVar("State")
 FAR = 1e5  # beyond it, digits of the motion are lost
@@ -25,9 +26,6 @@ CONTROLLERS: dict[str, str] = {
     "offset-steps": "laticauda.control.excitation",
 }
 """Where the controllers are that come with the package; they are imported when one is named."""
-LINK_FORCE = "link_force_"
-SIGNAL = "signal_"
-"""Before the names of forces and of signals, where a log is nothing but arrays by name: see `Log.series`."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 """Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them."""
 
@@ -114,86 +112,6 @@ class Observation:
     """phi' [rad/s]."""
     pitch: float = 0.0
     """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Log:
-    """What a plant logs, and what a `laticauda.Trial` holds: samples, with time as the first axis.
-
-    Links and joints are numbered tail first. One sample (`at` an index) has no time axis.
-    """
-
-    time: Float[np.ndarray, " *samples"]
-    """When each sample was taken [s], strictly increasing."""
-    center_of_mass: Float[np.ndarray, "*samples n_axes"]
-    """Position of the center of mass, with the fin's mass, world axes [m]."""
-    center_of_mass_velocity: Float[np.ndarray, "*samples n_axes"]
-    """Its velocity, world axes [m/s]."""
-    heading: Float[np.ndarray, " *samples"]
-    """Mean angle of the body's links (6), unwrapped, without the fin [rad]."""
-    heading_rate: Float[np.ndarray, " *samples"]
-    """Its rate [rad/s]."""
-    link_angle: Float[np.ndarray, "*samples n_links"]
-    """Angle of each link to the world x axis, counter-clockwise [rad]."""
-    joint_angle: Float[np.ndarray, "*samples n_joints"]
-    """Angle of each joint, head side minus tail side [rad]."""
-    joint_rate: Float[np.ndarray, "*samples n_joints"]
-    """Its rate [rad/s]."""
-    joint_angle_ref: Float[np.ndarray, "*samples n_joints"]
-    """What the joint was asked for [rad]."""
-    joint_torque: Float[np.ndarray, "*samples n_joints"]
-    """Torque of each joint's drive; its power is torque times rate [N m]."""
-    work: Float[np.ndarray, "*samples 3"]
-    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0) [J]."""
-    electrical_work: Float[np.ndarray, " *samples"] | None = None
-    """Electrical work so far, above idle, by a power model or a power meter; None where there is none [J]."""
-    link_force: Mapping[str, Float[np.ndarray, "*samples n_links n_axes"]] | None = None
-    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
-    signals: Mapping[str, Float[np.ndarray, " *samples"]] = field(default_factory=dict[str, np.ndarray])
-    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
-    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
-
-    def at(self, index: int | slice) -> "Log":
-        """Some of the samples.
-
-        Args:
-            index: Of one, which has no time axis then, or a slice.
-        """
-        return log_of({name: np.asarray(values[index]) for name, values in self.series().items()})
-
-    def series(self) -> dict[str, np.ndarray]:
-        """Every array by its name in tables and messages: `signal_offset` is the signal `offset`."""
-        found = {name: values for name in PLAIN if (values := getattr(self, name)) is not None}
-        found |= {LINK_FORCE + name: values for name, values in (self.link_force or {}).items()}
-        return found | {SIGNAL + name: values for name, values in self.signals.items()}
-
-
-PLAIN = tuple(one.name for one in fields(Log) if one.name not in ("link_force", "signals"))
-"""What in a log is an array by itself."""
-
-
-def log_of(series: Mapping[str, np.ndarray]) -> Log:
-    """The log whose `Log.series` these are.
-
-    Args:
-        series: Every array by its name.
-    """
-    forces = {name.removeprefix(LINK_FORCE): one for name, one in series.items() if name.startswith(LINK_FORCE)}
-    signals = {name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)}
-    found: dict[str, Any] = {name: series[name] for name in PLAIN if name in series}
-    return Log(**found, link_force=forces or None, signals=signals)
-
-
-def concatenated(parts: Sequence[Log]) -> Log:
-    """One log of several that follow each other.
-
-    Args:
-        parts: At least one; all have the same forces and signals.
-    """
-    if len(parts) == 1:
-        return parts[0]
-    series = [log.series() for log in parts]
-    return log_of({name: np.concatenate([one[name] for one in series]) for name in series[0]})
 
 
 @value

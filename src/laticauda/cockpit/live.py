@@ -20,9 +20,9 @@ from laticauda.cockpit.simulation import (
     has_interval,
 )
 from laticauda.errors import within
-from laticauda.interfaces import Log, log_of
 from laticauda.packaging import __version__
 from laticauda.scenarios import Experiment, Scenario
+from laticauda.series import Log, log_of
 from laticauda.trial import Trial
 
 PLOTTED = 60.0  # what the plots show [s]

@@ -9,10 +9,10 @@ import numpy as np
 from laticauda.cockpit.events import refusing
 from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.cockpit.shapes import Color
-from laticauda.interfaces import Log
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
+from laticauda.series import Log
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate

@@ -12,8 +12,8 @@ from laticauda.cockpit.events import refusing
 from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.scene import Scene
-from laticauda.interfaces import Log
 from laticauda.robot import Robot
+from laticauda.series import Log
 from laticauda.trial import Trial
 
 SAVED = "cockpit-run.nc"

@@ -8,8 +8,8 @@ import numpy as np
 
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
 from laticauda.control import StraightLine
-from laticauda.interfaces import Log
 from laticauda.robot import Robot
+from laticauda.series import Log
 
 FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
 WIDE = 60.0  # of what has no end [m]

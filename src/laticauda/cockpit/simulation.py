@@ -9,8 +9,9 @@ import numpy as np
 from laticauda.cockpit.changes import checked, path_of
 from laticauda.errors import instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Log, Plant, Start
+from laticauda.interfaces import Command, Controller, Plant, Start
 from laticauda.scenarios import Scenario
+from laticauda.series import Log
 from laticauda.simulate import plant
 
 TICK = 0.025  # time between two samples [s]

@@ -15,8 +15,9 @@ import numpy as np
 from laticauda.cosim.messages import Message
 from laticauda.cosim.requests import commanded
 from laticauda.errors import BadArgument, one_of, positive, within
-from laticauda.interfaces import Command, Log, OpenLoop, Plant, Start
+from laticauda.interfaces import Command, OpenLoop, Plant, Start
 from laticauda.scenarios import Scenario, Spatial
+from laticauda.series import Log
 from laticauda.simulate import plant, swim
 from laticauda.trial import Trial
 

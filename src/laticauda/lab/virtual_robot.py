@@ -11,10 +11,11 @@ from laticauda.actuation.laws import Servo
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
-from laticauda.interfaces import ORIENTATION, Command, Log, Plant, Start, concatenated
+from laticauda.interfaces import ORIENTATION, Command, Plant, Start
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
+from laticauda.series import Log, concatenated
 from laticauda.trial import Trial
 
 SAMPLE_INTERVAL = 0.05  # s

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from laticauda.errors import BadArgument, SimulationFailed, instance
-from laticauda.interfaces import Command, Controller, Log, Observation, OpenLoop, Plant, Resumed, Start, concatenated
+from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Resumed, Start
 from laticauda.packaging import __version__
 from laticauda.scenarios import Motion, Scenario
+from laticauda.series import Log, concatenated
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]

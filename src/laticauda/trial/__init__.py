@@ -3,7 +3,7 @@
 from laticauda.trial.compare import ComparedFigure, compare
 from laticauda.trial.contents import FORCE_COMPONENTS
 from laticauda.trial.cycles import CycleMean
-from laticauda.trial.figures import FIGURES, Figure
+from laticauda.trial.figures import Figure
 from laticauda.trial.formats import Format
 from laticauda.trial.joining import joined
 from laticauda.trial.measured import (
@@ -13,7 +13,7 @@ from laticauda.trial.measured import (
     measured_counterpart,
     measured_setting,
 )
-from laticauda.trial.trial import Trial
+from laticauda.trial.trial import FIGURES, Trial
 
 __all__ = [
     "FIGURES",

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import BadArgument
-from laticauda.trial.figures import FIGURES, Figure, figures
-from laticauda.trial.trial import Trial
+from laticauda.trial.figures import Figure
+from laticauda.trial.trial import FIGURES, Trial
 
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
 
@@ -46,7 +46,7 @@ def compare(trials: Sequence[Trial]) -> list[ComparedFigure]:
     """
     if len(trials) < 2:
         raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(trials)}")
-    columns = [figures(trial)[0] for trial in trials]
+    columns = [trial.figures()[0] for trial in trials]
     # A mechanical and an electrical power differ by a factor of ten: side by side they would mislead.
     mixed = len({trial.mean_power_kind for trial in trials}) > 1
     rows: list[ComparedFigure] = []

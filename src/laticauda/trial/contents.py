@@ -2,18 +2,20 @@
 
 import dataclasses
 import datetime
+import math
 from collections.abc import Mapping
+
+import numpy as np
 
 from laticauda.errors import BadArgument, flag, instance, text
 from laticauda.gaits import Gait
-from laticauda.interfaces import Log
 from laticauda.robot import Ground, Robot, Water
 from laticauda.scenarios import Experiment, Scenario
+from laticauda.series import SERIES, Log
 from laticauda.trial import arrays
-from laticauda.trial.arrays import AnyArray, Setting
+from laticauda.trial.arrays import AnyArray, FinJoints, Setting
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
-WORK_KINDS = ("absolute", "net", "positive")
 NOT_NEEDED = (
     "heading",
     "heading_rate",
@@ -90,33 +92,46 @@ class Contents(Log):
         """How the run was made, in texts and numbers: controller and model, or what is known of an experiment."""
         return self.scenario.settings
 
+    @property
+    def period(self) -> float | None:
+        """Period of the gait, 2 pi / frequency [s]; None without a gait, or if it stands still."""
+        return 2.0 * math.pi / self.gait.frequency if self.gait is not None and self.gait.frequency > 0.0 else None
+
+    @property
+    def chain(self) -> Robot:
+        """The robot whose links the columns of `link_angle` are."""
+        return self.robot if self.center_of_mass.shape[1] == 3 else self.robot.planar()
+
+    @property
+    def fin_angle(self) -> FinJoints:
+        """Angles of the joints of a fin that is driven or bends, from its root on; 0 where it lacks them [rad]."""
+        return self._of_fin("fin_angle")
+
+    @property
+    def fin_rate(self) -> FinJoints:
+        """Their rates [rad/s]."""
+        return self._of_fin("fin_rate")
+
+    def _of_fin(self, name: str) -> FinJoints:
+        fin = self.robot.caudal_fin
+        joints = range(0 if fin.joint is not None else 1, fin.n_hinges + 1) if fin is not None else ()
+        nothing = np.zeros(self.time.size)
+        return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
+
     def _clean(self) -> dict[str, object]:
         """Arrays and mappings as they are kept."""
-        time = arrays.times("time", self.time)
-        n = time.size
-        center_of_mass = arrays.floats("center_of_mass", self.center_of_mass, (n, None))
-        n_axes = center_of_mass.shape[1]
+        clean: dict[str, object] = {"time": arrays.times("time", self.time)}
+        center = arrays.floats("center_of_mass", self.center_of_mass, (len(self.time), None))
+        n_axes = center.shape[1]
         if n_axes not in (2, 3):
             raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
         n_links = (self.robot if n_axes == 3 else self.robot.planar()).n_links
-
-        shapes: dict[str, tuple[int, ...]] = {
-            "center_of_mass_velocity": (n, n_axes),
-            "heading": (n,),
-            "heading_rate": (n,),
-            "link_angle": (n, n_links),
-            "joint_angle": (n, n_links - 1),
-            "joint_rate": (n, n_links - 1),
-            "joint_angle_ref": (n, n_links - 1),
-            "joint_torque": (n, n_links - 1),
-            "work": (n, len(WORK_KINDS)),
-        }
-        if self.electrical_work is not None:
-            shapes["electrical_work"] = (n,)
-        clean: dict[str, object] = {"time": time, "center_of_mass": center_of_mass}
-        clean |= {name: arrays.floats(name, getattr(self, name), shape) for name, shape in shapes.items()}
-        clean["link_force"] = arrays.forces(self.link_force, (n, n_links, n_axes))
-        clean["signals"] = arrays.signals(self.signals, n)
+        n = {"time": len(self.time), "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
+        for name, one in SERIES.items():
+            if name != "time" and getattr(self, name) is not None:
+                clean[name] = arrays.floats(name, getattr(self, name), tuple(n[of] for of in one.dimensions))
+        clean["link_force"] = arrays.forces(self.link_force, (n["time"], n_links, n_axes))
+        clean["signals"] = arrays.signals(self.signals, n["time"])
         state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
         return clean

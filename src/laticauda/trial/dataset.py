@@ -7,7 +7,7 @@ or JSON, which write floats with all their digits) or a number, so that any tool
 import base64
 import json
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water, from_toml
 from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
 from laticauda.scenarios.older import run_of_settings
+from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
 from laticauda.trial.arrays import AnyArray
-from laticauda.trial.contents import WORK_KINDS, Contents
+from laticauda.trial.contents import Contents
 
 if TYPE_CHECKING:
     import xarray
@@ -29,45 +30,18 @@ larger one is a newer laticauda's."""
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
-FORCE = "link_force_"
-SIGNAL = "signal_"
 TEXTS = ("version", "created", "status")
 
 
-class Variable(NamedTuple):
-    """One time series of the layout."""
-
-    dimensions: tuple[str, ...]
-    """Names of its axes, time first."""
-    units: str
-    """SI unit, in the notation of UDUNITS."""
-    long_name: str
-    """What it is, in words."""
-
-
-_ONE, _PLACE, _LINKS, _JOINTS = ("time",), ("time", "axis"), ("time", "link"), ("time", "joint")
-
-PLAIN = {
-    "time": Variable(_ONE, "s", "time since the start of the run"),
-    "center_of_mass": Variable(_PLACE, "m", "position of the center of mass, world axes"),
-    "center_of_mass_velocity": Variable(_PLACE, "m s-1", "velocity of the center of mass, world axes"),
-    "heading": Variable(_ONE, "rad", "mean angle of the body's links, unwrapped"),
-    "heading_rate": Variable(_ONE, "rad s-1", "rate of the heading"),
-    "link_angle": Variable(_LINKS, "rad", "angle of each link to the world x axis, counter-clockwise, tail first"),
-    "joint_angle": Variable(_JOINTS, "rad", "joint angle, head side minus tail side, tail first"),
-    "joint_rate": Variable(_JOINTS, "rad s-1", "rate of the joint angle"),
-    "joint_angle_ref": Variable(_JOINTS, "rad", "joint angle that was asked for"),
-    "joint_torque": Variable(_JOINTS, "N m", "torque of the joint's drive"),
-}
-"""The variables that are an array of `Trial` as it stands."""
-
+ELECTRICAL = "electrical_work"
+PLAIN = tuple(name for name in SERIES if name not in ("work", ELECTRICAL))
+"""The time series that are an array of `Trial` as it stands."""
 WORK = {
-    f"work_{kind}": Variable(_ONE, "J", f"mechanical work of the joints, {words}")
-    for kind, words in zip(WORK_KINDS, ("sum of |u phi'|", "sum of u phi'", "sum of max(u phi', 0)"), strict=True)
+    "work_absolute": "mechanical work of the joints, sum of |u phi'|",
+    "work_net": "mechanical work of the joints, sum of u phi'",
+    "work_positive": "mechanical work of the joints, sum of max(u phi', 0)",
 }
 """The columns of `Trial.work`."""
-
-ELECTRICAL = "electrical_work"
 
 SIGNALS = {
     "heading_ref": ("rad", "heading that guidance asks for"),
@@ -94,7 +68,7 @@ SIGNALS = {
 """Unit and meaning of the signals of `laticauda.control` and of spatial runs; others may have others."""
 
 
-def variable(name: str) -> Variable:
+def variable(name: str) -> Series:
     """The description of a time series.
 
     Args:
@@ -103,15 +77,13 @@ def variable(name: str) -> Variable:
     Raises:
         KeyError: If no trial has one of that name.
     """
-    if name.startswith(FORCE):
-        words = name.removeprefix(FORCE).replace("_", " ")
-        return Variable(("time", "link", "axis"), "N", f"force of the {words} on each link, world axes")
+    if name.startswith(LINK_FORCE):
+        words = name.removeprefix(LINK_FORCE).replace("_", " ")
+        return Series("N", f"force of the {words} on each link, world axes", ("time", "link", "axis"))
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
-        return Variable(_ONE, *SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
-    if name == ELECTRICAL:
-        return Variable(_ONE, "J", "electrical work of the robot above idle")
-    return (PLAIN | WORK)[name]
+        return Series(*SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
+    return Series("J", WORK[name]) if name in WORK else SERIES[name]
 
 
 def to_dataset(trial: Contents) -> "xarray.Dataset":
@@ -122,17 +94,13 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
     """
     import xarray
 
-    arrays = {name: getattr(trial, name) for name in PLAIN}
-    arrays |= {name: trial.work[:, i] for i, name in enumerate(WORK)}
-    if trial.electrical_work is not None:
-        arrays[ELECTRICAL] = trial.electrical_work
-    arrays |= {FORCE + name: force for name, force in (trial.link_force or {}).items()}
-    arrays |= {SIGNAL + name: signal for name, signal in trial.signals.items()}
+    arrays = trial.series()
+    work = dict(zip(WORK, arrays.pop("work").T, strict=True))
+    arrays = {name: arrays.pop(name) for name in PLAIN} | work | arrays
     series: dict[str, Any] = {}
     for name, values in arrays.items():
-        described = variable(name)
-        notes = {"units": described.units, "long_name": described.long_name}
-        series[name] = described.dimensions, values.copy(), notes
+        one = variable(name)
+        series[name] = one.dimensions, values.copy(), {"units": one.units, "long_name": one.text}
     index = {
         "link": np.arange(trial.link_angle.shape[1], dtype=np.int32),
         "joint": np.arange(trial.joint_angle.shape[1], dtype=np.int32),
@@ -156,7 +124,7 @@ def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) ->
 
     check_format(attributes)
     names = [*PLAIN, *WORK, *([ELECTRICAL] if attributes["has_electrical_work"] else [])]
-    names += [FORCE + name for name in json.loads(attributes["link_force"]) or ()]
+    names += [LINK_FORCE + name for name in json.loads(attributes["link_force"]) or ()]
     names += [SIGNAL + name for name in json.loads(attributes["signals"])]
     return xarray.Dataset({name: (variable(name).dimensions, read(name)) for name in names}, attrs=dict(attributes))
 
@@ -184,7 +152,7 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         **{name: read(name) for name in PLAIN},
         "work": np.stack([read(name) for name in WORK], axis=1),
         "electrical_work": read(ELECTRICAL) if attributes["has_electrical_work"] else None,
-        "link_force": None if forces is None else {name: read(FORCE + name) for name in forces},
+        "link_force": None if forces is None else {name: read(LINK_FORCE + name) for name in forces},
         "signals": {name: read(SIGNAL + name) for name in json.loads(attributes["signals"])},
         "scenario": _scenario(attributes, read),
         **{name: str(attributes[name]) for name in TEXTS},

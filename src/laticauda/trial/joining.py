@@ -8,8 +8,8 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
-from laticauda.interfaces import concatenated
 from laticauda.scenarios import Experiment, Scenario
+from laticauda.series import concatenated
 from laticauda.trial.trial import Trial
 
 _TOLERANCE = 1e-9  # of position [m] and angles [rad] at the joint: a restart continues the very state

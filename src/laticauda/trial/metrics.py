@@ -1,7 +1,8 @@
 """Figures of a run: one meaning each, the same for a simulation and for the robot in the tank.
 
-Pure functions of logged arrays and plain numbers. Where a figure has no meaning, as a cost per meter of a robot that
-stood still or a steady velocity of a run of two seconds, they raise a `ValueError` that says why; none returns nan.
+Those of arrays and plain numbers serve whoever has no trial; those of a trial are its properties. Where a figure has no
+meaning, as a cost per meter of a robot that stood still or a steady velocity of a run of two seconds, they raise a
+`ValueError` that says why; none returns nan.
 """
 
 import numpy as np
@@ -11,7 +12,9 @@ from laticauda.errors import BadArgument, positive
 from laticauda.fluid.laws import Element
 from laticauda.kinematics import trailing_edge
 from laticauda.robot import Ground, Robot, Water
+from laticauda.trial.contents import Contents
 from laticauda.trial.cycles import (
+    CycleMean,
     SteadyPart,
     Time,
     course_cycle_mean,
@@ -28,7 +31,7 @@ STANDARD_GRAVITY = 9.81  # [m/s2]
 STILL = 1e-9  # a speed below this is rounding [m/s]
 
 
-# ---- speed ---------------------------------------------------------------------------------------------------------
+# ---- of arrays and numbers -----------------------------------------------------------------------------------------
 
 
 def duration(time: Time) -> float:
@@ -73,140 +76,6 @@ def path_speed(time: Time, center_of_mass: Path) -> float:
         ValueError: If the log has fewer than two samples.
     """
     return float(np.sum(np.linalg.norm(np.diff(center_of_mass, axis=0), axis=1))) / duration(time)
-
-
-def steady_velocity(time: Time, center_of_mass: Path, velocity: Path, period: float | None) -> float:
-    """As `forward_velocity`, over the steady part of the run only [m/s].
-
-    The steady part is as many whole gait cycles as fit after the first third of the run and after 10 s, counted back
-    from the end; without a gait all of that time. So neither the start nor the gait's ripple is in it.
-
-    Args:
-        time: Of the samples [s].
-        center_of_mass: p [m], world axes.
-        velocity: p' [m/s], world axes.
-        period: Of the gait [s], None where there is no gait.
-
-    Raises:
-        ValueError: If the run is too short; the message says how long it must be.
-    """
-    part = steady_part(time, period)
-    return float(np.linalg.norm(_displacement(time, center_of_mass, velocity, part))) / (part.stop - part.start)
-
-
-# ---- direction -----------------------------------------------------------------------------------------------------
-
-
-def course(time: Time, center_of_mass: Path, velocity: Path, period: float | None) -> float:
-    """Direction of travel over the steady part, in [-pi, pi] from the world x axis, counter-clockwise [rad].
-
-    Arguments as for `steady_velocity`.
-
-    Raises:
-        ValueError: If the run is too short, or the robot stands still.
-    """
-    displacement = _displacement(time, center_of_mass, velocity, steady_part(time, period))
-    return float(direction(displacement[np.newaxis])[0])
-
-
-def sideslip(
-    time: Time, center_of_mass: Path, velocity: Path, heading: Time, heading_rate: Time, period: float
-) -> float:
-    """Course minus heading, both as cycle means, averaged over the steady part [rad].
-
-    Positive when the robot travels to the left of where it points.
-
-    Args:
-        time: Of the samples [s].
-        center_of_mass: p [m], world axes.
-        velocity: p' [m/s], world axes.
-        heading: Mean link angle, equation (6) [rad], unwrapped.
-        heading_rate: Its rate [rad/s].
-        period: Of the gait [s].
-
-    Raises:
-        ValueError: If the run is too short, or the robot stands still.
-    """
-    inside = _in_steady_part(time, period)
-    traveled = course_cycle_mean(time, center_of_mass, velocity, period).value
-    pointed = cycle_mean(time, heading, heading_rate, period).value
-    if not np.any(inside):
-        raise BadArgument(
-            "time",
-            "must hold the middle of a whole gait cycle after the transient for a sideslip: "
-            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least",
-        )
-    angle = (traveled - pointed)[inside]
-    # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
-    return float(np.angle(np.mean(np.exp(1j * angle))))
-
-
-def turning_rate(time: Time, heading: Time, heading_rate: Time, period: float) -> float:
-    """Slope of the heading's cycle mean over the steady part, by least squares; positive to the left [rad/s].
-
-    Args:
-        time: Of the samples [s].
-        heading: Mean link angle, equation (6) [rad], unwrapped.
-        heading_rate: Its rate [rad/s].
-        period: Of the gait [s].
-
-    Raises:
-        ValueError: If the steady part is shorter than two cycles: one mean has no slope.
-    """
-    part = steady_part(time, period)
-    inside = _in_steady_part(time, period)
-    if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
-        raise BadArgument(
-            "time",
-            "must span at least two gait cycles after the transient for a turning rate; "
-            f"got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s",
-        )
-    mean = cycle_mean(time, heading, heading_rate, period)
-    t, value = mean.time[inside], mean.value[inside]
-    t = t - np.mean(t)
-    return float(np.sum(t * (value - np.mean(value))) / np.sum(t * t))
-
-
-def strouhal_number(
-    time: Time,
-    center_of_mass: Path,
-    velocity: Path,
-    link_angle: Float[np.ndarray, "n_samples n_links"],
-    robot: Robot,
-    period: float,
-    fin_angle: Float[np.ndarray, "n_samples n_fin_joints"] | None = None,
-) -> float:
-    """Strouhal number f A / U of the tail.
-
-    f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge (without a fin, of
-    the tail end) across the course. A is taken cycle by cycle over the steady part, each across its own course, and
-    averaged: on a straight path that is the excursion over the whole steady part, on a curved one the curve itself
-    does not count. Eels swim at about 0.32 (Tytell 2004).
-
-    Args:
-        time: Of the samples [s].
-        center_of_mass: p [m], world axes.
-        velocity: p' [m/s], world axes.
-        link_angle: theta [rad].
-        robot: The robot whose links these are.
-        period: Of the gait [s].
-        fin_angle: Of the joints of its fin [rad]; None: straight.
-
-    Raises:
-        ValueError: If the run is too short, or the robot stands still.
-    """
-    part = steady_part(time, period)
-    edge = trailing_edge(robot, center_of_mass[:, :2], link_angle, fin_angle=fin_angle)
-    bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
-    steps = np.diff(interpolated(time, center_of_mass, velocity, bounds), axis=0)
-    excursion = 0.0
-    for begin, end, angle in zip(bounds[:-1], bounds[1:], direction(steps), strict=True):
-        cycle = edge[(time >= begin) & (time <= end)]
-        excursion += float(np.ptp(cycle @ np.array([-np.sin(angle), np.cos(angle)]))) / len(steps)
-    return excursion / (period * steady_velocity(time, center_of_mass, velocity, period))
-
-
-# ---- power and efficiency ------------------------------------------------------------------------------------------
 
 
 def mean_power(time: Time, work: Time) -> float:
@@ -299,28 +168,6 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
     return -c_t * _along(water, speed)
 
 
-def quasi_propulsive_efficiency(towing_drag: float, speed: float, mechanical_power: float) -> float:
-    """Towing power of the straight robot at its speed / mechanical power of its joints.
-
-    It compares the swimmer with the same body on a rope, so unlike a propeller's efficiency it has no bound of 1. A
-    "Froude efficiency" is not defined for a body that propels itself: thrust and drag are one force.
-
-    Args:
-        towing_drag: Of the straight robot at that speed [N].
-        speed: v through the water [m/s].
-        mechanical_power: Mean of sum |u phi'| [W].
-
-    Raises:
-        ValueError: If the joints did no work.
-    """
-    if not mechanical_power > 0.0:
-        raise BadArgument("mechanical_power", f"must be > 0 W for an efficiency, got {mechanical_power}")
-    return towing_drag * speed / mechanical_power
-
-
-# ---- inside --------------------------------------------------------------------------------------------------------
-
-
 def _moving(speed: float) -> float:
     if not speed > STILL:
         raise ValueError(f"The robot must move for a cost per distance: its speed is {speed:.1e} m/s.")
@@ -332,8 +179,159 @@ def _along(water: Water, speed: float) -> float:
     return water.drag(speed, 0.0, 0.0, 0.0, Element(1.0, 0.0, 0.0, 0.0))[0]
 
 
-def _displacement(time: Time, center_of_mass: Path, velocity: Path, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
-    ends = interpolated(time, center_of_mass, velocity, np.array([part.start, part.stop]))
+# ---- of a trial ----------------------------------------------------------------------------------------------------
+
+
+def work_power(trial: Contents, kind: int) -> float:
+    """Mean mechanical power [W].
+
+    Args:
+        trial: The run.
+        kind: Which column of its `work`.
+    """
+    trial.need("a mechanical power", "work")
+    return mean_power(trial.time, trial.work[:, kind])
+
+
+def electrical_power(trial: Contents) -> float:
+    """Mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
+    if trial.electrical_work is None:
+        raise ValueError("The trial must have an `electrical_work` for an electrical power: it has no power model.")
+    return mean_power(trial.time, trial.electrical_work)
+
+
+def speed_through_water(trial: Contents) -> float:
+    """As `forward_velocity` of a trial, relative to the water: the current is taken off [m/s]."""
+    velocity = mean_velocity(trial.time, trial.center_of_mass)
+    if isinstance(trial.environment, Water):
+        velocity[:2] -= trial.environment.current
+    return float(np.linalg.norm(velocity))
+
+
+def steady_velocity(trial: Contents) -> float:
+    """As `forward_velocity`, over the steady part of a trial only [m/s]; a ValueError if it is too short.
+
+    The steady part is as many whole gait cycles as fit after the first third of the run and after 10 s, counted back
+    from the end; without a gait all of that time. So neither the start nor the gait's ripple is in it.
+    """
+    part = steady_part(trial.time, trial.period)
+    return float(np.linalg.norm(_displacement(trial, part))) / (part.stop - part.start)
+
+
+def course(trial: Contents) -> float:
+    """Direction of travel over the steady part of a trial, in [-pi, pi] from the world x axis, counter-clockwise [rad].
+
+    It raises a ValueError if the trial is too short, or the robot stands still.
+    """
+    displacement = _displacement(trial, steady_part(trial.time, trial.period))
+    return float(direction(displacement[np.newaxis])[0])
+
+
+def heading_mean(trial: Contents) -> CycleMean:
+    """Heading of a trial averaged over the gait cycle around each moment; a ValueError if there is no whole cycle."""
+    trial.need("a mean heading", "heading")
+    return cycle_mean(trial.time, trial.heading, trial.heading_rate, _period(trial))
+
+
+def sideslip(trial: Contents) -> float:
+    """Course minus heading of a trial, both as cycle means, averaged over the steady part [rad].
+
+    Positive when the robot travels to the left of where it points. It raises a ValueError if the trial is too short, or
+    the robot stands still.
+    """
+    trial.need("a sideslip", "heading")
+    time, period = trial.time, _period(trial)
+    inside = _in_steady_part(time, period)
+    traveled = course_cycle_mean(time, trial.center_of_mass, trial.center_of_mass_velocity, period).value
+    pointed = heading_mean(trial).value
+    if not np.any(inside):
+        raise BadArgument(
+            "time",
+            "must hold the middle of a whole gait cycle after the transient for a sideslip: "
+            f"make it one sample longer than {float(time[-1] - time[0]):.4g} s at least",
+        )
+    angle = (traveled - pointed)[inside]
+    # The mean of directions, not of numbers: course and heading may be unwrapped whole turns apart.
+    return float(np.angle(np.mean(np.exp(1j * angle))))
+
+
+def turning_rate(trial: Contents) -> float:
+    """Slope of the heading's cycle mean over the steady part, by least squares; positive to the left [rad/s].
+
+    It raises a ValueError if the steady part of the trial is shorter than two cycles: one mean has no slope.
+    """
+    trial.need("a turning rate", "heading")
+    period = _period(trial)
+    part, inside = steady_part(trial.time, period), _in_steady_part(trial.time, period)
+    if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
+        raise BadArgument(
+            "time",
+            "must span at least two gait cycles after the transient for a turning rate; "
+            f"got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s",
+        )
+    mean = heading_mean(trial)
+    t, value = mean.time[inside], mean.value[inside]
+    t = t - np.mean(t)
+    return float(np.sum(t * (value - np.mean(value))) / np.sum(t * t))
+
+
+def strouhal_number(trial: Contents) -> float:
+    """Strouhal number f A / U of the tail of a trial [-].
+
+    f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge (without a fin, of
+    the tail end) across the course. A is taken cycle by cycle over the steady part, each across its own course, and
+    averaged: on a straight path that is the excursion over the whole steady part, on a curved one the curve itself
+    does not count. Eels swim at about 0.32 (Tytell 2004). It raises a ValueError if the trial is too short, or the
+    robot stands still.
+    """
+    trial.need("a Strouhal number", "link_angle")
+    time, place, period = trial.time, trial.center_of_mass, _period(trial)
+    part = steady_part(time, period)
+    edge = trailing_edge(trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
+    bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
+    steps = np.diff(interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
+    excursion = 0.0
+    for begin, end, angle in zip(bounds[:-1], bounds[1:], direction(steps), strict=True):
+        cycle = edge[(time >= begin) & (time <= end)]
+        excursion += float(np.ptp(cycle @ np.array([-np.sin(angle), np.cos(angle)]))) / len(steps)
+    return excursion / (period * steady_velocity(trial))
+
+
+def quasi_propulsive_efficiency(trial: Contents) -> float:
+    """Towing power of the straight robot at the speed of a trial / mechanical power of its joints [-].
+
+    It compares the swimmer with the same body on a rope, so unlike a propeller's efficiency it has no bound of 1. A
+    "Froude efficiency" is not defined for a body that propels itself: thrust and drag are one force. It raises a
+    ValueError on ground, or if the joints did no work.
+    """
+    speed = speed_through_water(trial)
+    drag = towing_drag(trial.chain, _water(trial, "a towing drag"), speed)
+    power = work_power(trial, 0)
+    if not power > 0.0:
+        raise BadArgument("mechanical_power", f"must be > 0 W for an efficiency, got {power}")
+    return drag * speed / power
+
+
+def drag_share(trial: Contents) -> float:
+    """`linear_drag_share` at the speed of a trial through the water [-]; a ValueError on ground, or without drag."""
+    return linear_drag_share(_water(trial, "a share of the linear drag"), speed_through_water(trial))
+
+
+def _period(trial: Contents) -> float:
+    if trial.period is None:
+        raise ValueError("The trial must have a gait that moves for a figure over whole gait cycles.")
+    return trial.period
+
+
+def _water(trial: Contents, figure: str) -> Water:
+    if isinstance(trial.environment, Ground):
+        raise ValueError(f"The environment must be water for {figure}; on ground there is none.")
+    return trial.environment
+
+
+def _displacement(trial: Contents, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
+    at = np.array([part.start, part.stop])
+    ends = interpolated(trial.time, trial.center_of_mass, trial.center_of_mass_velocity, at)
     return ends[1] - ends[0]
 
 

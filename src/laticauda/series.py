@@ -1,0 +1,107 @@
+"""A log: time series by name, each declared once with its axes, its unit and what it is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_origin, get_type_hints
+
+import numpy as np
+from jaxtyping import Float
+
+# What `Log` holds, by its axes; one sample has no time.
+Samples: TypeAlias = Float[np.ndarray, " *time"]
+Places: TypeAlias = Float[np.ndarray, "*time axis"]
+Links: TypeAlias = Float[np.ndarray, "*time link"]
+Joints: TypeAlias = Float[np.ndarray, "*time joint"]
+Work: TypeAlias = Float[np.ndarray, "*time 3"]
+LINK_FORCE = "link_force_"
+SIGNAL = "signal_"
+"""Before the names of forces and of signals, where a log is nothing but arrays by name: see `Log.series`."""
+
+
+class Series(NamedTuple):
+    """What one time series is, in a trial, in its files and in the reference."""
+
+    units: str
+    """SI unit, in the notation of UDUNITS."""
+    text: str
+    """What it is, in words."""
+    dimensions: tuple[str, ...] = ("time",)
+    """Names of its axes, time first."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Log:
+    """What a plant logs, and what a `laticauda.Trial` holds: samples, with time as the first axis.
+
+    Links and joints are numbered tail first. One sample (`at` an index) has no time axis.
+    """
+
+    time: Annotated[Samples, Series("s", "time since the start of the run, strictly increasing")]
+    center_of_mass: Annotated[Places, Series("m", "position of the center of mass, with the fin's mass, world axes")]
+    center_of_mass_velocity: Annotated[Places, Series("m s-1", "velocity of the center of mass, world axes")]
+    heading: Annotated[Samples, Series("rad", "mean angle of the body's links (6), unwrapped, without the fin")]
+    heading_rate: Annotated[Samples, Series("rad s-1", "rate of the heading")]
+    link_angle: Annotated[Links, Series("rad", "angle of each link to the world x axis, counter-clockwise, tail first")]
+    joint_angle: Annotated[Joints, Series("rad", "joint angle, head side minus tail side, tail first")]
+    joint_rate: Annotated[Joints, Series("rad s-1", "rate of the joint angle")]
+    joint_angle_ref: Annotated[Joints, Series("rad", "joint angle that was asked for")]
+    joint_torque: Annotated[Joints, Series("N m", "torque of the joint's drive; its power is torque times rate")]
+    work: Annotated[Work, Series("J", "work of the joints so far: sum of |u phi'|, of u phi', of max(u phi', 0)")]
+    electrical_work: Annotated[
+        Samples | None, Series("J", "electrical work of the robot above idle, by a model or a meter")
+    ] = None
+    link_force: Mapping[str, Float[np.ndarray, "*time link axis"]] | None = None
+    """Force on each link by component (drag, added_mass, effector), world axes; None if not asked for [N]."""
+    signals: Mapping[str, Samples] = field(default_factory=dict[str, np.ndarray])
+    """What a controller had in mind, held between control instants (`control` says which), and what else a plant logs:
+    the spatial one `orientation_w` to `orientation_z` of module 0, a quaternion; often empty [SI]."""
+
+    def at(self, index: int | slice) -> "Log":
+        """Some of the samples.
+
+        Args:
+            index: Of one, which has no time axis then, or a slice.
+        """
+        return log_of({name: np.asarray(values[index]) for name, values in self.series().items()})
+
+    def series(self) -> dict[str, np.ndarray]:
+        """Every array by its name in tables and messages: `signal_offset` is the signal `offset`."""
+        found = {name: values for name in SERIES if (values := getattr(self, name)) is not None}
+        found |= {LINK_FORCE + name: values for name, values in (self.link_force or {}).items()}
+        return found | {SIGNAL + name: values for name, values in self.signals.items()}
+
+
+def _series(hint: Any) -> Series:
+    """What a field's annotation says, with the axes of its type."""
+    kind, said = get_args(hint)
+    kind = kind if hasattr(kind, "dim_str") else get_args(kind)[0]
+    return said._replace(dimensions=tuple(kind.dim_str.replace("*", "").split()))
+
+
+_HINTS = get_type_hints(Log, include_extras=True)
+SERIES = {name: _series(hint) for name, hint in _HINTS.items() if get_origin(hint) is Annotated}
+"""What in a log is an array by itself."""
+
+
+def log_of(series: Mapping[str, np.ndarray]) -> Log:
+    """The log whose `Log.series` these are.
+
+    Args:
+        series: Every array by its name.
+    """
+    forces = {name.removeprefix(LINK_FORCE): one for name, one in series.items() if name.startswith(LINK_FORCE)}
+    signals = {name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)}
+    found: dict[str, Any] = {name: series[name] for name in SERIES if name in series}
+    return Log(**found, link_force=forces or None, signals=signals)
+
+
+def concatenated(parts: Sequence[Log]) -> Log:
+    """One log of several that follow each other.
+
+    Args:
+        parts: At least one; all have the same forces and signals.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    series = [log.series() for log in parts]
+    return log_of({name: np.concatenate([one[name] for one in series]) for name in series[0]})
