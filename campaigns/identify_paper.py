@@ -28,9 +28,9 @@ from laticauda.control import HeadingController, LineOfSight, PathFollowing, Str
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
-from laticauda.paper.following_run import figures_of
-from laticauda.paper.following_settings import path_following_settings
 from laticauda.paper.measured import efficiency_trials, path_following_trials
+from laticauda.paper.path_following import figures_of
+from laticauda.paper.settings import path_following_settings
 from laticauda.robot import Robot, Water
 from laticauda.simulate import plant, run
 from laticauda.simulate.numbers import changed

@@ -16,11 +16,12 @@ settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1
 study = run_efficiency(settings)
 
 for case in study.cases:
-    if case.index == 0:
+    row = case.measured
+    if row.case == 1:
         print(f"\n{case.group.name}\n case  amplitude  frequency  phase shift  measured  simulated")
-    setting = [degrees(angle) for angle in (case.gait.amplitude, case.gait.frequency, case.gait.phase_shift)]
-    measured = "NA" if case.measured_velocity is None else f"{case.measured_velocity:.4f}"
-    print("{:5d} {:10.0f} {:10.0f} {:12.0f}".format(case.index + 1, *setting), end="")
+    setting = [degrees(angle) for angle in (row.gait.amplitude, row.gait.frequency, row.gait.phase_shift)]
+    measured = "NA" if row.forward_velocity is None else f"{row.forward_velocity:.4f}"
+    print("{:5d} {:10.0f} {:10.0f} {:12.0f}".format(row.case, *setting), end="")
     print(f"{measured:>10} {case.forward_velocity[0]:10.4f} m/s")
 
 print("\nMean error:")
@@ -28,7 +29,8 @@ for score in scores(study):
     print(f"  {score.name:28} {score.overall:5.1f} %")
 
 print("\nThe fin makes it faster by (measured, simulated):")
-for gain in fin_gains(study):
-    if gain.measured_velocity is not None:
-        group, number = gain.with_fin.group.name, gain.with_fin.index + 1
-        print(f"  {group}, case {number}: {gain.measured_velocity:5.1f} %, {gain.simulated_velocity[0]:5.1f} %")
+for gain in fin_gains(study.cases):
+    change = gain.measured
+    if change.velocity is not None:
+        simulated = gain.simulated(lambda case: case.forward_velocity[0])
+        print(f"  {change.with_fin.group}, case {change.with_fin.case}: {change.velocity:5.1f} %, {simulated:5.1f} %")

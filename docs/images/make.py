@@ -23,13 +23,13 @@ import laticauda as lc
 from laticauda.cli import main as command
 from laticauda.figures import save_figure, style, swim_sheet
 from laticauda.gaits import envelope_of
-from laticauda.paper.following_settings import path_following_settings
 from laticauda.paper.measured import (
     MeasuredPathFollowing,
     MeasuredTrial,
     efficiency_trials,
     path_following_trials,
 )
+from laticauda.paper.settings import path_following_settings
 from laticauda.pictures.render import still
 from laticauda.reports.front import front_figure
 from laticauda.studies import Grid, Optimization, Sweep, optimize, run_sweep

@@ -5,10 +5,10 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from laticauda.paper import Claim, fin_gains, path_following_settings, path_following_trials, run_links, run_side_trials
+from laticauda.paper import Claim, fin_gains, path_following_trials, run_links, run_side_trials
 from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
 from laticauda.paper.claims.judge import percent, spread, verdict
-from laticauda.paper.table2 import table2_changes
+from laticauda.paper.measured import printed_changes
 
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 
@@ -39,7 +39,8 @@ def doubled_first(curves: np.ndarray) -> np.ndarray:
 
 def with_speeds(study, speed):
     """The study as if the robot had swum at the speeds that `speed` gives for every case."""
-    return replace(study, cases=tuple(replace(case, measured_velocity=speed(case)) for case in study.cases))
+    rows = [(case, replace(case.measured, forward_velocity=speed(case))) for case in study.cases]
+    return replace(study, cases=tuple(replace(case, measured=row) for case, row in rows))
 
 
 # ---- laws ----------------------------------------------------------------------------------------------------------
@@ -186,7 +187,8 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
 def test_the_printed_gains_follow_from_table_1(found, study):
     assert "Recomputed from Table 1: +47.03 to +82.95 % over 4 settings." in found["fin-speed-lateral"].found
     assert "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings." in found["fin-speed-eel"].found
-    simulated = [gain.simulated_velocity[0] for gain in fin_gains(study) if gain.measured_velocity is not None]
+    known = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
+    simulated = [gain.simulated(lambda case: case.forward_velocity[0]) for gain in known]
     assert f"{spread(simulated)}, median" in found["fin-nearly-double"].found
 
 
@@ -203,16 +205,11 @@ def test_the_tables_disagree_about_the_power(found):
 
 
 def test_the_changes_of_table_2_are_those_printed_but_for_two_misprints():
-    groups = [group for group in path_following_settings().groups if group.has_fin]
-    printed = [
-        pair for group in groups for pair in zip(group.printed_velocity_change, group.printed_power_change, strict=True)
-    ]
-    off = [
-        (shown, round(value, 2))
-        for pair, values in zip(printed, table2_changes(), strict=True)
-        for shown, value in zip(pair, values, strict=True)
-        if shown is not None and abs(shown - value) > 0.02
-    ]
+    changes = printed_changes(path_following_trials())
+    pairs = [(one.with_fin.printed_velocity, one.velocity) for one in changes]
+    pairs += [(one.with_fin.printed_power, one.power) for one in changes]
+    assert len(changes) == 6
+    off = [(printed, round(found, 2)) for printed, found in pairs if abs(printed - found) > 0.02]
     assert off == [(89.04, 89.11), (94.51, 94.91)]
 
 
@@ -255,7 +252,7 @@ def test_each_of_several_numbers_can_be_a_part_of_its_own():
 def test_energy_per_meter_is_power_over_speed(study):
     assert quantities._per(10.0, 100.0) == pytest.approx(-45.0)  # 1.1 of the power at twice the speed
     found = quantities.efficiency(study)
-    gain = fin_gains(study)[0]
+    gain = fin_gains(study.cases)[0]
     per_meter = [case.mechanical_power[0] / case.forward_velocity[0] for case in (gain.without, gain.with_fin)]
     assert found["simulated_energy"][0] == pytest.approx(100.0 * (per_meter[1] / per_meter[0] - 1.0))
     bare, fin = (next(t for t in path_following_trials() if t.has_fin == has_fin) for has_fin in (False, True))

@@ -5,18 +5,18 @@ import pytest
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
-from laticauda.paper import efficiency as module
 from laticauda.paper import efficiency_settings, run_efficiency
+from laticauda.paper import runs as module
 
 
 def test_every_row_of_table_1_is_what_swim_gives_at_its_setting(study):
     assert len(study.cases) == 22
     for case in study.cases:
         robot = lc.load_robot(case.group.robot)
-        trial = lc.swim(robot, case.gait, 30.0)  # the paper's coefficients by default
+        trial = lc.swim(robot, case.measured.gait, 30.0)  # the paper's coefficients by default
         assert case.forward_velocity[0] == trial.forward_velocity
         assert case.mechanical_power[0] == trial.mechanical_power
-        vortex = lc.swim(robot, case.gait, 30.0, environment=lc.load_water("paper-vortex"))
+        vortex = lc.swim(robot, case.measured.gait, 30.0, environment=lc.load_water("paper-vortex"))
         assert case.forward_velocity[1] == vortex.forward_velocity
 
 
@@ -24,8 +24,8 @@ def test_a_curve_and_the_table_agree_where_they_meet(study):
     met = 0
     for sweep in study.sweeps:
         for case in study.cases:
-            at = np.abs(sweep.values - getattr(case.gait, sweep.settings.parameter)) < 1e-9
-            if sweep.settings.contains(case.gait) and np.any(at):
+            at = np.abs(sweep.values - getattr(case.measured.gait, sweep.settings.parameter)) < 1e-9
+            if sweep.settings.contains(case.measured.gait) and np.any(at):
                 curves = sweep.forward_velocity[:, study.settings.groups.index(case.group)]
                 assert curves[:, at][:, 0] == pytest.approx(case.forward_velocity, rel=1e-9)
                 met += 1
@@ -33,7 +33,8 @@ def test_a_curve_and_the_table_agree_where_they_meet(study):
 
 
 def test_rows_that_were_not_measured_are_kept_as_predictions(study):
-    missing = [(case.group.name, case.index + 1) for case in study.cases if case.measured_velocity is None]
+    rows = [case.measured for case in study.cases]
+    missing = [(row.group, row.case) for row in rows if row.forward_velocity is None]
     assert missing == [("lateral undulation, without fin", 4), ("eel-like motion, without fin", 5)]
     assert len(study.measured) == 20
     assert all(np.all(np.isfinite(case.forward_velocity)) for case in study.cases)
@@ -52,7 +53,7 @@ def test_a_trial_that_blows_up_is_named(monkeypatch):
     def fail(*args, **settings):
         raise SimulationFailed("The run blew up at 3 s.")
 
-    monkeypatch.setattr(module, "swim", fail)
+    monkeypatch.setattr(module, "run", fail)
     message = r"mamba, lateral_undulation, amplitude 30, frequency 130, phase shift 40 \[deg, deg/s\], paper-lateral: "
     with pytest.raises(SimulationFailed, match=message + "The run blew up at 3 s."):
         run_efficiency()

@@ -5,11 +5,12 @@ import pytest
 
 import laticauda as lc
 from laticauda.figures import new_figure
-from laticauda.paper.figures.drift import ErrorLine, mean_errors, runs_sheet
+from laticauda.paper.figures.drift import mean_errors, runs_sheet
+from laticauda.trial.cycles import CycleMean
 
 LINES = [
-    ErrorLine(label="one", at=np.array([2.0, 3.0, 9.0]), error=np.array([0.1, 0.2, 0.3])),
-    ErrorLine(label="other", at=np.array([2.0, 3.0, 11.0]), error=np.array([0.1, -0.2, 0.0])),
+    ("one", CycleMean(np.array([2.0, 3.0, 9.0]), np.array([0.1, 0.2, 0.3]))),
+    ("other", CycleMean(np.array([2.0, 3.0, 11.0]), np.array([0.1, -0.2, 0.0]))),
 ]
 
 

@@ -5,32 +5,31 @@ import numpy as np
 import pytest
 
 from laticauda.figures import new_figure
+from laticauda.paper import Repeat, efficiency_settings
 from laticauda.paper.figures.efficiency import (
-    Curve,
-    Marks,
     Panel,
-    Scatter,
     electrical_power_marks,
     mechanical_power_curves,
     power_sheet,
     velocity_curves,
     velocity_sheet,
 )
+from laticauda.paper.measured import table1
 
 
 def panel(velocity=(0.1, np.nan), power=(90.0, 95.0)) -> Panel:
-    values = np.radians([10.0, 30.0, 50.0])
+    sweep = replace(efficiency_settings().sweeps[0], low=radians(10), high=radians(50), step=radians(20))
+    rows = [replace(row, starred=star) for row, star in zip(table1()[:2], ("amplitude", None), strict=True)]
     return Panel(
-        parameter="amplitude",
-        fixed={"frequency": radians(110), "phase_shift": radians(40)},
-        values=values,
-        curves=(
-            Curve(label="one", velocity=np.array([0.05, 0.1, 0.12]), power=np.array([1.0, 3.0, 9.0])),
-            Curve(label="other", velocity=np.array([0.06, 0.11, 0.1]), power=np.array([2.0, 4.0, 5.0])),
+        sweep=sweep,
+        labels=("one", "other"),
+        velocity=np.array([[0.05, 0.1, 0.12], [0.06, 0.11, 0.1]]),
+        power=np.array([[1.0, 3.0, 9.0], [2.0, 4.0, 5.0]]),
+        measured=tuple(
+            replace(row, gait=replace(row.gait, amplitude=at), forward_velocity=v, mean_power=p)
+            for row, at, v, p in zip(rows, sweep.values[1:], velocity, power, strict=True)
         ),
-        measured=Marks(
-            at=values[1:], velocity=np.array(velocity), power=np.array(power), is_maximum=np.array([True, False])
-        ),
+        repeats=(),
     )
 
 
@@ -89,11 +88,12 @@ def test_a_sheet_shows_everything_on_scales_from_zero(sheet, measured):
 
 def scattered() -> Panel:
     one = panel()
+    gaits = [row.gait for row in one.measured]
     repeats = (
-        Scatter(at=radians(30), velocity=np.array([0.1, 0.12, 0.14]), power=np.array([80.0, np.nan, np.nan])),
-        Scatter(at=radians(50), velocity=np.array([0.3]), power=np.array([np.nan])),
+        Repeat(gait=gaits[0], has_fin=False, forward_velocity=(0.1, 0.12, 0.14), mean_power=(80.0, None, None)),
+        Repeat(gait=gaits[1], has_fin=False, forward_velocity=(0.3,), mean_power=(None,)),
     )
-    return replace(one, measured=replace(one.measured, scatter=repeats))
+    return replace(one, repeats=repeats)
 
 
 def test_repeated_trials_are_dots_beside_their_setting_with_mean_and_deviation(ax):
@@ -121,7 +121,7 @@ def test_repeated_trials_stay_on_the_scale_and_get_a_legend():
 
 def test_a_power_that_only_repeated_trials_have_is_shown(ax):
     one = scattered()
-    measured = replace(one.measured, power=np.array([np.nan, np.nan]))
+    measured = tuple(replace(row, mean_power=None) for row in one.measured)
     electrical_power_marks(replace(one, measured=measured), ax)
     assert not ax.texts
     assert [list(line.get_ydata()) for line in ax.lines] == [[80.0]]

@@ -2,24 +2,19 @@ import numpy as np
 import pytest
 
 from laticauda.figures import new_figure
-from laticauda.paper.figures.turning import TurningLine, turning_radii, turning_rates, turning_sheet, turning_speeds
+from laticauda.paper import swimmers
+from laticauda.paper.figures.turning import turning_radii, turning_rates, turning_sheet, turning_speeds
+from laticauda.paper.turning import TurningCurve
 
 LINES = [
-    TurningLine(
-        label=f"{gait}, {fin}",
-        is_eel_like=gait == "eel",
-        has_fin=fin == "fin",
+    TurningCurve(
+        swimmer=swimmer,
         offset=np.radians([2.0, 10.0, 20.0]),
         turning_rate=np.radians([2.0, 10.0, 21.0]) * scale,
-        radius=np.array([4.0, 0.7, 0.2]) / scale,
         path_speed=np.array([0.11, 0.1, 0.07]) * scale,
+        mechanical_power=np.ones(3),
     )
-    for gait, fin, scale in (
-        ("lateral", "bare", 1.0),
-        ("lateral", "fin", 1.2),
-        ("eel", "bare", 0.8),
-        ("eel", "fin", 1.1),
-    )
+    for swimmer, scale in zip(swimmers(), (1.0, 1.2, 0.8, 1.1), strict=True)
 ]
 
 
@@ -32,7 +27,7 @@ def ax():
     ("draw", "first", "label"),
     [
         (turning_rates, [2.0, 10.0, 21.0], "turning rate [deg/s]"),
-        (turning_radii, [4.0, 0.7, 0.2], "radius [m]"),
+        (turning_radii, [0.11 / np.radians(2.0), 0.1 / np.radians(10.0), 0.07 / np.radians(21.0)], "radius [m]"),
         (turning_speeds, [0.11, 0.1, 0.07], "path speed [m/s]"),
     ],
 )
@@ -54,9 +49,9 @@ def test_the_sheet_shows_all_three_and_names_the_lines():
     figure = turning_sheet(LINES, "Turning")
     figure.canvas.draw()  # warnings of the layout are errors
     assert [ax.get_yscale() for ax in figure.axes] == ["linear", "log", "linear"]
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == [line.label for line in LINES]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [line.swimmer.name for line in LINES]
     radii = figure.axes[1]
     low, high = radii.get_ylim()
-    assert low < 0.2 / 1.2
-    assert high > 4.0 / 0.8
+    assert low < min(line.radius.min() for line in LINES)
+    assert high > max(line.radius.max() for line in LINES)
     assert figure.axes[0].get_ylim()[0] == 0.0

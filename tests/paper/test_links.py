@@ -52,7 +52,7 @@ def test_joints_water_and_progress_reach_the_runs():
     settings = LinksSettings(n_links=(3, 4), gaits=("eel_like",), duration=20.0, coefficients=waters)
     study = run_links(settings, joints="pd", progress=lambda *what: told.append(what))
     assert study.how["joints"] == "pd"
-    assert told == [(2, 4), (4, 4)]
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
     shorter = study.doublings[0].shorter
     water = waters.water("eel_like")
     trial = lc.swim(lc.load_robot("mamba", n_links=3), shorter.gait, 20.0, environment=water, joints="pd")

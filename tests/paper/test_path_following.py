@@ -15,7 +15,7 @@ ONE = replace(SETTINGS, duration=15.0, joint_laws=("prescribed",), groups=(repla
 
 def test_every_case_starts_where_table_2_says_straight_and_at_rest(following):
     assert [case.measured for case in following.cases] == [
-        row for group in following.settings.groups for row in group.measured
+        row for group in following.settings.groups for row in group.followed
     ]
     for case in following.cases:
         row, trial = case.measured, case.trial
@@ -124,7 +124,7 @@ def test_a_run_that_blows_up_is_named(monkeypatch):
     def fail(*args, **settings):
         raise SimulationFailed("The run blew up at 3 s.")
 
-    monkeypatch.setattr(sys.modules["laticauda.paper.swimmers"], "run", fail)
+    monkeypatch.setattr(sys.modules["laticauda.paper.runs"], "run", fail)
     message = "lateral undulation, with fin, unsteered, joints prescribed, bandwidth 10 rad/s: The run blew up at 3 s."
     with pytest.raises(SimulationFailed, match=message):
         run_path_following(ONE)

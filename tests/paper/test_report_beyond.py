@@ -6,7 +6,7 @@ from paper.reading import said
 
 from laticauda.paper import BeyondSettings, CurvedSettings, DriftSettings, TurningSettings, run_beyond
 from laticauda.paper.report.beyond import beyond_chapter
-from laticauda.paper.swimmers import swimmers
+from laticauda.paper.settings import swimmers
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ from paper.reading import cells, said
 
 import laticauda as lc
 from laticauda.paper import Repeat
-from laticauda.paper.report.chapter import write_chapter
 from laticauda.paper.report.efficiency import efficiency_chapter, efficiency_figures
+from laticauda.reports.chapter import write_chapter
 
 
 def gait(alpha: float, omega: float, delta: float) -> lc.Gait:
@@ -80,7 +80,7 @@ def test_coefficients_that_are_no_preset_are_described_too(study):
 
 def test_errors_maxima_and_the_fin_are_told_from_the_numbers(study):
     words = said(efficiency_chapter(study))
-    error = study.cases[0].forward_velocity[0] / study.cases[0].measured_velocity - 1.0
+    error = study.cases[0].forward_velocity[0] / study.cases[0].measured.forward_velocity - 1.0
     assert float(cells(efficiency_chapter(study), "table1")[0]["analytical-set: error [%]"]) == pytest.approx(
         100 * error
     )

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from paper.reading import cells, said
 
-from laticauda.paper.report.chapter import write_chapter
 from laticauda.paper.report.path_following import path_following_chapter
+from laticauda.reports.chapter import write_chapter
 
 
 def words_of(study) -> str:

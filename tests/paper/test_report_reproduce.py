@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from laticauda.gaits import eel_like
 from laticauda.paper import BeyondSettings, Experiments, SideSettings, StabilitySettings, paper_experiments, reproduce
-from laticauda.paper.report.chapter import Chapter
 from laticauda.paper.report.experiments import HALVES, RUNS
 from laticauda.paper.report.reproduce import CHAPTERS
+from laticauda.reports.chapter import Chapter
 from laticauda.robot import Parameters, load_robot, load_water
 
 module = sys.modules[reproduce.__module__]
@@ -128,13 +129,13 @@ def test_other_coefficients_reach_every_study():
     water = load_water("published-2015")
     changes = {"actuator": {"tracking": 0.5}}
     mine = paper_experiments(Parameters(name="mine", title="my numbers", every_gait=water, changes=changes))
-    mamba = load_robot("mamba")
+    mamba, eel = load_robot("mamba"), eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     assert [model.name for model in mine.efficiency.models] == ["mine", "analytical-set", "vortex-set"]
     for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
-        assert coefficients.robot(mamba, "eel_like").joints[0].actuator.tracking == 0.5
-    assert mine.efficiency.models[1].robot(mamba, "eel_like") is mamba  # the paper's stays beside it as it is
+        assert coefficients.swimmer(mamba, eel).robot.joints[0].actuator.tracking == 0.5
+    assert mine.efficiency.models[1].swimmer(mamba, eel).robot is mamba  # the paper's stays beside it as it is
     swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)
     swimmers = (*swimmers, *mine.beyond.turning.swimmers)
-    assert {swimmer.water for swimmer in swimmers} == {replace(water, name="mine")}
-    assert {swimmer.body.joints[0].actuator.tracking for swimmer in swimmers} == {0.5}
+    assert {swimmer.environment for swimmer in swimmers} == {replace(water, name="mine")}
+    assert {swimmer.robot.joints[0].actuator.tracking for swimmer in swimmers} == {0.5}

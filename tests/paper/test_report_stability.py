@@ -6,7 +6,7 @@ from paper.reading import said
 
 from laticauda.paper import StabilitySettings, run_stability
 from laticauda.paper.report.stability import stability_chapter
-from laticauda.paper.swimmers import swimmers
+from laticauda.paper.settings import swimmers
 
 
 @pytest.fixture(scope="module")

@@ -11,19 +11,20 @@ SETTINGS = efficiency_settings()
 
 
 def test_the_groups_hold_every_measured_trial_of_table_1_once():
-    found = [measured_trial(gait, group.has_fin) for group in SETTINGS.groups for gait in group.cases]
+    found = [measured_trial(row.gait, group.has_fin) for group in SETTINGS.groups for row in group.cases]
     assert len(found) == 22
     assert [trial for trial in found if trial is not None] == list(efficiency_trials())
 
 
 @pytest.mark.parametrize("group", SETTINGS.groups, ids=lambda group: group.name)
 def test_every_group_stars_one_case_per_parameter_and_it_is_the_fastest_measured_on_that_sweep(group):
-    assert set(group.maxima) == set(PARAMETERS)
+    stars = {row.starred: row for row in group.cases if row.starred}
+    assert set(stars) == set(PARAMETERS)
+    assert sum(row.starred is not None for row in group.cases) == sum(row.is_maximum for row in group.cases) == 3
     for sweep in SETTINGS.sweeps:
-        on_sweep = [i for i, gait in enumerate(group.cases) if sweep.contains(gait)]
-        measured = {i: measured_trial(group.cases[i], group.has_fin) for i in on_sweep}
-        speeds = {i: trial.forward_velocity for i, trial in measured.items() if trial is not None}
-        assert max(speeds, key=lambda i: speeds[i]) == group.maxima[sweep.parameter]
+        on_sweep = [row for row in group.cases if sweep.contains(row.gait)]
+        speeds = {row.case: row.forward_velocity for row in on_sweep if row.forward_velocity is not None}
+        assert max(speeds, key=lambda case: speeds[case]) == stars[sweep.parameter].case
 
 
 def test_every_figure_from_4_to_11_has_one_place():
@@ -38,9 +39,9 @@ def test_a_sweep_meets_both_ends_of_its_range_and_every_whole_setting_of_the_tab
     assert values[-1] == pytest.approx(sweep.high, abs=1e-12)
     assert np.all(np.diff(values) > 0.0)
     for group in SETTINGS.groups:
-        for gait in group.cases:
-            if sweep.contains(gait):
-                assert np.min(np.abs(values - getattr(gait, sweep.parameter))) < 1e-9
+        for row in group.cases:
+            if sweep.contains(row.gait):
+                assert np.min(np.abs(values - getattr(row.gait, sweep.parameter))) < 1e-9
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import xarray
 import laticauda as lc
 from laticauda.paper import BEHAVIORS, Loops, StabilitySettings, run_stability
 from laticauda.paper.datasets import to_dataset
+from laticauda.paper.settings import swimmers
 from laticauda.paper.stability import behavior
-from laticauda.paper.swimmers import swimmers
 from laticauda.trial.following import mean_error
 
 SMALL = StabilitySettings(
@@ -69,6 +69,7 @@ def test_the_shortest_distance_is_beyond_all_that_swing():
         rms = {"settled": 0.01, "limit cycle": 0.1, "still coming": 0.1}
         before = {"settled": 0.01, "limit cycle": 0.1, "still coming": 0.2}
         loops = Loops(
+            look_ahead_distances=np.array([0.1, 0.2, 0.3, 0.4])[: len(column)],
             gains=np.array([0.4]),
             rms=np.array([[rms[one]] for one in column]),
             rms_before=np.array([[before[one]] for one in column]),
@@ -76,7 +77,7 @@ def test_the_shortest_distance_is_beyond_all_that_swing():
             tolerance=0.05,
         )
         assert [row[0] for row in loops.behaviors] == list(column)
-        (found,) = loops.shortest((0.1, 0.2, 0.3, 0.4))
+        (found,) = loops.shortest
         return found
 
     settled, swings, coming = BEHAVIORS

@@ -36,29 +36,30 @@ def test_the_planar_model_is_faster_the_faster_it_undulates(study):
 
 
 def test_the_fin_gains_follow_from_the_speeds_of_the_table(study):
-    gains = fin_gains(study)
+    gains = fin_gains(study.cases)
     assert len(gains) == 11
     for gain in gains:
         before, after = gain.without.forward_velocity[0], gain.with_fin.forward_velocity[0]
-        assert gain.without.gait == gain.with_fin.gait
-        assert before * (1.0 + gain.simulated_velocity[0] / 100.0) == pytest.approx(after)
+        assert gain.without.measured.gait == gain.with_fin.measured.gait
+        change = gain.simulated(lambda case: case.forward_velocity[0])
+        assert before * (1.0 + change / 100.0) == pytest.approx(after)
 
 
 def test_what_the_paper_prints_follows_from_its_table_but_for_one_misprint(study):
-    wrong = [(gain.with_fin.group.name, gain.with_fin.index + 1, gain) for gain in fin_gains(study) if gain.misprints]
-    ((group, case, gain),) = wrong
-    assert (group, case, gain.misprints) == ("lateral undulation, with fin", 3, ("power",))
-    assert gain.printed_power == 10.11
-    assert gain.measured_power == pytest.approx(4.79, abs=0.005)
-    assert sum(gain.measured_velocity is not None for gain in fin_gains(study)) == 9
+    changes = [gain.measured for gain in fin_gains(study.cases)]
+    ((row, misprints),) = [(change.with_fin, change.misprints) for change in changes if change.misprints]
+    assert (row.group, row.case) == ("lateral undulation, with fin", 3)
+    assert misprints == {"power": (10.11, pytest.approx(4.79, abs=0.005))}
+    assert sum(change.velocity is not None for change in changes) == 9
 
 
 def test_a_gain_without_a_measurement_is_missing_but_simulated(study):
-    (gain,) = (gain for gain in fin_gains(study) if gain.with_fin.gait == study.cases[3].gait)
-    assert gain.measured_velocity is None
-    assert np.isfinite(gain.simulated_velocity[0])
+    gait = study.cases[3].measured.gait
+    (gain,) = (gain for gain in fin_gains(study.cases) if gain.with_fin.measured.gait == gait)
+    assert gain.measured.velocity is None
+    assert np.isfinite(gain.simulated(lambda case: case.forward_velocity[0]))
 
 
 def test_a_sweep_whose_maximum_was_not_measured_has_no_entry(study):
-    lost = tuple(replace(case, measured_velocity=None) for case in study.cases)
+    lost = tuple(replace(case, measured=replace(case.measured, forward_velocity=None)) for case in study.cases)
     assert maxima(replace(study, cases=lost)) == ()

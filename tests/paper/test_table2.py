@@ -3,7 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from laticauda.paper import fin_changes, following_scores, meter_costs, null_predictions, simulated
+from laticauda.paper import fin_gains, meter_costs, null_predictions, simulated
+from laticauda.paper.claims.quantities import band_gains
+from laticauda.paper.scores import scores
 
 
 def test_a_study_that_meets_every_measurement_has_no_error(following):
@@ -17,7 +19,7 @@ def test_a_study_that_meets_every_measurement_has_no_error(following):
 
 
 def test_the_overall_error_is_the_mean_of_those_of_the_groups(following):
-    for score in following_scores(following):
+    for score in scores(following):
         assert score.overall == pytest.approx(np.mean(score.by_group))
         assert len(score.speeds) == 12
 
@@ -51,32 +53,41 @@ def test_nothing_of_table_2_goes_into_the_null_models(following):
 
 
 def test_the_fin_changes_follow_from_the_speeds_and_powers(following):
-    changes = fin_changes(following)
-    assert len(changes) == 6
-    for change in changes:
-        before, after = change.without, change.with_fin
+    gains = fin_gains(following.cases)
+    assert len(gains) == 6
+    for gain in gains:
+        before, after = gain.without, gain.with_fin
         assert (before.group.gait, before.measured.case) == (after.group.gait, after.measured.case)
         assert (before.group.has_fin, after.group.has_fin) == (False, True)
         for found, old, new in (
-            (change.measured_velocity, before.measured.forward_velocity, after.measured.forward_velocity),
-            (change.measured_power, before.measured.mean_power, after.measured.mean_power),
-            (change.simulated_velocity, before.run.forward_velocity, after.run.forward_velocity),
-            (change.simulated_power, before.run.mechanical_power, after.run.mechanical_power),
+            (gain.measured.velocity, before.measured.forward_velocity, after.measured.forward_velocity),
+            (gain.measured.power, before.measured.mean_power, after.measured.mean_power),
+            (
+                gain.simulated(lambda case: case.run.forward_velocity),
+                before.run.forward_velocity,
+                after.run.forward_velocity,
+            ),
+            (
+                gain.simulated(lambda case: case.run.mechanical_power),
+                before.run.mechanical_power,
+                after.run.mechanical_power,
+            ),
         ):
             assert old * (1.0 + found / 100.0) == pytest.approx(new)
-        low, high = change.band_velocity
-        assert low <= change.simulated_velocity <= high
+        band = band_gains(gain)
+        assert len(band) == len(before.band)
+        assert gain.simulated(lambda case: case.run.forward_velocity) in band
 
 
 def test_the_paper_prints_two_changes_that_do_not_follow_from_its_table(following):
     wrong = [
-        (change.with_fin.figure, change.misprints, change.printed_power, change.measured_power)
-        for change in fin_changes(following)
-        if change.misprints
+        (gain.with_fin.figure, gain.measured.misprints)
+        for gain in fin_gains(following.cases)
+        if gain.measured.misprints
     ]
     assert wrong == [
-        (15, ("power",), 89.04, pytest.approx(89.11, abs=0.005)),
-        (22, ("power",), 94.51, pytest.approx(94.91, abs=0.005)),
+        (15, {"power": (89.04, pytest.approx(89.11, abs=0.005))}),
+        (22, {"power": (94.51, pytest.approx(94.91, abs=0.005))}),
     ]
 
 

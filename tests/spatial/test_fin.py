@@ -25,7 +25,7 @@ WAVE = lc.Wave(amplitude=0.4, frequency=2.5, phase=1.0, offset=0.1)
 def case(**changes):
     robot = replace(FIN.robot, caudal_fin=replace(FIN.robot.caudal_fin, **changes))
     gait = replace(FIN.gait, fin=WAVE) if "joint" in changes else FIN.gait
-    return ParityCase(name="fin", robot=robot, gait=gait, environment=FIN.environment)
+    return ParityCase(name="fin", robot=robot, motion=gait, environment=FIN.environment)
 
 
 CASES = {

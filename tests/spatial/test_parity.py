@@ -38,7 +38,7 @@ FORMS = [
 def test_every_form_of_the_water_agrees(changes: dict[str, object]):
     eel = CASES["eel-like"]
     water = replace(eel.environment, current=(0.05, 0.02), **changes)
-    case = ParityCase(name="form", robot=lc.load_robot("mamba-fin"), gait=eel.gait, environment=water)
+    case = ParityCase(name="form", robot=lc.load_robot("mamba-fin"), motion=eel.gait, environment=water)
     (row,) = parity(case, "prescribed", (0.0125,), duration=3.0)
     assert row.path < 1e-6
     assert row.heading < 1e-6
@@ -47,7 +47,7 @@ def test_every_form_of_the_water_agrees(changes: dict[str, object]):
 @pytest.mark.parametrize("name", ["viscous", "coulomb"])
 def test_the_ground_agrees(name: str):
     case = ParityCase(
-        name="ground", robot=CASES["lateral"].robot, gait=CASES["lateral"].gait, environment=lc.load_ground(name)
+        name="ground", robot=CASES["lateral"].robot, motion=CASES["lateral"].gait, environment=lc.load_ground(name)
     )
     (row,) = parity(case, "prescribed", (0.0002,), duration=1.5, reference_step=0.0002)
     assert row.path < 1e-5

@@ -8,6 +8,7 @@ beside those of the user.
 # pyright: reportUnknownMemberType=false
 
 import functools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -98,6 +99,45 @@ def outside_legend(figure: Figure, ax: Axes, place: Literal["outside lower left"
     """A legend of one panel's lines outside of all panels."""
     handles, words = ax.get_legend_handles_labels()
     figure.legend(handles, words, loc=place, fontsize=TICK, labelcolor=INK, frameon=False)
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[Any] | None = None, **settings: Any) -> None:
+    """A legend under all panels.
+
+    Args:
+        figure: Any figure of `new_figure`.
+        handles: What it shows.
+        labels: What it says to each; None takes the handles' own.
+        settings: As for matplotlib's, two columns if it does not say.
+    """
+    own: dict[str, Any] = {"ncols": 2, "handlelength": 2.6, **settings}
+    named = {} if labels is None else {"labels": labels}
+    common: dict[str, Any] = {"loc": "outside lower center", "fontsize": TICK, "labelcolor": INK, "frameon": False}
+    figure.legend(handles=handles, **named, **common, **own)
+
+
+def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
+    """The letter of a panel above its left corner, with what it shows.
+
+    Args:
+        ax: Of the panel.
+        place: Of the panel, from 0.
+        words: "" for none.
+        pad: Between them and the panel [pt].
+    """
+    text = f"({'abcdefgh'[place]})  {words}" if words else f"({'abcdefgh'[place]})"
+    ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
+
+
+def light_grid(ax: Axes, axis: Literal["x", "y"]) -> None:
+    """Lines behind the data, from the ticks of one axis.
+
+    Args:
+        ax: Where to draw.
+        axis: Which one.
+    """
+    ax.grid(axis=axis, color="#E4E4E4", linewidth=THIN)
+    ax.set_axisbelow(True)
 
 
 def joint_colors(n_joints: int) -> tuple[LinearSegmentedColormap, BoundaryNorm]:

@@ -13,9 +13,12 @@ if TYPE_CHECKING:
     from laticauda.paper.curved import CurvedSettings as CurvedSettings
     from laticauda.paper.datasets import to_dataset as to_dataset
     from laticauda.paper.drift import DriftSettings as DriftSettings
-    from laticauda.paper.efficiency import EfficiencyStudy as EfficiencyStudy, run_efficiency as run_efficiency
+    from laticauda.paper.efficiency import (
+        EfficiencyStudy as EfficiencyStudy,
+        maxima as maxima,
+        run_efficiency as run_efficiency,
+    )
     from laticauda.paper.figures.convergence import ConvergenceCurve as ConvergenceCurve, convergence as convergence
-    from laticauda.paper.following_settings import path_following_settings as path_following_settings
     from laticauda.paper.links import LinksSettings as LinksSettings, run_links as run_links
     from laticauda.paper.measured import (
         efficiency_trials as efficiency_trials,
@@ -37,10 +40,18 @@ if TYPE_CHECKING:
     from laticauda.paper.repeats import Repeat as Repeat, load_repeats as load_repeats
     from laticauda.paper.report.experiments import Experiments as Experiments, paper_experiments as paper_experiments
     from laticauda.paper.report.reproduce import reproduce as reproduce
+    from laticauda.paper.runs import Coefficients as Coefficients, Swimmer as Swimmer
+    from laticauda.paper.scores import (
+        fin_gains as fin_gains,
+        meter_costs as meter_costs,
+        null_predictions as null_predictions,
+        simulated as simulated,
+    )
     from laticauda.paper.settings import (
-        Coefficients as Coefficients,
         PARAMETERS as PARAMETERS,
         efficiency_settings as efficiency_settings,
+        path_following_settings as path_following_settings,
+        swimmers as swimmers,
     )
     from laticauda.paper.side_trials import SideSettings as SideSettings, run_side_trials as run_side_trials
     from laticauda.paper.stability import (
@@ -48,14 +59,6 @@ if TYPE_CHECKING:
         Loops as Loops,
         StabilitySettings as StabilitySettings,
         run_stability as run_stability,
-    )
-    from laticauda.paper.table1 import fin_gains as fin_gains, maxima as maxima
-    from laticauda.paper.table2 import (
-        fin_changes as fin_changes,
-        following_scores as following_scores,
-        meter_costs as meter_costs,
-        null_predictions as null_predictions,
-        simulated as simulated,
     )
     from laticauda.paper.turning import TurningSettings as TurningSettings
 

@@ -1,15 +1,17 @@
 """A curved path: a smooth curve through waypoints, followed with and without the fin to its end."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.control import LineOfSight, Spline
 from laticauda.interfaces import Observation, Start
-from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
+from laticauda.paper.runs import Runs, Steering, Swimmer, long_enough
+from laticauda.paper.settings import swimmers
 from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Model
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean, cycle_mean
 from laticauda.trial.following import mean_error
@@ -82,17 +84,14 @@ class CurvedRun:
     """The largest of it to either side, without sign [m]."""
 
 
-def curved_run(
-    settings: CurvedSettings, swimmer: Swimmer, *, model: str, joints: str, offset_bandwidth: float
-) -> CurvedRun:
+def curved_run(settings: CurvedSettings, swimmer: Swimmer, model: Model, runs: Runs) -> CurvedRun:
     """One swimmer along the curve.
 
     Args:
         settings: The curve, and how it is followed.
         swimmer: Who swims.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        model: By which model.
+        runs: What runs it.
 
     Raises:
         SimulationFailed: If the run blows up; the message says which.
@@ -106,14 +105,10 @@ def curved_run(
 
     ahead = begin[1] - begin[0]
     x, y = begin[0]
-    trial = run_named(
-        f"{swimmer.name}, along a curve",
-        in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth),
-        settings.law.controller(swimmer.gait, path, settings.control_interval),
-        settings.most_duration,
-        start=Start(center_of_mass=(float(x), float(y)), heading=math.atan2(float(ahead[1]), float(ahead[0]))),
-        until=is_past_the_end,
-    )
+    start = Start(center_of_mass=(float(x), float(y)), heading=math.atan2(float(ahead[1]), float(ahead[0])))
+    controller = settings.law.controller(swimmer.gait, path, settings.control_interval)
+    scenario = replace(swimmer, motion=controller, model=model, start=start, duration=settings.most_duration)
+    trial = runs.swim(f"{swimmer.name}, along a curve", scenario, until=is_past_the_end)
     assert trial.period is not None
     error = mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
     along = trial.signals["along_track_distance"]

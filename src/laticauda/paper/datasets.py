@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +11,10 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.paper.beyond import BeyondStudy
 from laticauda.paper.efficiency import EfficiencyStudy
-from laticauda.paper.following_run import FollowingRun
-from laticauda.paper.path_following import PathFollowingStudy
+from laticauda.paper.path_following import FollowingRun, PathFollowingStudy
 from laticauda.paper.settings import PARAMETERS
 from laticauda.paper.stability import BEHAVIORS, StabilityStudy
+from laticauda.quantities import quantities_of
 from laticauda.trial import Trial, following
 
 if TYPE_CHECKING:
@@ -28,17 +28,7 @@ CURVES = {
     "steady_velocity": ("m/s", "the same over whole gait cycles after the transient"),
     "mechanical_power": POWER,
 }
-RUN_FIGURES = {
-    "duration": ("s", "how long the run was"),
-    "forward_velocity": VELOCITY,
-    "path_speed": ("m/s", "length of the path over time"),
-    "steady_velocity": ("m/s", "forward velocity over whole gait cycles after the transient"),
-    "mechanical_power": POWER,
-    "joules_per_meter": ("J/m", "mechanical power / forward velocity"),
-    "last_third_rms": ("m", "root mean square of the cycle-mean error over the last third"),
-    "last_third_largest": ("m", "largest cycle-mean error over the last third"),
-    "offset_swing": ("rad", "amplitude of the offset asked for over the last third"),
-}
+HOW = ("offset_bandwidth", "dt", "ramp")  # the way of a run has them
 SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {
     "time": ("s", "time since the start of the run", lambda trial: trial.time),
     "x": ("m", "center of mass, along the path", lambda trial: trial.center_of_mass[:, 0]),
@@ -86,14 +76,15 @@ def _efficiency(study: EfficiencyStudy) -> xarray.Dataset:
         for name, words in CURVES.items():
             axes = ("model", "group", parameter)
             variables[f"{name}_over_{parameter}"] = _variable(axes, getattr(sweep, name), *words, **fixed)
-    cases = study.cases
-    variables["case_group"] = ("case", [case.group.name for case in cases])
-    variables["case_number"] = ("case", [case.index + 1 for case in cases], {"long_name": "number in Table 1"})
-    variables["case_starred"] = ("case", [case.starred or "" for case in cases], {"long_name": "fastest of this sweep"})
+    cases, rows = study.cases, [case.measured for case in study.cases]
+    starred = [row.starred or "" for row in rows]
+    variables["case_group"] = ("case", [row.group for row in rows])
+    variables["case_number"] = ("case", [row.case for row in rows], {"long_name": "number in Table 1"})
+    variables["case_starred"] = ("case", starred, {"long_name": "fastest of this sweep"})
     for name in PARAMETERS:
-        variables[f"case_{name}"] = _variable("case", [getattr(case.gait, name) for case in cases], UNITS[name])
-    for name, unit in (("measured_velocity", "m/s"), ("measured_power", "W")):
-        variables[name] = _variable("case", np.array([getattr(case, name) for case in cases], dtype=float), unit)
+        variables[f"case_{name}"] = _variable("case", [getattr(row.gait, name) for row in rows], UNITS[name])
+    variables["measured_velocity"] = _variable("case", _numbers(row.forward_velocity for row in rows), "m/s")
+    variables["measured_power"] = _variable("case", _numbers(row.mean_power for row in rows), "W")
     for name in ("forward_velocity", "mechanical_power"):
         values = np.array([getattr(case, name) for case in cases]).T
         variables[f"case_{name}"] = _variable(("model", "case"), values, CURVES[name][0])
@@ -103,37 +94,30 @@ def _efficiency(study: EfficiencyStudy) -> xarray.Dataset:
 
 @to_dataset.register(PathFollowingStudy)
 def _path_following(study: PathFollowingStudy) -> xarray.Dataset:
-    held, settings = study.held_out, study.settings
+    held, settings, rows = study.held_out, study.settings, [case.measured for case in study.cases]
     ways = [run.name for run in (*study.cases[0].band, study.cases[0].cycle_mean)]
     runs: list[Sequence[FollowingRun | None]] = [(*case.band, case.cycle_mean) for case in study.cases]
     runs.append([held.run if name == held.run.name else None for name in ways])
-    gaits = [*(case.measured.gait for case in study.cases), held.settings.gait]
+    gaits = [*(row.gait for row in rows), held.settings.gait]
     variables = {name: _variable("case", [getattr(gait, name) for gait in gaits], unit) for name, unit in UNITS.items()}
-    for name, unit, last in (
-        ("initial_cross_track_error", "m", held.settings.initial_cross_track_error),
-        ("initial_heading", "rad", held.settings.initial_heading),
-        ("forward_velocity", "m/s", np.nan),
-        ("mean_power", "W", np.nan),
+    for name, unit, values in (
+        ("initial_cross_track_error", "m", [one.initial_cross_track_error for one in (*rows, held.settings)]),
+        ("initial_heading", "rad", [one.initial_heading for one in (*rows, held.settings)]),
+        ("measured_forward_velocity", "m/s", [*(row.forward_velocity for row in rows), np.nan]),
+        ("measured_mean_power", "W", [*(row.mean_power for row in rows), np.nan]),
+        ("unsteered_steady_velocity", "m/s", [*(case.free_velocity for case in study.cases), np.nan]),
     ):
-        values = [*(getattr(case.measured, name) for case in study.cases), last]
-        variables[name if name.startswith("initial") else f"measured_{name}"] = _variable("case", values, unit)
-    free = [*(case.free_velocity for case in study.cases), np.nan]
-    variables["unsteered_steady_velocity"] = _variable("case", free, "m/s")
+        variables[name] = _variable("case", values, unit)
     figures = [*(case.figure for case in study.cases), 0]
     variables["paper_figure"] = ("case", figures, {"long_name": "number of the paper's figure; 0: none"})
-
-    def table(figure: Callable[[FollowingRun], float | None]) -> np.ndarray:
-        return np.array([[None if run is None else figure(run) for run in row] for row in runs], dtype=float)
-
-    for name, words in RUN_FIGURES.items():
-        variables[name] = _variable(("case", "way"), table(lambda run, name=name: getattr(run, name)), *words)
-    for name, (unit, title) in following.FIGURES.items():
-        values = table(lambda run, name=name: run.figures[name])
-        variables[name] = _variable(("case", "way"), values, unit or "1", title)
+    own = {name: (one.unit, one.text) for name, one in quantities_of(FollowingRun).items() if name not in HOW}
+    for name, words in {**own, **following.FIGURES}.items():
+        table = [_numbers(None if run is None else {**vars(run), **run.figures}[name] for run in row) for row in runs]
+        variables[name] = _variable(("case", "way"), np.array(table), words[0] or "1", words[1])
     trials = [*(case.trial for case in study.cases), held.trial]
     for name, (unit, title, of) in SERIES.items():
         variables[f"run_{name}"] = _variable(("case", "sample"), _padded([of(trial) for trial in trials]), unit, title)
-    cases = [*(f"{case.group.name}, case {case.measured.case}" for case in study.cases), "held out"]
+    cases = [*(f"{row.group}, case {row.case}" for row in rows), "held out"]
     more = {"longest_duration": settings.duration, "distance": settings.distance}
     title = "Path-following study: Figs. 12 to 23 and Table 2 of the paper"
     coordinates = {"case": cases, "way": ways}
@@ -203,12 +187,19 @@ def _variable(axes: str | tuple[str, ...], values: Any, unit: str, title: str = 
 def _dataset(
     study: Any, title: str, variables: Mapping[str, Any], coordinates: Mapping[str, Any], **more: Any
 ) -> xarray.Dataset:
-    """The Dataset, with what made it; netCDF knows no truth values."""
+    """The Dataset, with what made it; netCDF knows neither truth values nor None."""
     import xarray
 
-    how = {name: int(value) if isinstance(value, bool) else value for name, value in study.how.items()}
+    how = {
+        name: int(value) if isinstance(value, bool) else value for name, value in study.how.items() if value is not None
+    }
     attributes = {"title": title, "laticauda": study.version, **more, **how}
     return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+
+
+def _numbers(values: Iterable[float | None]) -> np.ndarray:
+    """Numbers, nan where one is missing."""
+    return np.array([*values], dtype=float)
 
 
 def _padded(rows: Sequence[np.ndarray]) -> np.ndarray:

@@ -1,13 +1,15 @@
 """A current across the path: what it does to line of sight, and what the integral does about it."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from laticauda.control import IntegralLineOfSight, LineOfSight, StraightLine
-from laticauda.paper.swimmers import Steering, Swimmer, in_water, long_enough, run_named, swimmers
+from laticauda.paper.runs import Runs, Steering, Swimmer, long_enough
+from laticauda.paper.settings import swimmers
 from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Model
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.following import last_third_error, mean_error
@@ -87,24 +89,23 @@ class DriftRun:
         return abs(self.mean_error) < self.tolerance
 
 
-def drift_run(settings: DriftSettings, law: Steering, *, model: str, joints: str, offset_bandwidth: float) -> DriftRun:
+def drift_run(settings: DriftSettings, law: Steering, model: Model, runs: Runs) -> DriftRun:
     """One law in the current.
 
     Args:
         settings: Who swims, in which current, for how long.
         law: How it is steered.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        model: By which model.
+        runs: What runs it.
 
     Raises:
         SimulationFailed: If the run blows up; the message says which.
     """
     swimmer = settings.swimmer
-    body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth, current=settings.current)
+    water = replace(swimmer.environment, current=settings.current)
     controller = law.controller(swimmer.gait, StraightLine(), settings.control_interval)
-    name = f"{swimmer.name}, in a current, {law.name}"
-    trial = run_named(name, body, controller, settings.duration)
+    scenario = replace(swimmer, motion=controller, environment=water, model=model, duration=settings.duration)
+    trial = runs.swim(f"{swimmer.name}, in a current, {law.name}", scenario)
     assert trial.period is not None
     measured = trial.time, trial.signals["cross_track_error"], trial.period
     error = mean_error(*measured)

@@ -1,30 +1,24 @@
 """The efficiency study: how fast the robot swims, and at what power, over amplitude, frequency and phase shift.
 
-It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation. What it finds about the table is
-computed in `table1` and `scores`.
+It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and puts what the table is, the maxima
+of sweeps, beside the maxima of the simulated ones. How far off the speeds are is computed in `scores`.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import SimulationFailed
 from laticauda.gaits import Gait
-from laticauda.packaging import __version__
-from laticauda.paper.measured import MeasuredTrial, measured_trial
+from laticauda.paper.measured import MeasuredCase
+from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
-from laticauda.robot import Robot, Water, load_robot
-from laticauda.simulate import swim
+from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
-from laticauda.trial import Trial
-from laticauda.trial.contents import Setting
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
-# Forward velocity [m/s], steady velocity [m/s] and mechanical power [W].
-Figures = Float[np.ndarray, "n_trials n_models 3"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,14 +27,17 @@ class SweepResult:
 
     settings: SweepSettings
     """What was swept."""
-    values: Float[np.ndarray, " n_values"]
-    """The parameter, in rising order [rad, rad/s]."""
     forward_velocity: Curves
     """Equation (5), by model, group and value [m/s]."""
     steady_velocity: Curves
     """The same without the start [m/s]."""
     mechanical_power: Curves
     """Mean of sum |u phi'| [W]."""
+
+    @property
+    def values(self) -> Float[np.ndarray, " n_values"]:
+        """The parameter, in rising order [rad, rad/s]."""
+        return self.settings.values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,16 +46,8 @@ class Case:
 
     group: Group
     """The part of the table that it is in."""
-    index: int
-    """Its place there, from 0; the paper counts from 1 [-]."""
-    gait: Gait
-    """What the joints were asked for."""
-    starred: str | None
-    """The parameter whose best value this is said to be; None for the others."""
-    measured_velocity: float | None
-    """None where the paper has none [m/s]."""
-    measured_power: float | None
-    """Electrical, above idle; None where the paper has none [W]."""
+    measured: MeasuredCase
+    """The row: its gait, its number and what was measured."""
     forward_velocity: tuple[float, ...]
     """Simulated, by model [m/s]."""
     mechanical_power: tuple[float, ...]
@@ -66,15 +55,9 @@ class Case:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EfficiencyStudy:
+class EfficiencyStudy(Study[EfficiencySettings]):
     """What the efficiency study ran, and what came out."""
 
-    settings: EfficiencySettings
-    """What was run."""
-    how: Mapping[str, Setting]
-    """How every trial was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
-    version: str
-    """Version of laticauda that ran it."""
     sweeps: tuple[SweepResult, ...]
     """One per sweep of the settings."""
     cases: tuple[Case, ...]
@@ -88,29 +71,43 @@ class EfficiencyStudy:
     @property
     def measured(self) -> tuple[Case, ...]:
         """The rows with a measured velocity."""
-        return tuple(case for case in self.cases if case.measured_velocity is not None)
+        return tuple(case for case in self.cases if case.measured.forward_velocity is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Maximum:
+    """The fastest point of one sweep of one group: one of the 12 starred entries of Table 1."""
+
+    group: Group
+    """Gait and configuration."""
+    parameter: str
+    """What was swept."""
+    measured_at: float
+    """Where the robot was fastest [rad, rad/s]."""
+    measured_velocity: float
+    """How fast; the best of several noisy values, so biased upward [m/s]."""
+    simulated_at: tuple[float, ...]
+    """By model, where the simulation is fastest [rad, rad/s]."""
+    simulated_velocity: tuple[float, ...]
+    """By model, how fast [m/s]."""
+    at_the_end: tuple[bool, ...]
+    """By model, whether that is the first or the last value of the sweep, so that the maximum may lie beyond."""
 
 
 def run_efficiency(
     settings: EfficiencySettings | None = None,
+    model: Model | str = "planar",
     *,
-    model: str = "planar",
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
-    ramp: float | None = None,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> EfficiencyStudy:
     """Run the efficiency study: every sweep and every row of Table 1, straight and from rest.
 
     Args:
         settings: None takes those of the paper.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        dt: See `laticauda.simulate.plant` [s].
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
-        ramp: See `laticauda.simulate.plant` [s].
-        progress: Called now and then with the number of trials done, and of all.
+        model: By which model, or its name.
+        progress: Called after every trial with the number of trials done, and of all.
+        changes: What differs from the model's defaults.
 
     Returns:
         Speeds and powers; the logs of the trials are not kept.
@@ -120,90 +117,58 @@ def run_efficiency(
         SimulationFailed: If a trial blows up; the message says which.
     """
     settings = settings or efficiency_settings()
-    options = {"model": model, "joints": joints, "dt": dt, "offset_bandwidth": offset_bandwidth, "ramp": ramp}
-    rows = [(group, gait) for group in settings.groups for gait in group.cases]
-    points = [
-        (group, sweep.gait(group.gait, value))
-        for sweep in settings.sweeps
-        for group in settings.groups
-        for value in sweep.values
-    ]
-    found, how = _measured([*rows, *points], settings, options, progress)
-    of_rows, of_points = iter(found[: len(rows)]), found[len(rows) :]
-    return EfficiencyStudy(
-        settings=settings,
-        how=how,
-        version=__version__,
-        sweeps=tuple(_curves(settings, of_points)),
-        cases=tuple(
-            _case(group, index, next(of_rows)) for group in settings.groups for index in range(len(group.cases))
-        ),
-    )
+    by = model_of(model, **changes)
+    runs = Runs(n_runs=settings.n_runs, progress=progress)
 
-
-def _measured(
-    trials: Sequence[tuple[Group, Gait]],
-    settings: EfficiencySettings,
-    options: Mapping[str, Any],
-    progress: Progress | None,
-) -> tuple[Figures, dict[str, Setting]]:
-    """The figures of every trial with every set of coefficients, and how they were computed."""
-    robots = {group.robot: load_robot(group.robot) for group in settings.groups}
-    wanted = {(group.robot, group.gait) for group in settings.groups}
-    # By set of coefficients, by robot and gait: what swims, and where.
-    setups = [
-        {(robot, gait): (model.robot(robots[robot], gait), model.water(gait)) for robot, gait in wanted}
-        for model in settings.models
-    ]
-    found = np.empty((len(trials), len(setups), 3))
-    how: dict[str, Setting] = {}
-    for i, (group, gait) in enumerate(trials):
-        for m, setup in enumerate(setups):
-            trial = _swim(*setup[group.robot, gait.kind], gait, settings.duration, options)
-            found[i, m] = trial.forward_velocity, trial.steady_velocity, trial.mechanical_power
-            how |= trial.settings
-        if progress is not None:
-            progress((i + 1) * len(setups), settings.n_runs)
-    return found, how
-
-
-def _swim(robot: Robot, water: Water, gait: Gait, duration: float, options: Mapping[str, Any]) -> Trial:
-    try:
-        return swim(robot, gait, duration, environment=water, throw=True, **options)
-    except SimulationFailed as error:
+    def swum(group: Group, gait: Gait) -> list[tuple[float, float, float]]:
+        """By model: forward velocity [m/s], steady velocity [m/s] and mechanical power [W]."""
         setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
             *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
         )
-        raise SimulationFailed(f"{robot.name}, {gait.kind}, {setting}, {water.name}: {error}") from error
+        swimmers = [one.swimmer(group.robot, gait, model=by, duration=settings.duration) for one in settings.models]
+        names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]
+        trials = [runs.swim(*one) for one in zip(names, swimmers, strict=True)]
+        return [(trial.forward_velocity, trial.steady_velocity, trial.mechanical_power) for trial in trials]
 
-
-def _curves(settings: EfficiencySettings, found: Figures) -> Iterator[SweepResult]:
-    """The figures of all sweeps, which come one sweep after the other, group by group."""
-    begin = 0
+    cases = [
+        Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
+        for group in settings.groups
+        for row in group.cases
+        for velocity, _, power in [zip(*swum(group, row.gait), strict=True)]
+    ]
+    sweeps: list[SweepResult] = []
     for sweep in settings.sweeps:
-        shape = (len(settings.groups), sweep.values.size)
-        end = begin + shape[0] * shape[1]
-        velocity, steady, power = np.moveaxis(found[begin:end].reshape(*shape, -1, 3), (3, 2), (0, 1))
-        yield SweepResult(
-            settings=sweep,
-            values=sweep.values,
-            forward_velocity=velocity,
-            steady_velocity=steady,
-            mechanical_power=power,
-        )
-        begin = end
+        found = [[swum(group, sweep.gait(group.gait, at)) for at in sweep.values] for group in settings.groups]
+        velocity, steady, power = np.moveaxis(np.array(found), (3, 2), (0, 1))
+        curves = {"forward_velocity": velocity, "steady_velocity": steady, "mechanical_power": power}
+        sweeps.append(SweepResult(settings=sweep, **curves))
+    return EfficiencyStudy(settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases))
 
 
-def _case(group: Group, index: int, found: Float[np.ndarray, "n_models 3"]) -> Case:
-    gait = group.cases[index]
-    measured: MeasuredTrial | None = measured_trial(gait, group.has_fin)
-    return Case(
+def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
+    """The starred entries of Table 1 beside the maxima of the simulated sweeps, group by group.
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
+    stars = {(case.group.name, case.measured.starred): case.measured for case in study.measured}
+    return tuple(
+        _maximum(group, sweep, stars[group.name, sweep.settings.parameter], place)
+        for place, group in enumerate(study.settings.groups)
+        for sweep in study.sweeps
+        if (group.name, sweep.settings.parameter) in stars
+    )
+
+
+def _maximum(group: Group, sweep: SweepResult, star: MeasuredCase, place: int) -> Maximum:
+    curves, values, parameter = sweep.forward_velocity[:, place], sweep.values, sweep.settings.parameter
+    best: Sequence[int] = np.argmax(curves, axis=1).tolist()
+    return Maximum(
         group=group,
-        index=index,
-        gait=gait,
-        starred=group.starred(index),
-        measured_velocity=None if measured is None else measured.forward_velocity,
-        measured_power=None if measured is None else measured.mean_power,
-        forward_velocity=tuple(map(float, found[:, 0])),
-        mechanical_power=tuple(map(float, found[:, 2])),
+        parameter=parameter,
+        measured_at=getattr(star.gait, parameter),
+        measured_velocity=star.forward_velocity or 0.0,
+        simulated_at=tuple(map(float, values[best])),
+        simulated_velocity=tuple(float(curve[i]) for curve, i in zip(curves, best, strict=True)),
+        at_the_end=tuple(i in (0, values.size - 1) for i in best),
     )

@@ -4,19 +4,19 @@ The paper sets the gain by the fin beside that of a robot of twice the length. H
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Unpack
 
 from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import Gait, envelope_of
-from laticauda.packaging import __version__
-from laticauda.paper.settings import Coefficients, paper_coefficients
+from laticauda.paper.measured import percent_change
+from laticauda.paper.runs import Coefficients, Runs, Study
+from laticauda.paper.settings import paper_coefficients
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
-from laticauda.simulate import swim
+from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
-from laticauda.trial.contents import Setting
 
 KEPT = ("phase shift", "number of waves")
 """What the longer robot has in common with the shorter one, besides amplitude and frequency."""
@@ -89,7 +89,7 @@ class Doubling:
     @property
     def velocity_change(self) -> float:
         """Of the longer robot against the shorter one [%]."""
-        return 100.0 * (self.longer.forward_velocity / self.shorter.forward_velocity - 1.0)
+        return percent_change(self.shorter.forward_velocity, self.longer.forward_velocity)
 
     @property
     def power_factor(self) -> float:
@@ -98,74 +98,52 @@ class Doubling:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinksStudy:
+class LinksStudy(Study[LinksSettings]):
     """What the links study ran, and what came out."""
 
-    settings: LinksSettings
-    """What was run."""
-    how: Mapping[str, Setting]
-    """How every trial was computed."""
-    version: str
-    """Version of laticauda that ran it."""
     doublings: tuple[Doubling, ...]
     """By gait and, within, by what was kept."""
 
 
 def run_links(
     settings: LinksSettings | None = None,
+    model: Model | str = "planar",
     *,
-    model: str = "planar",
-    joints: str = "prescribed",
-    offset_bandwidth: float = 10.0,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> LinksStudy:
     """Run the links study: every gait with both numbers of links, straight and from rest.
 
     Args:
         settings: None takes 10 and 20 of Mamba's links at the setting that the paper's sweeps hold.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        model: By which model, or its name.
         progress: Called after every trial with the number of trials done, and of all.
+        changes: What differs from the model's defaults.
 
     Returns:
         Speeds and powers.
 
     Raises:
         ValueError: If an argument is out of its range.
-        SimulationFailed: If a trial blows up.
+        SimulationFailed: If a trial blows up; the message says which.
     """
     settings = settings or LinksSettings()
-    how: dict[str, Setting] = {}
     wanted = [*product(settings.gaits, KEPT)]
-    doublings: list[Doubling] = []
-    for kind, kept in wanted:
-        runs: list[LinksRun] = []
-        for n in settings.n_links:
-            gait = settings.gait(kind, n, kept)
-            robot = load_robot(settings.robot, n_links=n)
-            robot = replace(settings.coefficients.robot(robot, kind), name=f"{settings.robot} with {n} links")
-            trial = swim(
-                robot,
-                gait,
-                settings.duration,
-                environment=settings.coefficients.water(kind),
-                model=model,
-                joints=joints,
-                offset_bandwidth=offset_bandwidth,
-                throw=True,
-            )
-            how |= trial.settings
-            runs.append(
-                LinksRun(
-                    gait=gait,
-                    n_links=n,
-                    length=robot.length,
-                    forward_velocity=trial.forward_velocity,
-                    mechanical_power=trial.mechanical_power,
-                )
-            )
-        doublings.append(Doubling(kept=kept, shorter=runs[0], longer=runs[1]))
-        if progress is not None:
-            progress(2 * len(doublings), 2 * len(wanted))
-    return LinksStudy(settings=settings, how=how, version=__version__, doublings=tuple(doublings))
+    by, runs = model_of(model, **changes), Runs(n_runs=2 * len(wanted), progress=progress)
+
+    def swum(kind: str, kept: str, n: int) -> LinksRun:
+        gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
+        robot = load_robot(settings.robot, n_links=n)
+        swimmer = settings.coefficients.swimmer(robot, gait, model=by, duration=settings.duration)
+        trial = runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
+        return LinksRun(
+            gait=gait,
+            n_links=n,
+            length=robot.length,
+            forward_velocity=trial.forward_velocity,
+            mechanical_power=trial.mechanical_power,
+        )
+
+    few, many = settings.n_links
+    found = [Doubling(kept=kept, shorter=swum(kind, kept, few), longer=swum(kind, kept, many)) for kind, kept in wanted]
+    return LinksStudy(settings=settings, how=runs.how, doublings=tuple(found))

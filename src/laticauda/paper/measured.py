@@ -1,33 +1,59 @@
-"""What the paper measured on the physical robot, to put beside a simulation of the same setting."""
+"""What the paper measured on the physical robot, and what it prints of it: Tables 1 and 2, row by row."""
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
+from typing import Any
 
 from laticauda.gaits import Gait, envelope_of
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trial import MeasuredTrial, MeasuredTrials
+from laticauda.trial.null_models import group_name
 
-_KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
-_TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
+KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
+"""The gaits as tables call them."""
+PRINTED_TO = 0.02  # the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]
+_TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
 _MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
-_FOLLOWING_AMPLITUDE_DEG = {"LU": 30.0, "EEL": 40.0}
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeasuredPathFollowing:
-    """One case of Table 2: line-of-sight path following along the x axis."""
+class _Row:
+    """What a row of either table has."""
 
     gait: Gait
     """What the joints were asked for, apart from the steering."""
     has_fin: bool
     """Whether the robot wore the caudal fin."""
     case: int
-    """Number of the case in the table, 1 to 3 [-]."""
+    """Its number among those of the same gait with the same robot, from 1 [-]."""
+    printed_velocity: float | None
+    """The printed change of forward velocity by the fin; None where there is none [%]."""
+    printed_power: float | None
+    """The same for the power [%]."""
+
+    @property
+    def group(self) -> str:
+        """Name of the part of the table that it is in."""
+        return group_name(self.gait.kind, self.has_fin)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredCase(_Row, MeasuredTrial):
+    """One case of Table 1: straight and from rest; `laticauda.MeasuredTrial` says what it holds besides."""
+
+    starred: str | None
+    """The parameter whose best value this is said to be; None for the others."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredPathFollowing(_Row):
+    """One case of Table 2: line-of-sight path following along the x axis."""
+
     initial_cross_track_error: float
     """Initial distance of the center of mass from the path, as printed [m]."""
     initial_heading: float
@@ -38,12 +64,46 @@ class MeasuredPathFollowing:
     """Electrical power above idle (4) [W]."""
 
 
+MeasuredRow = MeasuredCase | MeasuredPathFollowing
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedChange:
+    """What the fin changes from one row of a table to the one with it: as printed, and by the table's own numbers."""
+
+    without: MeasuredRow
+    """The row without the fin."""
+    with_fin: MeasuredRow
+    """The row with it."""
+
+    @property
+    def velocity(self) -> float | None:
+        """Recomputed from the speeds; None if one is missing [%]."""
+        return _known_change(self.without.forward_velocity, self.with_fin.forward_velocity)
+
+    @property
+    def power(self) -> float | None:
+        """Recomputed from the electrical powers; None if one is missing [%]."""
+        return _known_change(self.without.mean_power, self.with_fin.mean_power)
+
+    @property
+    def misprints(self) -> Mapping[str, tuple[float, float]]:
+        """What is printed and does not follow from the table's own numbers, velocity or power: both changes [%]."""
+        row = self.with_fin
+        pairs = {"velocity": (row.printed_velocity, self.velocity), "power": (row.printed_power, self.power)}
+        return {
+            name: (printed, found)
+            for name, (printed, found) in pairs.items()
+            if printed is not None and found is not None and abs(printed - found) > PRINTED_TO
+        }
+
+
 class Table1(MeasuredTrials):
     """Table 1 of the paper: Mamba, bare or with its fin, from standstill in still water."""
 
     def trials(self) -> tuple[MeasuredTrial, ...]:
         """All rows of the table, in its order."""
-        return _table1()
+        return table1()
 
     def counterpart(self, robot: Robot, gait: Gait, environment: Environment) -> MeasuredTrial | None:
         """The row of a setting, or None.
@@ -63,29 +123,29 @@ class Table1(MeasuredTrials):
 
 
 @cache
-def _table1() -> tuple[MeasuredTrial, ...]:
-    rows = [(row, row["config"] == "fin") for row in _rows("table1.csv")]
+def table1() -> tuple[MeasuredCase, ...]:
+    """Table 1 of the paper, in its order; settings that were not measured too."""
     return tuple(
-        MeasuredTrial(
-            gait=_gait(row["gait"], row["alpha_deg"], row["omega_deg_s"], row["delta_deg"]),
-            robot="mamba-fin" if has_fin else "mamba",
-            has_fin=has_fin,
-            forward_velocity=_number(row["v_m_s"]),
-            mean_power=_number(row["P_avg_W"]),
-            is_maximum=row["maximum"] == "yes",
+        MeasuredCase(
+            **_row(cells),
+            robot="mamba" if cells["config"] == "nofin" else "mamba-fin",
+            forward_velocity=_number(cells["v_m_s"]),
+            mean_power=_number(cells["P_avg_W"]),
+            starred=cells["fastest_over"] or None,
+            is_maximum=bool(cells["fastest_over"]),
             duration=DURATION,
             source="the paper",
-            about=f"Mamba {'with' if has_fin else 'without'} its fin in the tank, {DURATION:g} s from rest, the best "
-            "of a sweep (Table 1 of the paper)",
+            about=f"Mamba {'without' if cells['config'] == 'nofin' else 'with'} its fin in the tank, {DURATION:g} s "
+            "from rest, the best of a sweep (Table 1 of the paper)",
         )
-        for row, has_fin in rows
+        for cells in _cells("table1.csv")
     )
 
 
 @cache
-def efficiency_trials() -> tuple[MeasuredTrial, ...]:
+def efficiency_trials() -> tuple[MeasuredCase, ...]:
     """Table 1 of the paper, in its order; settings that were not measured are left out."""
-    return tuple(row for row in _table1() if row.forward_velocity is not None or row.mean_power is not None)
+    return tuple(row for row in table1() if row.forward_velocity is not None or row.mean_power is not None)
 
 
 @cache
@@ -93,19 +153,38 @@ def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
     """Table 2 of the paper, in its order."""
     return tuple(
         MeasuredPathFollowing(
-            gait=_gait(row["gait"], _FOLLOWING_AMPLITUDE_DEG[row["gait"]], 90.0, 40.0),
-            has_fin=row["config"] == "fin",
-            case=int(row["case"]),
-            initial_cross_track_error=float(row["py0_m"]),
-            initial_heading=math.radians(float(row["theta0_deg"])),
-            forward_velocity=float(row["v_m_s"]),
-            mean_power=float(row["P_avg_W"]),
+            **_row(cells),
+            initial_cross_track_error=float(cells["py0_m"]),
+            initial_heading=math.radians(float(cells["theta0_deg"])),
+            forward_velocity=float(cells["v_m_s"]),
+            mean_power=float(cells["P_avg_W"]),
         )
-        for row in _rows("table2.csv")
+        for cells in _cells("table2.csv")
     )
 
 
-def measured_trial(gait: Gait, has_fin: bool) -> MeasuredTrial | None:
+def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
+    """What the fin changes, for every row with the fin that has a counterpart without.
+
+    Args:
+        rows: Of one table.
+    """
+    bare = {(row.gait.kind, row.case): row for row in rows if not row.has_fin}
+    pairs = [(bare.get((row.gait.kind, row.case)), row) for row in rows if row.has_fin]
+    return tuple(PrintedChange(without=before, with_fin=row) for before, row in pairs if before is not None)
+
+
+def percent_change(before: float, after: float) -> float:
+    """By how much something grew [%].
+
+    Args:
+        before: Not zero.
+        after: In the same unit.
+    """
+    return 100.0 * (after / before - 1.0)
+
+
+def measured_trial(gait: Gait, has_fin: bool) -> MeasuredCase | None:
     """The paper's trial of Mamba with this gait, or None if it has none.
 
     Args:
@@ -114,6 +193,10 @@ def measured_trial(gait: Gait, has_fin: bool) -> MeasuredTrial | None:
     """
     same = (trial for trial in efficiency_trials() if trial.has_fin == has_fin and _alike(trial.gait, gait))
     return next(same, None)
+
+
+def _known_change(before: float | None, after: float | None) -> float | None:
+    return None if before is None or after is None else percent_change(before, after)
 
 
 def _machine(robot: Robot) -> Robot:
@@ -126,19 +209,25 @@ def _machine(robot: Robot) -> Robot:
     return replace(named, electronics_power=0.0, active_power=None)
 
 
-def _rows(table: str) -> Iterator[dict[str, str]]:
+def _cells(table: str) -> Iterator[dict[str, str]]:
     text = files("laticauda.paper").joinpath("data", table).read_text(encoding="utf-8")
     return csv.DictReader(text.splitlines())
 
 
+def _row(cells: Mapping[str, str]) -> dict[str, Any]:
+    alpha, omega, delta = (math.radians(float(cells[name])) for name in ("alpha_deg", "omega_deg_s", "delta_deg"))
+    envelope = envelope_of(KINDS[cells["gait"]])
+    return {
+        "gait": Gait(envelope=envelope, amplitude=alpha, frequency=omega, phase_shift=delta),
+        "has_fin": cells["config"] == "fin",
+        "case": int(cells["case"]),
+        "printed_velocity": _number(cells["printed_v_percent"]),
+        "printed_power": _number(cells["printed_P_percent"]),
+    }
+
+
 def _number(text: str) -> float | None:
     return float(text) if text else None
-
-
-def _gait(kind: str, amplitude: str | float, frequency: str | float, phase_shift: str | float) -> Gait:
-    """The gait of a row: degrees and degrees per second."""
-    alpha, omega, delta = (math.radians(float(value)) for value in (amplitude, frequency, phase_shift))
-    return Gait(envelope=envelope_of(_KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta)
 
 
 def _alike(one: Gait, other: Gait) -> bool:

@@ -1,17 +1,22 @@
 """Do the closed form and the 3D engine agree? The same runs by both, and how the difference falls with the step."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import instance, one_of
-from laticauda.gaits import Gait, eel_like, lateral_undulation
-from laticauda.packaging import __version__
-from laticauda.robot import Environment, Robot, load_robot, load_water
+from laticauda.extensions import name_of
+from laticauda.gaits import eel_like, lateral_undulation
+from laticauda.paper.runs import Study
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import load_robot, load_water
+from laticauda.scenarios import Model, ModelChanges, Scenario, model_of
 from laticauda.simulate import swim
+from laticauda.studies.progress import Progress
 from laticauda.trial import Trial
 
 STEPS: dict[str, tuple[float, ...]] = {
@@ -24,18 +29,11 @@ ORDERS = {"prescribed": 4, "pd": 2, "servo": 2}
 """Of both models' integrators in the step, by the joints' drive."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ParityCase:
-    """One setting in which both models swim."""
+@value
+class ParityCase(Scenario):
+    """One setting in which both models swim; joints, step and duration are those of the comparison."""
 
-    name: str
-    """What tables call it."""
-    robot: Robot
-    """What swims."""
-    gait: Gait
-    """How."""
-    environment: Environment
-    """Where."""
+    name: str = option("What tables call it")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,28 +56,37 @@ class Parity:
     """As `path`, for the path extrapolated from this step and twice it; None if that was not run before [-]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+def parity_cases() -> tuple[ParityCase, ...]:
+    """Lateral undulation, eel-like motion, a turn, the fin, a current."""
+    body, fin = load_robot("mamba"), load_robot("mamba-fin")
+    water, eel_water = load_water("paper-lateral"), load_water("paper-eel")
+    lateral = lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
+    eel = eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
+    usual = ParityCase(name="lateral", robot=body, motion=lateral, environment=water)
+    return (
+        usual,
+        replace(usual, name="eel-like", motion=eel, environment=eel_water),
+        replace(usual, name="turning", motion=replace(lateral, offset=_rad(5))),
+        replace(usual, name="fin", robot=fin),
+        replace(usual, name="current", environment=replace(water, current=(0.05, -0.08))),
+    )
+
+
+@value
 class ParitySettings:
     """What is compared."""
 
-    cases: tuple[ParityCase, ...] = field(default_factory=lambda: parity_cases())
-    """Settings in which both models swim."""
-    steps: tuple[float, ...] | None = None
-    """Of the spatial model, from large to small; None takes those of `STEPS` [s]."""
-    duration: float = 30.0
-    """Of every run [s]."""
+    cases: tuple[ParityCase, ...] = option("Settings in which both models swim", default_factory=parity_cases)
+    steps: tuple[float, ...] | None = quantity(
+        "s", "Of the spatial model, falling; None: those of `STEPS`", default=None
+    )
+    duration: float = quantity("s", "Of every run", default=30.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ParityStudy:
+class ParityStudy(Study[ParitySettings]):
     """How far apart the closed form and the 3D engine are."""
 
-    settings: ParitySettings
-    """What was compared."""
-    joints: str
-    """How the joints followed the gait."""
-    version: str
-    """Version of laticauda that ran it."""
     rows: tuple[Parity, ...]
     """By case and, within, by step."""
 
@@ -95,25 +102,26 @@ class ParityStudy:
 
 def run_parity(
     settings: ParitySettings | None = None,
+    model: Model | str = "spatial",
     *,
-    model: str = "spatial",
-    joints: str = "prescribed",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> ParityStudy:
     """Compare both models in every case at every step.
 
     Args:
         settings: None takes the defaults.
         model: Only `spatial` can be compared with the planar model.
-        joints: See `laticauda.simulate.plant`.
         progress: Called after every comparison with the number done, and of all.
+        changes: What differs from the model's defaults: only the joints are used.
 
     Raises:
         ValueError: If an argument is out of its range.
         MissingExtra: If MuJoCo is not installed.
     """
-    one_of("model", model, ("spatial",))
-    one_of("joints", joints, tuple(STEPS))
+    by = model_of(model, **changes)
+    one_of("model", name_of(type(by)), ("spatial",))
+    joints = one_of("joints", name_of(type(by.joints)), tuple(STEPS))
     settings = settings or ParitySettings()
     steps = STEPS[joints] if settings.steps is None else settings.steps
     rows: list[Parity] = []
@@ -122,22 +130,7 @@ def run_parity(
             rows.append(row)
             if progress is not None:
                 progress(len(rows), len(settings.cases) * len(steps))
-    return ParityStudy(settings=settings, joints=joints, version=__version__, rows=tuple(rows))
-
-
-def parity_cases() -> tuple[ParityCase, ...]:
-    """Lateral undulation, eel-like motion, a turn, the fin, a current."""
-    body, fin = load_robot("mamba"), load_robot("mamba-fin")
-    lateral_water, eel_water = load_water("paper-lateral"), load_water("paper-eel")
-    lateral = lateral_undulation(amplitude=_rad(30), frequency=_rad(130), phase_shift=_rad(40))
-    eel = eel_like(amplitude=_rad(48), frequency=_rad(110), phase_shift=_rad(40))
-    return (
-        ParityCase(name="lateral", robot=body, gait=lateral, environment=lateral_water),
-        ParityCase(name="eel-like", robot=body, gait=eel, environment=eel_water),
-        ParityCase(name="turning", robot=body, gait=replace(lateral, offset=_rad(5)), environment=lateral_water),
-        ParityCase(name="fin", robot=fin, gait=lateral, environment=lateral_water),
-        ParityCase(name="current", robot=body, gait=lateral, environment=replace(lateral_water, current=(0.05, -0.08))),
-    )
+    return ParityStudy(settings=settings, how={"joints": joints}, rows=tuple(rows))
 
 
 def parity(
@@ -162,21 +155,12 @@ def parity(
     """
     instance("case", case, ParityCase)
     fine = min(steps) / 4.0 if reference_step is None else reference_step
-    planar = swim(case.robot, case.gait, duration, environment=case.environment, joints=joints, dt=fine)
+    closed, space = (model_of(name, joints=joints) for name in ("planar", "spatial"))
+    planar = swim(replace(case, model=replace(closed, dt=fine), duration=duration))
     traveled = planar.path_speed * duration
     before: Trial | None = None
     for dt in steps:
-        spatial = swim(
-            case.robot,
-            case.gait,
-            duration,
-            environment=case.environment,
-            model="spatial",
-            joints=joints,
-            dt=dt,
-            root="planar",
-            gravity=False,
-        )
+        spatial = swim(replace(case, model=model_of(space, dt=dt, root="planar", gravity=False), duration=duration))
         path = spatial.center_of_mass[:, :2]
         gap, rotation = _apart(path, planar.center_of_mass)
         richardson = None

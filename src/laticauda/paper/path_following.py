@@ -1,38 +1,63 @@
 """The path-following study: the 12 trials of Table 2 in every way of the band, and a trial of another publication.
 
 It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. What it finds about the table is computed in
-`table2`.
+`scores`.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from itertools import count
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Unpack
 
 import numpy as np
 
-from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
+from laticauda.actuation import JointLaw
+from laticauda.control import PathFollowing, StraightLine
+from laticauda.extensions import name_of
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Start
-from laticauda.packaging import __version__
-from laticauda.paper.following_run import FollowingRun, figures_of
-from laticauda.paper.following_settings import (
-    FollowingGroup,
-    HeldOut,
-    PathFollowingSettings,
-    path_following_settings,
-)
-from laticauda.paper.measured import MeasuredPathFollowing
-from laticauda.paper.swimmers import run_named
-from laticauda.robot import load_robot
-from laticauda.simulate import plant
-from laticauda.simulate.runner import Until
+from laticauda.interfaces import Start
+from laticauda.paper.measured import MeasuredPathFollowing, percent_change
+from laticauda.paper.runs import Runs, Study
+from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
+from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
 from laticauda.trial import Trial, following
-from laticauda.trial.contents import Setting
+from laticauda.trial.cycles import TRANSIENT
 
-Way = tuple[str, float]
-"""Joint law and bandwidth of the reference generator [rad/s]."""
+
+@value
+class FollowingRun:
+    """How one run was made, and its figures."""
+
+    joints: str = option("How the joints follow the gait")
+    offset_bandwidth: float = quantity("rad/s", "Of the reference generator")
+    heading_estimate: str = option("raw or cycle_mean")
+    dt: float = quantity("s", "Largest time step")
+    ramp: float = quantity("s", "Duration of the smooth start")
+    reached: str = option("What ended it: time or distance")
+    duration: float = quantity("s", "how long the run was")
+    forward_velocity: float = quantity("m/s", "forward velocity, straight line over the whole run")
+    path_speed: float = quantity("m/s", "length of the path over time")
+    steady_velocity: float | None = quantity("m/s", "forward velocity over whole gait cycles after the transient")
+    mechanical_power: float = quantity("W", "mechanical power, mean of sum |u phi'|")
+    joules_per_meter: float = quantity("J/m", "mechanical power / forward velocity")
+    figures: Mapping[str, float | None] = option("By the names of `laticauda.trial.following.FIGURES`; None: has none")
+    last_third_rms: float | None = quantity(
+        "m", "root mean square of the cycle-mean error over the last third"
+    )  # so that a limit cycle cannot pass as converged
+    last_third_largest: float | None = quantity("m", "largest cycle-mean error over the last third")
+    offset_swing: float = quantity("rad", "amplitude of the offset asked for over the last third")
+
+    @property
+    def name(self) -> str:
+        """Joint law, bandwidth and heading in words."""
+        heading = {"raw": "raw", "cycle_mean": "cycle-mean"}[self.heading_estimate]
+        return f"{self.joints} joints, {self.offset_bandwidth:g} rad/s, {heading} heading"
+
+    @property
+    def converged(self) -> bool:
+        """Whether its cycle-mean error stayed within 0.1 m for a whole cycle, at some time."""
+        return self.figures["convergence_time"] is not None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,7 +66,7 @@ class FollowingCase:
 
     measured: MeasuredPathFollowing
     """The row: gait, initial conditions and what was measured."""
-    group: FollowingGroup
+    group: Group
     """The part of the table that it is in."""
     figure: int
     """Number of the paper's figure."""
@@ -68,7 +93,7 @@ class FollowingCase:
         Args:
             run: Of this case.
         """
-        return None if run.steady_velocity is None else 100.0 * (run.steady_velocity / self.free_velocity - 1.0)
+        return None if run.steady_velocity is None else percent_change(self.free_velocity, run.steady_velocity)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,15 +115,9 @@ class HeldOutRun:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PathFollowingStudy:
-    """What the path-following study ran, and what came out."""
+class PathFollowingStudy(Study[PathFollowingSettings]):
+    """What the path-following study ran, and what came out; `how` is that of the chosen runs."""
 
-    settings: PathFollowingSettings
-    """What was run."""
-    how: Mapping[str, Setting]
-    """How the chosen runs were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
-    version: str
-    """Version of laticauda that ran it."""
     cases: tuple[FollowingCase, ...]
     """All rows of Table 2 in its order."""
     held_out: HeldOutRun
@@ -107,22 +126,18 @@ class PathFollowingStudy:
 
 def run_path_following(
     settings: PathFollowingSettings | None = None,
+    model: Model | str = "planar",
     *,
-    model: str = "planar",
-    joints: str = "prescribed",
-    dt: float | None = None,
-    offset_bandwidth: float = 10.0,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> PathFollowingStudy:
     """Run the path-following study: every case of Table 2, straight and from rest, along the x axis.
 
     Args:
         settings: None takes those of the paper.
-        model: See `laticauda.simulate.plant`.
-        joints: Of the chosen runs; see `laticauda.simulate.plant`.
-        dt: Of the runs with these joints; others take a converged one; see `laticauda.simulate.plant` [s].
-        offset_bandwidth: Of the chosen runs; see `laticauda.simulate.plant` [rad/s].
+        model: Of the chosen runs, or its name; its time step is that of the runs with its joints.
         progress: Called after every run with the number of runs done, and of all.
+        changes: What differs from the model's defaults.
 
     Returns:
         The logs of the chosen runs, and figures of all.
@@ -132,58 +147,82 @@ def run_path_following(
         SimulationFailed: If a run blows up; the message says which.
     """
     settings = settings or path_following_settings()
-    n_runs = settings.n_runs(joints, offset_bandwidth)
-    done = count(1)
-
-    def tell() -> None:
-        if progress is not None:
-            progress(next(done), n_runs)
-
-    pool = _Pool(
-        settings=settings, model=model, joints=joints, dt=dt, offset_bandwidth=float(offset_bandwidth), tell=tell
-    )
+    chosen = model_of(model, **changes)
+    law = name_of(type(chosen.joints))
+    ways = [
+        replace(chosen, offset_bandwidth=bandwidth)
+        if joints == law
+        else replace(chosen, joints=JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
+        for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
+    ]
+    runs = Runs(n_runs=settings.n_runs(law, chosen.offset_bandwidth), progress=progress)
+    pool = _Pool(settings=settings, chosen=chosen, ways=ways, runs=runs)
     cases = [case for group in settings.groups for case in pool.cases(group)]
-    return PathFollowingStudy(
-        settings=settings,
-        how=cases[0].trial.settings,
-        version=__version__,
-        cases=tuple(cases),
-        held_out=pool.held_out(),
+    how = cases[0].trial.settings
+    return PathFollowingStudy(settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out())
+
+
+def figures_of(trial: Trial, distance: float) -> FollowingRun:
+    """What is kept of a run along the x axis.
+
+    Args:
+        trial: A run of `laticauda.control.PathFollowing` with a gait that moves.
+        distance: Progress in x after which it was to end [m].
+    """
+    time, period = trial.time, trial.period
+    assert period is not None  # no case stands still
+    late = time - time[0] >= 2.0 / 3.0 * trial.duration
+    rms = largest = None
+    if trial.duration >= 1.5 * period:
+        middle, error = following.mean_error(time, trial.signals["cross_track_error"], period)
+        last = error[middle - time[0] >= 2.0 / 3.0 * trial.duration]
+        rms, largest = float(np.sqrt(np.mean(last**2))), float(np.max(np.abs(last)))
+    how: dict[str, Any] = {name: trial.settings[name] for name in ("joints", "offset_bandwidth", "dt", "ramp")}
+    controller: Any = getattr(trial.scenario, "motion", None)  # a measured trial has none
+    assert isinstance(controller, PathFollowing)
+    progress = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
+    return FollowingRun(
+        **how,
+        heading_estimate=controller.heading_estimate,
+        reached="distance" if progress >= distance else "time",
+        duration=trial.duration,
+        forward_velocity=trial.forward_velocity,
+        path_speed=trial.path_speed,
+        steady_velocity=trial.steady_velocity if trial.duration >= TRANSIENT + period else None,
+        mechanical_power=trial.mechanical_power,
+        joules_per_meter=trial.mechanical_power / trial.forward_velocity,
+        figures=following.summary(trial),
+        last_third_rms=rms,
+        last_third_largest=largest,
+        offset_swing=float(np.sqrt(2.0) * np.std(trial.signals["offset"][late])),
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Pool:
-    """Where everything swims: what all runs have in common."""
+    """What all runs have in common."""
 
     settings: PathFollowingSettings
-    model: str
-    joints: str
-    dt: float | None
-    offset_bandwidth: float
-    tell: Callable[[], None]
+    chosen: Model
+    ways: list[Model]
+    runs: Runs
 
-    @property
-    def chosen(self) -> Way:
-        return self.joints, self.offset_bandwidth
-
-    def cases(self, group: FollowingGroup) -> Iterator[FollowingCase]:
+    def cases(self, group: Group) -> Iterator[FollowingCase]:
         """All cases of a group."""
-        still = OpenLoop(command=Command(gait=group.measured[0].gait))
-        free = self._swim(f"{group.name}, unsteered", group.robot, still, Start(), self.chosen)
-        for row, figure in zip(group.measured, group.figures, strict=True):
+        free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.chosen)
+        for row, figure in zip(group.followed, group.figures, strict=True):
             start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
-            task = (f"{group.name}, case {row.case}", group.robot, row.gait, start)
-            band = {way: self._follow(*task, way) for way in self.settings.band(*self.chosen)}
-            trial, run = band[self.chosen]
+            task = (f"{group.name}, case {row.case}", group.robot, row.gait)
+            trials = [self._swim(*task, way, start, "raw") for way in self.ways]
+            band, place = [*map(self._figures, trials)], self.ways.index(self.chosen)
             yield FollowingCase(
                 measured=row,
                 group=group,
                 figure=figure,
-                trial=trial,
-                run=run,
-                band=tuple(each for _, each in band.values()),
-                cycle_mean=self._follow(*task, self.chosen, "cycle_mean")[1],
+                trial=trials[place],
+                run=band[place],
+                band=tuple(band),
+                cycle_mean=self._figures(self._swim(*task, self.chosen, start, "cycle_mean")),
                 free_velocity=free.steady_velocity,
             )
 
@@ -191,68 +230,36 @@ class _Pool:
         """The trial of another publication."""
         held = self.settings.held_out
         start = Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
-        return _held_out(held, *self._follow("The held-out trial", held.robot, held.gait, start, self.chosen))
+        trial = self._swim("The held-out trial", held.robot, held.gait, self.chosen, start, "raw")
+        time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
+        assert period is not None
+        ahead = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(trial.heading)
+        middle, mean = following.mean_error(time, ahead, period)
+        return HeldOutRun(
+            settings=held,
+            trial=trial,
+            run=self._figures(trial),
+            velocity=_range(ahead[time - time[0] >= period]),
+            mean_velocity=_range(mean[middle - time[0] >= 1.5 * period]),
+            offset=_range(trial.signals["offset"]),
+        )
 
-    def _follow(
-        self, what: str, robot: str, gait: Gait, start: Start, way: Way, heading: str = "raw"
-    ) -> tuple[Trial, FollowingRun]:
-        end = start.center_of_mass[0] + self.settings.distance
-
-        def is_there(seen: Observation) -> bool:
-            return bool(seen.center_of_mass[0] >= end)
-
-        trial = self._swim(what, robot, _controller(self.settings, gait, heading), start, way, is_there)
-        return trial, figures_of(trial, self.settings.distance)
+    def _figures(self, trial: Trial) -> FollowingRun:
+        return figures_of(trial, self.settings.distance)
 
     def _swim(
-        self,
-        what: str,
-        robot: str,
-        controller: Controller[Any],
-        start: Start,
-        way: Way,
-        until: Until | None = None,
+        self, what: str, robot: str, gait: Gait, way: Model, start: Start | None = None, heading: str = ""
     ) -> Trial:
-        joints, bandwidth = way
-        kind, coefficients = controller.gait.kind, self.settings.coefficients
-        body = plant(
-            coefficients.robot(load_robot(robot), kind),
-            coefficients.water(kind),
-            model=self.model,
-            joints=joints,
-            dt=self.dt if joints == self.joints else None,
-            offset_bandwidth=bandwidth,
-        )
-        name = f"{what}, joints {joints}, bandwidth {bandwidth:g} rad/s"
-        trial = run_named(name, body, controller, self.settings.duration, start=start, until=until)
-        self.tell()
-        return trial
-
-
-def _controller(settings: PathFollowingSettings, gait: Gait, heading: str) -> PathFollowing:
-    return PathFollowing(
-        gait=gait,
-        path=StraightLine(),
-        guidance=LineOfSight(look_ahead_distance=settings.look_ahead_distance),
-        heading=HeadingController(gain=settings.gain, max_offset=settings.max_offset),
-        heading_estimate=heading,
-        interval=settings.control_interval,
-    )
-
-
-def _held_out(settings: HeldOut, trial: Trial, found: FollowingRun) -> HeldOutRun:
-    time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
-    assert period is not None
-    ahead = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(trial.heading)
-    middle, mean = following.mean_error(time, ahead, period)
-    return HeldOutRun(
-        settings=settings,
-        trial=trial,
-        run=found,
-        velocity=_range(ahead[time - time[0] >= period]),
-        mean_velocity=_range(mean[middle - time[0] >= 1.5 * period]),
-        offset=_range(trial.signals["offset"]),
-    )
+        """A run from a start along the path; without one, unsteered."""
+        settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"
+        swimmer = settings.coefficients.swimmer(robot, gait, model=way, duration=settings.duration)
+        name = f"{name} {way.offset_bandwidth:g} rad/s"
+        if start is None:
+            return self.runs.swim(name, swimmer)
+        controller = settings.steering(heading).controller(gait, StraightLine(), settings.control_interval)
+        end = start.center_of_mass[0] + settings.distance
+        steered = replace(swimmer, motion=controller, start=start)
+        return self.runs.swim(name, steered, until=lambda seen: bool(seen.center_of_mass[0] >= end))
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from laticauda.paper.path_following import PathFollowingStudy
     from laticauda.paper.report.reproduce import Reproduction
     from laticauda.paper.scores import Score
-    from laticauda.paper.table2 import Prediction
 
 HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
 """The gaits as short as a terminal likes them."""
@@ -25,7 +24,6 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
     """
     from laticauda.packaging import __version__
     from laticauda.paper.scores import scores
-    from laticauda.paper.table2 import following_scores
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}
@@ -33,7 +31,7 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
         errors = _errors(study, scores(study), "numbers_fitted", "leave_one_out", "leave_one_group_out")
         found["efficiency"] = {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
     if (study := results.path_following) is not None:
-        errors = _errors(study, following_scores(study), "numbers_fitted_to_table1")
+        errors = _errors(study, scores(study), "numbers_fitted_to_table1")
         found["path_following"] = {"settings": study.how, "errors": errors, "trials": _trials(study)}
     return found | {
         "claims": Counter(claim.verdict for claim in results.claims),
@@ -50,7 +48,6 @@ def as_text(done: "Reproduction") -> str:
         done: What was run and written.
     """
     from laticauda.paper.scores import scores
-    from laticauda.paper.table2 import following_scores
 
     results = done.results
     parts: list[str] = []
@@ -67,7 +64,7 @@ def as_text(done: "Reproduction") -> str:
             f"Path following, {study.how['joints']} joints, offset bandwidth {study.how['offset_bandwidth']:g} rad/s: "
             f"{held} of {len(study.cases)} trials keep the mean\nerror under {100 * limit:g} cm in their last third. "
             "Mean error of the forward velocity over the paper's Table 2 [%]:",
-            _table(study, following_scores(study)),
+            _table(study, scores(study)),
         ]
     verdicts = Counter(claim.verdict for claim in results.claims)
     parts.append(f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}.")
@@ -76,7 +73,7 @@ def as_text(done: "Reproduction") -> str:
 
 
 def _errors(
-    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score | Prediction]", fitted: str, *more: str
+    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score]", fitted: str, *more: str
 ) -> dict[str, Any]:
     """By predictor: how many numbers are fitted, and its errors."""
     groups = [group.name for group in study.settings.groups]
@@ -105,9 +102,7 @@ def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
     ]
 
 
-def _table(
-    study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score | Prediction]", left_out: str = ""
-) -> str:
+def _table(study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score]", left_out: str = "") -> str:
     """Errors by predictor, a line each."""
     heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]

@@ -1,77 +1,215 @@
-"""How far predictions are from the measured speeds of Table 1, beside null models that know no physics.
+"""How far predictions are from the measured speeds of Tables 1 and 2, beside null models that know no physics.
 
-A null model is fitted to the very rows that it is then scored on, by least squares of the logarithm, so its error is
-also given for rows that were left out of the fit.
+The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on the very rows that
+they are fitted to, so their errors are also given for rows that were left out of the fit; Table 2 they predict as it
+stands.
+What the fin changes, and what a meter costs, stands here too.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from laticauda.paper.efficiency import EfficiencyStudy
-from laticauda.trial.null_models import NULL_MODELS, Row, Values, design, fit, left_out, mape
+from laticauda.paper.efficiency import Case, EfficiencyStudy
+from laticauda.paper.measured import MeasuredCase, PrintedChange, efficiency_trials, percent_change, printed_changes
+from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
+from laticauda.trial.null_models import NULL_MODELS, PREDICTORS, Row, Values, design, fit, left_out, mape, predict
+
+AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """Mean absolute percentage errors (MAPE) of one predictor of the speeds of Table 1."""
+    """What one predictor says of the measured speeds of a table, and its mean absolute percentage errors (MAPE)."""
 
     name: str
-    """The predictor."""
+    """The predictor: a null model, a set of coefficients, or joint law, bandwidth and heading of a simulation."""
     n_fitted: int | None
-    """How many numbers are fitted to these very rows; None: none is fitted here [-]."""
+    """How many numbers are fitted to Table 1; None for a simulation [-]."""
+    speeds: tuple[float, ...]
+    """By case that was measured [m/s]."""
     overall: float
-    """Over all measured rows [%]."""
+    """Over all of them [%]."""
     by_group: tuple[float, ...]
     """By group of the settings [%]."""
-    leave_one_out: float | None
-    """Each row predicted from all others; None where nothing is fitted here [%]."""
-    leave_one_group_out: float | None
+    leave_one_out: float | None = None
+    """Each row of Table 1 predicted from all others; None where nothing is fitted to what is scored [%]."""
+    leave_one_group_out: float | None = None
     """Each group predicted from all others; None where that cannot be done [%]."""
 
 
-def scores(study: EfficiencyStudy) -> tuple[Score, ...]:
-    """The errors of the models of the study, then those of the null models.
+@dataclass(frozen=True, kw_only=True)
+class FinGain(Generic[AnyCase]):
+    """What the fin changes from one case of a table to the one with it.
+
+    In Table 2 the two start from different places, so the change holds that too.
+    """
+
+    without: AnyCase
+    """The case without the fin."""
+    with_fin: AnyCase
+    """The case with it."""
+
+    @property
+    def measured(self) -> PrintedChange:
+        """As printed, and by the table's own numbers."""
+        return PrintedChange(without=self.without.measured, with_fin=self.with_fin.measured)
+
+    def simulated(self, figure: Callable[[AnyCase], float]) -> float:
+        """The change of a simulated figure [%].
+
+        Args:
+            figure: Of a case.
+        """
+        return percent_change(figure(self.without), figure(self.with_fin))
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeterCost:
+    """Energy per meter of one group of Table 2; the two powers are not comparable."""
+
+    group: str
+    """Its name."""
+    measured: tuple[float, ...]
+    """By case, electrical power above idle / forward velocity [J/m]."""
+    simulated: tuple[float, ...]
+    """By case, mechanical power / forward velocity of the chosen runs [J/m]."""
+
+    @property
+    def measured_mean(self) -> float:
+        """Mean over the cases [J/m]."""
+        return sum(self.measured) / len(self.measured)
+
+    @property
+    def simulated_mean(self) -> float:
+        """Mean over the cases [J/m]."""
+        return sum(self.simulated) / len(self.simulated)
+
+
+def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
+    """What the fin changes, for every case with the fin that has a counterpart without.
 
     Args:
-        study: What `run_efficiency` returned.
+        cases: Of a study.
     """
-    rows = study.measured
-    measured = np.array([case.measured_velocity for case in rows], dtype=float)
-    group = np.array([study.settings.groups.index(case.group) for case in rows])
+    by_row = {id(case.measured): case for case in cases}
+    return tuple(
+        FinGain(without=by_row[id(pair.without)], with_fin=by_row[id(pair.with_fin)])
+        for pair in printed_changes([case.measured for case in cases])
+    )
+
+
+@singledispatch
+def scores(study: Any) -> tuple[Score, ...]:
+    """The errors of the simulations of a study, then those of the null models.
+
+    Args:
+        study: What `run_efficiency` or `run_path_following` returned.
+    """
+    raise TypeError(f"There are no scores of {study!r}.")
+
+
+@scores.register
+def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
+    group = np.array([study.settings.groups.index(case.group) for case in study.measured])
+    measured = np.array([case.measured.forward_velocity for case in study.measured], dtype=float)
+    rows, groups = _rows([case.measured for case in study.measured])
     found = [
-        _score(name, None, measured, np.array([case.forward_velocity[i] for case in rows]), group)
+        _scored(study, name, None, np.array([case.forward_velocity[i] for case in study.measured]))
         for i, name in enumerate(study.models)
     ]
-    settings = [Row(gait=case.gait, has_fin=case.group.has_fin) for case in rows]
-    groups = sorted({row.group for row in settings})
     for name in NULL_MODELS:
-        columns, known = design(name, settings, groups)
+        columns, known = design(name, rows, groups)
         target = np.log(measured) - known
-        fitted = np.exp(columns @ fit(columns, target) + known)
         others = [np.exp(left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
-        found.append(_score(name, columns.shape[1], measured, fitted, group, others))
+        one, one_group = (mape(measured, values) if np.all(np.isfinite(values)) else None for values in others)
+        errors = {"leave_one_out": one, "leave_one_group_out": one_group}
+        speeds = np.exp(columns @ fit(columns, target) + known)
+        found.append(_scored(study, name, columns.shape[1], speeds, **errors))
     return tuple(found)
 
 
-def _score(
-    name: str,
-    n_fitted: int | None,
-    measured: Values,
-    predicted: Values,
-    group: np.ndarray,
-    left_out: Sequence[Values] = (),
-) -> Score:
-    one, one_group = [mape(measured, values) if np.all(np.isfinite(values)) else None for values in left_out] or (
-        None,
-        None,
+@scores.register
+def _table2(study: PathFollowingStudy) -> tuple[Score, ...]:
+    return simulated(study) + null_predictions(study)
+
+
+def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
+    """The speeds of every way to simulate Table 2: the chosen one first, then the others of the band, the cycle mean.
+
+    Args:
+        study: What `run_path_following` returned.
+    """
+    ways = [[way.forward_velocity for way in runs] for runs in in_all_ways(study)]
+    names = [runs[0].name for runs in in_all_ways(study)]
+    return tuple(_scored(study, name, None, np.array(way)) for name, way in zip(names, ways, strict=True))
+
+
+def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
+    """The runs of all cases, way by way: the chosen one first, then the others of the band, the cycle mean.
+
+    Args:
+        study: What `run_path_following` returned.
+    """
+    cases, first = study.cases, study.cases[0]
+    others = [[case.band[i] for case in cases] for i, run in enumerate(first.band) if run.name != first.run.name]
+    return [[case.run for case in cases], *others, [case.cycle_mean for case in cases]]
+
+
+def null_predictions(study: PathFollowingStudy, trials: Sequence[MeasuredCase] | None = None) -> tuple[Score, ...]:
+    """What the null models, fitted to Table 1, say of Table 2.
+
+    Args:
+        study: What `run_path_following` returned.
+        trials: What they are fitted to; None takes the measured rows of Table 1.
+    """
+    known = [trial for trial in trials or efficiency_trials() if trial.forward_velocity is not None]
+    (rows, _), (others, _) = _rows(known), _rows([case.measured for case in study.cases])
+    speeds = np.array([trial.forward_velocity for trial in known], dtype=float)
+    return tuple(
+        _scored(study, name, n_fitted, predicted)
+        for name in PREDICTORS
+        for predicted, n_fitted in [predict(name, rows, speeds, others)]
     )
+
+
+def meter_costs(study: PathFollowingStudy) -> tuple[MeterCost, ...]:
+    """Energy per meter, group by group.
+
+    Args:
+        study: What `run_path_following` returned.
+    """
+    return tuple(
+        MeterCost(
+            group=group.name,
+            measured=tuple(case.measured.mean_power / case.measured.forward_velocity for case in cases),
+            simulated=tuple(case.run.joules_per_meter for case in cases),
+        )
+        for group in study.settings.groups
+        for cases in [[case for case in study.cases if case.group == group]]
+    )
+
+
+def _rows(measured: Sequence[Any]) -> tuple[list[Row], list[str]]:
+    """What null models know of rows of a table, and the names of their groups."""
+    rows = [Row(gait=one.gait, has_fin=one.has_fin) for one in measured]
+    return rows, sorted({row.group for row in rows})
+
+
+def _scored(
+    study: EfficiencyStudy | PathFollowingStudy, name: str, n_fitted: int | None, speeds: Values, **more: float | None
+) -> Score:
+    cases = study.measured if isinstance(study, EfficiencyStudy) else study.cases
+    measured = np.array([case.measured.forward_velocity for case in cases], dtype=float)
+    group = np.array([study.settings.groups.index(case.group) for case in cases])
     return Score(
         name=name,
         n_fitted=n_fitted,
-        overall=mape(measured, predicted),
-        by_group=tuple(mape(measured[group == i], predicted[group == i]) for i in np.unique(group)),
-        leave_one_out=one,
-        leave_one_group_out=one_group,
+        speeds=tuple(map(float, speeds)),
+        overall=mape(measured, speeds),
+        by_group=tuple(mape(measured[group == i], speeds[group == i]) for i in np.unique(group)),
+        **more,
     )

@@ -3,7 +3,6 @@
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -11,46 +10,18 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.codec import decode
+from laticauda.control import LineOfSight
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait, envelope_of
+from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
+from laticauda.paper.runs import Coefficients, Steering, Swimmer
 from laticauda.quantities import one_among, option, quantity, value
-from laticauda.robot import Parameters, Robot, Water, load_water
 from laticauda.trial.null_models import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """The gait's parameters that the paper sweeps."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Coefficients:
-    """One set of fluid coefficients, by gait: a curve of every figure."""
-
-    name: str
-    """What tables and files call it."""
-    title: str
-    """What a legend says."""
-    waters: Mapping[str, str | Water]
-    """A water for every kind of gait: itself, or its name (`load_water`)."""
-    parameters: Parameters | None = None
-    """What they change about a robot, if they come from a parameter file."""
-
-    def water(self, gait: str) -> Water:
-        """The water for a kind of gait.
-
-        Args:
-            gait: The gait's kind.
-        """
-        water = self.waters[gait]
-        return water if isinstance(water, Water) else load_water(water)
-
-    def robot(self, robot: Robot, gait: str) -> Robot:
-        """A robot with what these parameters change about it.
-
-        Args:
-            robot: What swims.
-            gait: The gait's kind.
-        """
-        return robot if self.parameters is None else self.parameters.robot(robot, gait)
+LEAST_DURATION = 15.0  # a steady part takes 10 s and a gait cycle, 4 s in Table 2 [s]
 
 
 @value
@@ -83,13 +54,8 @@ class SweepSettings:
             kind: The gait's kind.
             value: Of the parameter [rad, rad/s].
         """
-        angles = {**self.fixed, self.parameter: float(value)}
-        return Gait(
-            envelope=envelope_of(kind),
-            amplitude=angles["amplitude"],
-            frequency=angles["frequency"],
-            phase_shift=angles["phase_shift"],
-        )
+        angles: dict[str, Any] = {**self.fixed, self.parameter: float(value)}
+        return Gait(envelope=envelope_of(kind), **angles)
 
     def contains(self, gait: Gait) -> bool:
         """Whether a gait lies on this sweep's line, whatever its kind and its value of the parameter.
@@ -100,39 +66,33 @@ class SweepSettings:
         return all(abs(getattr(gait, name) - value) < 1e-6 for name, value in self.fixed.items())
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Group:
-    """One gait with one configuration of the robot: a part of Table 1."""
+    """One gait with one configuration of the robot: a part of Table 1, and of Table 2."""
 
-    gait: str
-    """The gait's kind."""
-    robot: str
-    """The robot's name (`load_robot`)."""
-    has_fin: bool
-    """Whether it wears the caudal fin."""
-    figures: tuple[int, int]
-    """Numbers of the paper's figures of forward velocity and of power."""
-    cases: tuple[Gait, ...]
-    """The settings of Table 1, in its order."""
-    maxima: Mapping[str, int]
-    """By parameter, the index of the case that the paper stars as the fastest of that sweep, from 0 [-]."""
-    printed_velocity_change: tuple[float | None, ...]
-    """By case, the printed change of forward velocity by the fin; None where there is none [%]."""
-    printed_power_change: tuple[float | None, ...]
-    """The same for the power [%]."""
+    gait: str = option("The gait's kind")
+    robot: str = option("The robot's name (`load_robot`)")
+    figures: tuple[int, ...] = quantity("", "Numbers of the paper's: of velocity and power, or by case of Table 2")
+
+    @property
+    def has_fin(self) -> bool:
+        """Whether it wears the caudal fin."""
+        return self.robot.endswith("-fin")
 
     @property
     def name(self) -> str:
         """What tables and files call it."""
         return group_name(self.gait, self.has_fin)
 
-    def starred(self, case: int) -> str | None:
-        """The parameter whose maximum a case is said to be, if any.
+    @property
+    def cases(self) -> tuple[MeasuredCase, ...]:
+        """Its cases in Table 1."""
+        return tuple(row for row in table1() if row.group == self.name)
 
-        Args:
-            case: Its index in `cases`, from 0.
-        """
-        return next((name for name, index in self.maxima.items() if index == case), None)
+    @property
+    def followed(self) -> tuple[MeasuredPathFollowing, ...]:
+        """Its cases in Table 2, one per figure."""
+        return tuple(row for row in path_following_trials() if row.group == self.name)[: len(self.figures)]
 
 
 @value
@@ -146,9 +106,7 @@ class EfficiencySettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        for name in ("models", "sweeps", "groups"):
-            if not getattr(self, name):
-                raise BadArgument(name, "must hold at least one entry, got none")
+        _at_least_one(self, "models", "sweeps", "groups")
 
     @property
     def n_runs(self) -> int:
@@ -157,22 +115,98 @@ class EfficiencySettings:
         return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
 
 
-@cache
-def paper_table() -> Mapping[str, Any]:
-    """The content of `paper.toml`, as it is written there."""
-    return tomllib.loads(files("laticauda.paper").joinpath("paper.toml").read_text(encoding="utf-8"))
+@value
+class HeldOut:
+    """A published trial of the same robot that no choice here rests on."""
+
+    gait: Gait = option("What the joints are asked for, apart from the steering")
+    robot: str = option("The robot's name (`load_robot`)")
+    initial_cross_track_error: float = quantity("m", "Initial distance from the path, positive to its left")
+    initial_heading: float = quantity("rad", "Initial heading")
+    velocity: tuple[float, float] = quantity("m/s", "Smallest and largest forward velocity that was published")
+    offset: tuple[float, float] = quantity("rad", "Smallest and largest offset that was published")
+
+
+@value
+class PathFollowingSettings:
+    """What the path-following study runs: every case of Table 2 along the x axis, in every way of the band."""
+
+    duration: float = quantity("s", "After which a run ends", ge=LEAST_DURATION, le=1e5)
+    distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
+    look_ahead_distance: float = quantity("m", "Delta", gt=0.0)
+    gain: float = quantity("", "k", gt=0.0)
+    max_offset: float = quantity("rad", "Of the joints to either side", gt=0.0)
+    control_interval: float = quantity("s", "Between two control instants", gt=0.0)
+    coefficients: Coefficients = option("The water of every gait")
+    accepted_error: float = quantity("m", "What the mean over the gait cycle shall stay within at the end", gt=0.0)
+    joint_laws: tuple[str, ...] = option("Of the band: how the joints follow the gait")
+    offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Of the band: bandwidths of the reference generator")
+    groups: tuple[Group, ...] = option("The parts of Table 2")
+    held_out: HeldOut = option("The trial of another publication")
+
+    def __post_init__(self) -> None:
+        """Check what has a range."""
+        _at_least_one(self, "joint_laws", "offset_bandwidths", "groups")
+        for group in self.groups:
+            if (n_cases := len(group.followed)) != len(group.figures):
+                raise BadArgument(
+                    "figures",
+                    f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}, "
+                    f"got {len(group.figures)}",
+                )
+
+    @property
+    def n_cases(self) -> int:
+        """How many cases there are [-]."""
+        return sum(len(group.figures) for group in self.groups)
+
+    def steering(self, heading_estimate: str = "raw") -> Steering:
+        """How every run is steered.
+
+        Args:
+            heading_estimate: Which heading is used: raw or cycle_mean.
+        """
+        guidance = LineOfSight(look_ahead_distance=self.look_ahead_distance)
+        how: dict[str, Any] = {"max_offset": self.max_offset, "heading_estimate": heading_estimate}
+        return Steering(name="the paper's gains", guidance=guidance, gain=self.gain, **how)
+
+    def band(self, joints: str, offset_bandwidth: float) -> tuple[tuple[str, float], ...]:
+        """Every way to run a case, joint law and bandwidth [rad/s], with the chosen one among them.
+
+        Args:
+            joints: The chosen joint law.
+            offset_bandwidth: The chosen bandwidth [rad/s].
+        """
+        ways = [(law, bandwidth) for law in self.joint_laws for bandwidth in self.offset_bandwidths]
+        chosen = (joints, float(offset_bandwidth))
+        return tuple(ways if chosen in ways else [chosen, *ways])
+
+    def n_runs(self, joints: str, offset_bandwidth: float) -> int:
+        """How many runs the study takes: bands, cycle means, unsteered ones and the held-out one.
+
+        Args:
+            joints: The chosen joint law.
+            offset_bandwidth: The chosen bandwidth [rad/s].
+        """
+        return self.n_cases * (len(self.band(joints, offset_bandwidth)) + 1) + len(self.groups) + 1
 
 
 @cache
 def efficiency_settings() -> EfficiencySettings:
     """The settings that come with laticauda; `dataclasses.replace` makes others."""
-    table = paper_table()["efficiency"]
-    return EfficiencySettings(
-        duration=table["duration"],
-        models=tuple(Coefficients(**model) for model in table["models"]),
-        sweeps=tuple(_sweep(sweep) for sweep in table["sweeps"]),
-        groups=tuple(_group(group) for group in table["groups"]),
-    )
+    table = _table("efficiency")
+    for sweep in table["sweeps"]:
+        sweep["fixed"] = {name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()}
+    return decode(EfficiencySettings, table)
+
+
+@cache
+def path_following_settings() -> PathFollowingSettings:
+    """The settings that come with laticauda; `dataclasses.replace` makes others."""
+    table = _table("path_following")
+    held = table["held_out"]
+    held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
+    return decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients()})
 
 
 def paper_coefficients() -> Coefficients:
@@ -180,39 +214,22 @@ def paper_coefficients() -> Coefficients:
     return efficiency_settings().models[0]
 
 
-def _sweep(table: Mapping[str, Any]) -> SweepSettings:
-    low, high, step = (math.radians(table[key]) for key in ("from_deg", "to_deg", "step_deg"))
-    fixed = {name: math.radians(value) for name, value in table["fixed_deg"].items()}
-    return SweepSettings(parameter=table["parameter"], low=low, high=high, step=step, fixed=fixed)
-
-
-def _group(table: Mapping[str, Any]) -> Group:
-    rows = [dict(zip(PARAMETERS, map(math.radians, row), strict=True)) for row in table["cases_deg"]]
-    velocity, power = printed_changes(table, len(rows))
-    return Group(
-        gait=table["gait"],
-        robot=table["robot"],
-        has_fin=table["robot"].endswith("-fin"),
-        figures=tuple(table["figures"]),
-        cases=tuple(Gait(envelope=envelope_of(table["gait"]), **row) for row in rows),
-        maxima={name: case - 1 for name, case in table["maxima"].items()},
-        printed_velocity_change=velocity,
-        printed_power_change=power,
-    )
-
-
-def printed_changes(
-    table: Mapping[str, Any], n_cases: int
-) -> tuple[tuple[float | None, ...], tuple[float | None, ...]]:
-    """What the paper prints as the change by the fin, of forward velocity and of power, by case [%].
+def swimmers(coefficients: Coefficients | None = None) -> tuple[Swimmer, ...]:
+    """The gaits of the paper's path-following trials, each without and with the fin.
 
     Args:
-        table: A group as it is written in `paper.toml`.
-        n_cases: How many cases the group has.
+        coefficients: The water of every gait, and what they change about the robots; None takes the paper's.
     """
-    absent = [""] * n_cases
-    velocity, power = (
-        tuple(None if value == "" else float(value) for value in table.get(f"printed_{name}_change", absent))
-        for name in ("velocity", "power")
-    )
-    return velocity, power
+    coefficients = coefficients or paper_coefficients()
+    groups = path_following_settings().groups
+    return tuple(coefficients.swimmer(group.robot, group.followed[0].gait) for group in groups)
+
+
+def _table(study: str) -> dict[str, Any]:
+    return tomllib.loads(files("laticauda.paper").joinpath("paper.toml").read_text(encoding="utf-8"))[study]
+
+
+def _at_least_one(settings: object, *names: str) -> None:
+    for name in names:
+        if not getattr(settings, name):
+            raise BadArgument(name, "must hold at least one entry, got none")

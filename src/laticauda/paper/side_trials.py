@@ -6,15 +6,17 @@ on the added inertia and on the depth.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.actuation import JointLaw
 from laticauda.gaits import Gait
-from laticauda.packaging import __version__
-from laticauda.paper.settings import Coefficients, SweepSettings, efficiency_settings, paper_coefficients
-from laticauda.robot import load_robot
-from laticauda.simulate import swim
+from laticauda.paper.measured import percent_change
+from laticauda.paper.runs import Coefficients, Runs, Study
+from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
+from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
 
 ROBOT = "mamba"
@@ -26,7 +28,7 @@ def _phase_shifts() -> SweepSettings:
 
 
 def _fast() -> tuple[Gait, ...]:
-    found = [gait for group in efficiency_settings().groups for gait in group.cases if not group.has_fin]
+    found = [row.gait for group in efficiency_settings().groups for row in group.cases if not group.has_fin]
     highest = max(gait.frequency for gait in found)
     return tuple(gait for gait in found if gait.frequency == highest)
 
@@ -46,15 +48,9 @@ class SideSettings:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SideTrials:
-    """What the side trials found; all without fin."""
+class SideTrials(Study[SideSettings]):
+    """What the side trials found; all without fin. `how` leaves the sweep out."""
 
-    settings: SideSettings
-    """What was run."""
-    joints: str
-    """How the joints followed the gait, apart from the sweep."""
-    version: str
-    """Version of laticauda that ran it."""
     pd_velocity: Float[np.ndarray, " n_values"]
     """Forward velocity of lateral undulation over the phase shifts with pd joints [m/s]."""
     by_added_inertia: Mapping[str, float]
@@ -70,52 +66,47 @@ class SideTrials:
 
 def run_side_trials(
     settings: SideSettings | None = None,
+    model: Model | str = "planar",
     *,
-    model: str = "planar",
-    joints: str = "prescribed",
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> SideTrials:
     """Run the side trials.
 
     Args:
         settings: None takes those of the paper.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`; the sweep over the phase shift has pd joints all the same.
+        model: By which model, or its name; the sweep over the phase shift has pd joints all the same.
         progress: Called after every trial with the number of trials done, and of all.
+        changes: What differs from the model's defaults.
 
     Returns:
         Speeds and their changes.
 
     Raises:
         ValueError: If an argument is out of its range.
-        SimulationFailed: If a trial blows up.
+        SimulationFailed: If a trial blows up; the message says which.
     """
     settings = settings or SideSettings()
-    sweep = settings.phase_shifts
+    by, sweep = model_of(model, **changes), settings.phase_shifts
     gaits = {gait.kind: gait for gait in settings.gaits}
-    n_done, n_trials = 0, sweep.values.size + 3 * len(gaits)
+    runs = Runs(n_runs=sweep.values.size + 3 * len(gaits), progress=progress)
 
-    def speed(gait: Gait, law: str, **changes: float) -> float:
-        nonlocal n_done
-        water = replace(settings.coefficients.water(gait.kind), **changes)
-        robot = settings.coefficients.robot(load_robot(ROBOT), gait.kind)
-        done = swim(robot, gait, settings.duration, environment=water, model=model, joints=law, throw=True)
-        n_done += 1
-        if progress is not None:
-            progress(n_done, n_trials)
-        return done.forward_velocity
+    def speed(gait: Gait, how: Model, **others: float) -> float:
+        swimmer = settings.coefficients.swimmer(ROBOT, gait, model=how, duration=settings.duration)
+        changed = replace(swimmer, environment=replace(swimmer.environment, **others))
+        return runs.swim(f"{ROBOT}, {gait.kind}, side trial", changed).forward_velocity
 
-    pd = [speed(sweep.gait("lateral_undulation", value), "pd") for value in sweep.values]
-    usual = {kind: speed(gait, joints) for kind, gait in gaits.items()}
+    pd = replace(by, joints=JointLaw.of("pd"), dt=None)
+    swept = [speed(sweep.gait("lateral_undulation", at), pd) for at in sweep.values]
+    usual = {kind: speed(gait, by) for kind, gait in gaits.items()}
+
+    def changed_by(**others: float) -> dict[str, float]:
+        return {kind: percent_change(usual[kind], speed(gait, by, **others)) for kind, gait in gaits.items()}
+
     return SideTrials(
         settings=settings,
-        joints=joints,
-        version=__version__,
-        pd_velocity=np.array(pd),
-        by_added_inertia={
-            kind: 100.0 * (speed(gait, joints, added_inertia=0.0) / usual[kind] - 1.0) for kind, gait in gaits.items()
-        },
-        by_depth={
-            kind: 100.0 * (speed(gait, joints, depth=SHALLOW) / usual[kind] - 1.0) for kind, gait in gaits.items()
-        },
+        how=runs.how,
+        pd_velocity=np.array(swept),
+        by_added_inertia=changed_by(added_inertia=0.0),
+        by_depth=changed_by(depth=SHALLOW),
     )

@@ -5,9 +5,9 @@ takes is asked here, for both gaits without and with the fin; for the raw headin
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any, Unpack
 
 import numpy as np
 from jaxtyping import Float
@@ -15,12 +15,12 @@ from jaxtyping import Float
 from laticauda.control import LineOfSight, StraightLine
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
-from laticauda.packaging import __version__
-from laticauda.paper.swimmers import Steering, Swimmer, how_made, in_water, long_enough, run_named, swimmers
+from laticauda.paper.runs import Runs, Steering, Study, Swimmer, long_enough
+from laticauda.paper.settings import swimmers
 from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
 from laticauda.trial import Trial
-from laticauda.trial.contents import Setting
 from laticauda.trial.following import mean_error
 
 Grid = Float[np.ndarray, "n_distances n_gains"]
@@ -77,6 +77,8 @@ class StabilitySettings:
 class Loops:
     """What loops of all look-ahead distances and some gains did."""
 
+    look_ahead_distances: Float[np.ndarray, " n_distances"]
+    """Delta, rising [m]."""
     gains: Float[np.ndarray, " n_gains"]
     """k [-]."""
     rms: Grid
@@ -96,18 +98,15 @@ class Loops:
             tuple(behavior(last, before, self.tolerance) for last, before in zip(*row, strict=True)) for row in pairs
         )
 
-    def shortest(self, look_ahead_distances: tuple[float, ...]) -> tuple[float | None, ...]:
-        """By gain, the shortest look-ahead distance that settles and is longer than all that swing; None if none is.
-
-        Args:
-            look_ahead_distances: Those of the map [m].
-        """
+    @property
+    def shortest(self) -> tuple[float | None, ...]:
+        """By gain, the shortest look-ahead distance that settles and is longer than all that swing; None if none is."""
         found: list[float | None] = []
         for column in zip(*self.behaviors, strict=True):
             n_swinging = max((i + 1 for i, one in enumerate(column) if one == SWINGS), default=0)
             settled = (i for i, one in enumerate(column) if i >= n_swinging and one == SETTLED)
             at = next(settled, None)
-            found.append(None if at is None else look_ahead_distances[at])
+            found.append(None if at is None else float(self.look_ahead_distances[at]))
         return tuple(found)
 
 
@@ -122,17 +121,26 @@ class StabilityMap:
     raw: Loops
     """With the raw heading, at its gains."""
 
+    @property
+    def gains(self) -> Float[np.ndarray, " n_columns"]:
+        """k of all loops, those with the raw heading last, as in the other tables [-]."""
+        return np.concatenate((self.cycle_mean.gains, self.raw.gains))
+
+    @property
+    def rms(self) -> Float[np.ndarray, "n_distances n_columns"]:
+        """Root mean square of the cycle-mean error over the last third, by distance and gain [m]."""
+        return np.hstack((self.cycle_mean.rms, self.raw.rms))
+
+    @property
+    def behaviors(self) -> tuple[tuple[str, ...], ...]:
+        """By distance and gain, one of `BEHAVIORS`."""
+        return tuple((*a, *b) for a, b in zip(self.cycle_mean.behaviors, self.raw.behaviors, strict=True))
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StabilityStudy:
+class StabilityStudy(Study[StabilitySettings]):
     """What was run for the stability maps, and what came out."""
 
-    settings: StabilitySettings
-    """What was run."""
-    how: Mapping[str, Setting]
-    """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s]."""
-    version: str
-    """Version of laticauda that ran it."""
     maps: tuple[StabilityMap, ...]
     """One per swimmer of the settings."""
 
@@ -162,74 +170,60 @@ def behavior(rms: float, rms_before: float, tolerance: float) -> str:
 
 def run_stability(
     settings: StabilitySettings | None = None,
+    model: Model | str = "planar",
     *,
-    model: str = "planar",
-    joints: str = "prescribed",
-    offset_bandwidth: float = 10.0,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> StabilityStudy:
     """Run every loop of the stability maps.
 
     Args:
         settings: None takes the defaults.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        model: By which model, or its name.
         progress: Called after every run with the number of runs done, and of all.
+        changes: What differs from the model's defaults.
 
     Raises:
         ValueError: If an argument is out of its range.
         SimulationFailed: If a run blows up; the message says which.
     """
     settings = settings or StabilitySettings()
-    how: dict[str, Setting] = {}
-    n_done = 0
-
-    def loops(swimmer: Swimmer, estimate: str, gains: tuple[float, ...]) -> Loops:
-        nonlocal n_done
-        body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth)
-        found = np.zeros((3, len(settings.look_ahead_distances), len(gains)))
-        for i, distance in enumerate(settings.look_ahead_distances):
-            for j, gain in enumerate(gains):
-                name = f"{swimmer.name}, look-ahead distance {distance:g} m, gain {gain:g}, {estimate} heading"
-                steering = Steering(
-                    name=name,
-                    guidance=LineOfSight(look_ahead_distance=distance),
-                    gain=gain,
-                    max_offset=settings.max_offset,
-                    heading_estimate=estimate,
-                )
-                trial = run_named(
-                    name,
-                    body,
-                    steering.controller(swimmer.gait, StraightLine(), settings.control_interval),
-                    settings.duration,
-                    start=Start(center_of_mass=(0.0, settings.initial_cross_track_error)),
-                    sample_interval=settings.control_interval,
-                )
-                how.update(how_made(trial))
-                found[:, i, j] = *_errors(trial), trial.forward_velocity
-                n_done += 1
-                if progress is not None:
-                    progress(n_done, settings.n_runs)
-        rms, rms_before, velocity = found
-        return Loops(
-            gains=np.array(gains),
-            rms=rms,
-            rms_before=rms_before,
-            forward_velocity=velocity,
-            tolerance=settings.tolerance,
-        )
-
-    maps = tuple(
+    by, runs = model_of(model, **changes), Runs(n_runs=settings.n_runs, progress=progress)
+    maps = [
         StabilityMap(
-            swimmer=swimmer,
-            cycle_mean=loops(swimmer, "cycle_mean", settings.gains),
-            raw=loops(swimmer, "raw", settings.raw_gains),
+            swimmer=one,
+            cycle_mean=_loops(settings, replace(one, model=by), "cycle_mean", settings.gains, runs),
+            raw=_loops(settings, replace(one, model=by), "raw", settings.raw_gains, runs),
         )
-        for swimmer in settings.swimmers
+        for one in settings.swimmers
+    ]
+    return StabilityStudy(settings=settings, how=runs.how, maps=tuple(maps))
+
+
+def _loops(settings: StabilitySettings, swimmer: Swimmer, estimate: str, gains: tuple[float, ...], runs: Runs) -> Loops:
+    """Every look-ahead distance with every gain."""
+    interval = settings.control_interval
+    start = Start(center_of_mass=(0.0, settings.initial_cross_track_error))
+    alike = replace(swimmer, start=start, duration=settings.duration, sample_interval=interval)
+    found = np.zeros((3, len(settings.look_ahead_distances), len(gains)))
+    for i, distance in enumerate(settings.look_ahead_distances):
+        for j, gain in enumerate(gains):
+            name = f"{swimmer.name}, look-ahead distance {distance:g} m, gain {gain:g}, {estimate} heading"
+            guidance = LineOfSight(look_ahead_distance=distance)
+            limits: dict[str, Any] = {"max_offset": settings.max_offset, "heading_estimate": estimate}
+            steering = Steering(name=name, guidance=guidance, gain=gain, **limits)
+            controller = steering.controller(swimmer.gait, StraightLine(), interval)
+            trial = runs.swim(name, replace(alike, motion=controller))
+            found[:, i, j] = *_errors(trial), trial.forward_velocity
+    rms, rms_before, velocity = found
+    return Loops(
+        look_ahead_distances=np.array(settings.look_ahead_distances),
+        gains=np.array(gains),
+        rms=rms,
+        rms_before=rms_before,
+        forward_velocity=velocity,
+        tolerance=settings.tolerance,
     )
-    return StabilityStudy(settings=settings, how=how, version=__version__, maps=maps)
 
 
 def _errors(trial: Trial) -> tuple[float, float]:

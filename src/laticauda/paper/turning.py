@@ -1,7 +1,6 @@
 """Open-loop turning: how fast, and how tightly, a constant offset of all joints turns the swimmer."""
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -9,10 +8,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, within
-from laticauda.interfaces import Command, OpenLoop
-from laticauda.paper.swimmers import Swimmer, how_made, in_water, run_named, swimmers
+from laticauda.paper.runs import Runs, Swimmer
+from laticauda.paper.settings import swimmers
 from laticauda.quantities import option, quantity, value
-from laticauda.trial.contents import Setting
+from laticauda.scenarios import Model
 
 Numbers = Float[np.ndarray, " n_offsets"]
 
@@ -48,6 +47,8 @@ class TurningCurve:
 
     swimmer: Swimmer
     """Who swam."""
+    offset: Numbers
+    """phi_0, rising [rad]."""
     turning_rate: Numbers
     """Slope of the cycle-mean heading over the steady part, positive to the left [rad/s]."""
     path_speed: Numbers
@@ -61,35 +62,23 @@ class TurningCurve:
         return self.path_speed / np.abs(self.turning_rate)
 
 
-def turning_curve(
-    settings: TurningSettings,
-    swimmer: Swimmer,
-    done: Callable[[Mapping[str, Setting]], None],
-    *,
-    model: str,
-    joints: str,
-    offset_bandwidth: float,
-) -> TurningCurve:
+def turning_curve(settings: TurningSettings, swimmer: Swimmer, model: Model, runs: Runs) -> TurningCurve:
     """One swimmer at every offset.
 
     Args:
         settings: What is run.
         swimmer: Who swims.
-        done: Called after every run with how it was computed.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
-        offset_bandwidth: See `laticauda.simulate.plant` [rad/s].
+        model: By which model.
+        runs: What runs it.
 
     Raises:
         SimulationFailed: If a run blows up; the message says which.
     """
-    body = in_water(swimmer, model=model, joints=joints, offset_bandwidth=offset_bandwidth)
     found: list[tuple[float, float, float]] = []
     for offset in settings.offsets:
-        controller = OpenLoop(command=Command(gait=replace(swimmer.gait, offset=offset)))
-        name = f"{swimmer.name}, offset {math.degrees(offset):.3g} deg"
-        trial = run_named(name, body, controller, settings.duration)
+        turn = replace(swimmer, motion=replace(swimmer.gait, offset=offset), model=model, duration=settings.duration)
+        trial = runs.swim(f"{swimmer.name}, offset {math.degrees(offset):.3g} deg", turn)
         found.append((trial.turning_rate, trial.path_speed, trial.mechanical_power))
-        done(how_made(trial))
     rate, speed, power = np.array(found).T
-    return TurningCurve(swimmer=swimmer, turning_rate=rate, path_speed=speed, mechanical_power=power)
+    curves = {"turning_rate": rate, "path_speed": speed, "mechanical_power": power}
+    return TurningCurve(swimmer=swimmer, offset=np.array(settings.offsets), **curves)

@@ -13,11 +13,12 @@ import numpy as np
 from laticauda.paper.claims import quantities
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.links import LinksStudy
+from laticauda.paper.measured import PRINTED_TO
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import PathFollowingStudy
-from laticauda.paper.report.chapter import environment, in_digits
+from laticauda.paper.report.chapter import paper_templates
 from laticauda.paper.side_trials import SideTrials
-from laticauda.paper.table1 import PRINTED_TO
+from laticauda.reports.texts import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
 STUDIES = {
@@ -84,7 +85,7 @@ def claims(
     known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
     known |= {name: getattr(quantities, name)(study) for name, study in studies.items() if study is not None}
     if side is not None and efficiency is not None:
-        known["side"]["optima"] = [known["efficiency"]["optimum"], math.degrees(side.pd_optimum)]
+        known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
     return tuple(_judged(entry, known) for entry in table()["claims"])
 
 
@@ -151,7 +152,7 @@ _OF_VALUES: Mapping[str, Callable[[Any], Any]] = {
 
 @cache
 def _template(text: str) -> Any:
-    plain = environment().overlay(autoescape=False)
+    plain = paper_templates().overlay(autoescape=False)
     plain.filters = {**plain.filters, **_OF_LIMITS, **_OF_VALUES, "percent": percent, "spread": spread}
     return plain.from_string(text)
 

@@ -1,7 +1,7 @@
-"""The numbers that claims are judged by, by study; `claims.toml` names them."""
+"""The numbers that claims and reports speak of, by study; `claims.toml` names them."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations
 from statistics import fmean
 from typing import Any
@@ -10,14 +10,13 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.efficiency import EfficiencyStudy
+from laticauda.paper.efficiency import Case, EfficiencyStudy, maxima
 from laticauda.paper.links import LinksStudy
+from laticauda.paper.measured import path_following_trials, percent_change, printed_changes
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
-from laticauda.paper.scores import scores
+from laticauda.paper.scores import FinGain, Score, fin_gains, scores
 from laticauda.paper.side_trials import SHALLOW, SideTrials
-from laticauda.paper.table1 import FinGain, fin_gains, maxima, percent_change
-from laticauda.paper.table2 import fin_changes, table2_changes
 from laticauda.robot import load_robot, load_water
 from laticauda.trial import following as figures_of_path
 
@@ -29,7 +28,8 @@ Numbers = dict[str, Any]
 
 def tables() -> Numbers:
     """Changes by the fin, recomputed from Table 2 [%]."""
-    gain, power = ([*column] for column in zip(*table2_changes(), strict=True))
+    changes = printed_changes(path_following_trials())
+    gain, power = ([getattr(change, name) for change in changes] for name in ("velocity", "power"))
     return {"gain": gain, "power": power, "energy": [*map(_per, power, gain)]}
 
 
@@ -39,7 +39,6 @@ def robots() -> Numbers:
     assert robot.caudal_fin is not None
     fin, link = robot.caudal_fin.length, robot.modules[0].length
     longer, of_modules, of_printed = (100.0 * fin / length for length in (robot.length, modules.length, 20 * link))
-    lateral, eel = (load_water(name).tangential_friction for name in ("paper-lateral", "paper-eel"))
     return {
         "fin": fin,
         "link": link,
@@ -47,11 +46,12 @@ def robots() -> Numbers:
         "n_links": robot.n_links,
         "n_modules": modules.n_links,
         "module": modules.modules[0].length,
+        "modules_length": modules.length,
         "longer": longer,
         "modules_longer": of_modules,
         "printed_longer": of_printed,
-        "lateral_friction": lateral,
-        "eel_friction": eel,
+        "lateral_friction": load_water("paper-lateral").tangential_friction,
+        "eel_friction": load_water("paper-eel").tangential_friction,
     }
 
 
@@ -64,6 +64,8 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
     Args:
         study: What `run_efficiency` returned.
     """
+    found = maxima(study)
+    phase = next(one for one in found if (one.parameter, one.group) == ("phase_shift", study.settings.groups[0]))
     return {
         "joints": study.how["joints"],
         "kind": study.how["model"],
@@ -71,41 +73,64 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
         **_fin(study),
         **_agreement(study),
         **_trends(study),
-        **_starred(study),
+        "optimum": math.degrees(phase.simulated_at[0]),
+        "measured_optimum": math.degrees(phase.measured_at),
+        # A billionth less, which is rounding.
+        "distances": [math.degrees(abs(one.simulated_at[0] - one.measured_at) - 1e-9) for one in found],
+        "at_the_end": [one.at_the_end[0] for one in found],
     }
+
+
+def fin_by_gait(study: EfficiencyStudy) -> dict[str, Numbers]:
+    """By gait, how much faster the fin makes it where that was measured, measured and by model [%].
+
+    Args:
+        study: What `run_efficiency` returned.
+    """
+    gains = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
+    kinds = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in GAIT_WORDS}
+    return {
+        kind: {
+            "measured": [gain.measured.velocity for gain in here],
+            "by_model": {name: _faster(here, i) for i, name in enumerate(study.models)},
+        }
+        for kind, here in kinds.items()
+    }
+
+
+def best_null(found: Sequence[Score]) -> Score:
+    """The null model with the least error on rows of Table 1 that it was not fitted to.
+
+    Args:
+        found: Scores of Table 1.
+    """
+    return min((one for one in found if one.leave_one_out is not None), key=lambda score: score.leave_one_out or 0.0)
 
 
 def _fin(study: EfficiencyStudy) -> Numbers:
     """Changes by the fin [%]."""
-    gains = fin_gains(study)
-    known = [gain for gain in gains if gain.measured_velocity is not None]
-    velocity = [gain.measured_velocity or 0.0 for gain in known]
-    simulated_power = [
-        percent_change(gain.without.mechanical_power[0], gain.with_fin.mechanical_power[0]) for gain in gains
-    ]
-    both = [gain for gain in known if gain.measured_power is not None]
+    gains = fin_gains(study.cases)
+    known = [(gain, gain.measured.velocity) for gain in gains if gain.measured.velocity is not None]
+    velocity = [value for _, value in known]
+    power = [(gain.measured.power, value) for gain, value in known if gain.measured.power is not None]
+    simulated_power = [gain.simulated(lambda case: case.mechanical_power[0]) for gain in gains]
+    by_gait = fin_by_gait(study)
     return {
-        "gains": {
-            kind: _gains(study, [gain for gain in known if gain.with_fin.group.gait == kind]) for kind in GAIT_WORDS
-        },
+        "gains": {kind: {**found, "simulated": found["by_model"][study.models[0]]} for kind, found in by_gait.items()},
         "gain": velocity,
-        "gain_rows": [(g.with_fin.group.name, g.with_fin.index + 1, v) for g, v in zip(known, velocity, strict=True)],
+        "gain_rows": [(gain.with_fin.group.name, gain.with_fin.measured.case, value) for gain, value in known],
         "gain_of_both_tables": [*velocity, *tables()["gain"]],
-        "simulated_gain": [gain.simulated_velocity[0] for gain in known],
+        "simulated_gain": _faster([gain for gain, _ in known], 0),
         "n_settings": len(gains),
-        "power": [gain.measured_power for gain in gains if gain.measured_power is not None],
+        "power": [gain.measured.power for gain in gains if gain.measured.power is not None],
         "simulated_power": simulated_power,
-        "energy": [_per(gain.measured_power or 0.0, gain.measured_velocity or 0.0) for gain in both],
-        "simulated_energy": [
-            _per(power, gain.simulated_velocity[0]) for power, gain in zip(simulated_power, gains, strict=True)
-        ],
+        "energy": [_per(*pair) for pair in power],
+        "simulated_energy": [*map(_per, simulated_power, _faster(gains, 0))],
     }
 
 
-def _gains(study: EfficiencyStudy, gains: Sequence[FinGain]) -> Numbers:
-    by_model = {name: [gain.simulated_velocity[i] for gain in gains] for i, name in enumerate(study.models)}
-    measured = [gain.measured_velocity for gain in gains]
-    return {"measured": measured, "simulated": by_model[study.models[0]], "by_model": by_model}
+def _faster(gains: Sequence[FinGain[Case]], model: int) -> list[float]:
+    return [gain.simulated(lambda case: case.forward_velocity[model]) for gain in gains]
 
 
 def _per(power: float, velocity: float) -> float:
@@ -116,20 +141,20 @@ def _per(power: float, velocity: float) -> float:
 def _agreement(study: EfficiencyStudy) -> Numbers:
     """Errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
     groups = study.settings.groups
-    errors = {group.name: _errors(study, group.name, 0) for group in groups}
-    mean = {name: _mean(values) for name, values in errors.items()}
+    by_model = [_errors(study, i) for i in range(len(study.models))]
+    mean = [{name: float(np.mean(np.abs(values))) for name, values in errors.items()} for errors in by_model]
     places = [study.models.index(name) for name in PAPERS] if set(PAPERS) <= set(study.models) else []
-    papers = {g.name: [_mean(_errors(study, g.name, i)) for i in places] for g in groups if g.has_fin and places}
-    pairs = [(bare.name, fin.name) for bare in groups for fin in groups if _are_pair(bare, fin)]
+    papers = {group.name: [mean[i][group.name] for i in places] for group in groups if group.has_fin and places}
+    pairs = [(a.name, b.name) for a in groups for b in groups if a.gait == b.gait and a.has_fin < b.has_fin]
     found = scores(study)
-    best = min((s for s in found if s.leave_one_out is not None), key=lambda score: score.leave_one_out or 0.0)
+    best = best_null(found)
     return {
-        "errors": errors,
-        "mean_error": mean,
+        "errors": by_model[0],
+        "mean_error": mean[0],
         "papers": papers,
         "vortex_excess": [other - one for one, other in papers.values()],
         "pairs": pairs,
-        "excess_with_fin": [mean[fin] - mean[bare] for bare, fin in pairs],
+        "excess_with_fin": [mean[0][fin] - mean[0][bare] for bare, fin in pairs],
         "overall": found[0].overall,
         "n_measured": len(study.measured),
         "best": best,
@@ -137,51 +162,43 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
     }
 
 
-def _errors(study: EfficiencyStudy, group: str, model: int) -> list[float]:
-    return [
-        percent_change(case.measured_velocity, case.forward_velocity[model])
-        for case in study.measured
-        if case.group.name == group and case.measured_velocity is not None
-    ]
-
-
-def _mean(errors: list[float]) -> float:
-    """Mean absolute error [%]."""
-    return float(np.mean(np.abs(errors)))
-
-
-def _are_pair(bare: Any, fin: Any) -> bool:
-    return bare.gait == fin.gait and not bare.has_fin and fin.has_fin
+def _errors(study: EfficiencyStudy, model: int) -> dict[str, list[float]]:
+    """By group [%]."""
+    found: dict[str, list[float]] = {group.name: [] for group in study.settings.groups}
+    for case in study.measured:
+        error = percent_change(case.measured.forward_velocity or math.nan, case.forward_velocity[model])
+        found[case.group.name].append(error)
+    return found
 
 
 def _trends(study: EfficiencyStudy) -> Numbers:
     """Velocity over the frequency, and power over all settings."""
     sweep = next(sweep for sweep in study.sweeps if sweep.settings.parameter == "frequency")
-    changes: dict[str, float] = {}
-    faster: list[float] = []
-    for group in study.settings.groups:
-        rows = [case for case in study.measured if case.group == group and sweep.settings.contains(case.gait)]
-        slow, fast = (pick(rows, key=lambda case: case.gait.frequency) for pick in (min, max))
-        changes[group.name] = percent_change(slow.measured_velocity or 0.0, fast.measured_velocity or 0.0)
-        faster.append(percent_change(slow.gait.frequency, fast.gait.frequency))
-    alike = {group.name: _alike(study, group) for group in study.settings.groups}
-    speeds = {(c.group.name, round(math.degrees(c.gait.frequency))): c.measured_velocity for c in study.cases}
-    pairs = {g.name: (speeds[g.name, 130] or 0.0, speeds[g.name, 150] or 0.0) for g in study.settings.groups}
+    swept = [case for case in study.measured if sweep.settings.contains(case.measured.gait)]
+    speeds: dict[str, dict[float, float]] = {group.name: {} for group in study.settings.groups}
+    for case in swept:
+        speeds[case.group.name][case.measured.gait.frequency] = case.measured.forward_velocity or 0.0
+    ends = {name: (min(found), max(found)) for name, found in speeds.items()}
+    changes = {name: percent_change(speeds[name][low], speeds[name][high]) for name, (low, high) in ends.items()}
+    alike = {group.name: _alike(study, group.name) for group in study.settings.groups}
+    in_degrees = {name: {round(math.degrees(at)): v for at, v in found.items()} for name, found in speeds.items()}
     return {
         "explained": [_through_origin(sweep.values, curve) for curve in sweep.forward_velocity[0]],
         "by_frequency": changes,
         "frequency_changes": [*changes.values()],
-        "faster_by": max(faster),
+        "faster_by": max(percent_change(*pair) for pair in ends.values()),
         "alike": alike,
         "alike_shares": [sum(values) / len(values) for values in alike.values()],
-        "from_130_to_150": {name: percent_change(*pair) for name, pair in pairs.items() if all(pair)},
+        "from_130_to_150": {
+            name: percent_change(found[130], found[150]) for name, found in in_degrees.items() if {130, 150} <= {*found}
+        },
     }
 
 
-def _alike(study: EfficiencyStudy, group: Any) -> list[bool]:
+def _alike(study: EfficiencyStudy, group: str) -> list[bool]:
     """Whether measured and simulated power order each pair of settings alike."""
-    cases = [case for case in study.cases if case.group == group and case.measured_power is not None]
-    rows = [(case.measured_power or 0.0, case.mechanical_power[0]) for case in cases]
+    cases = [case for case in study.cases if case.group.name == group and case.measured.mean_power is not None]
+    rows = [(case.measured.mean_power or 0.0, case.mechanical_power[0]) for case in cases]
     return [(one[0] - other[0]) * (one[1] - other[1]) > 0.0 for one, other in combinations(rows, 2)]
 
 
@@ -189,19 +206,6 @@ def _through_origin(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> f
     """Coefficient of determination of the best line y = k x [-]."""
     residual = y - x * float(x @ y) / float(x @ x)
     return 1.0 - float(residual @ residual) / float(np.sum((y - np.mean(y)) ** 2))
-
-
-def _starred(study: EfficiencyStudy) -> Numbers:
-    """The maxima of Table 1 beside the simulated ones [deg, deg/s]."""
-    found = maxima(study)
-    phase = next(one for one in found if (one.parameter, one.group) == ("phase_shift", study.settings.groups[0]))
-    return {
-        "optimum": math.degrees(phase.simulated_at[0]),
-        "measured_optimum": math.degrees(phase.measured_at),
-        # A billionth less, which is rounding.
-        "distances": [math.degrees(abs(one.simulated_at[0] - one.measured_at) - 1e-9) for one in found],
-        "at_the_end": [one.at_the_end[0] for one in found],
-    }
 
 
 # ---- the others ----------------------------------------------------------------------------------------------------
@@ -213,13 +217,18 @@ def side(study: SideTrials) -> Numbers:
     Args:
         study: What `run_side_trials` returned.
     """
+
+    def in_words(changes: Mapping[str, float]) -> dict[str, float]:
+        return {GAIT_WORDS[kind]: value for kind, value in changes.items()}
+
     return {
-        "joints": study.joints,
+        "joints": study.how["joints"],
         "coefficients": study.settings.coefficients.name,
         "shallow": SHALLOW,
-        "by_depth": {GAIT_WORDS[kind]: value for kind, value in study.by_depth.items()},
-        "by_added_inertia": {GAIT_WORDS[kind]: value for kind, value in study.by_added_inertia.items()},
+        "by_depth": in_words(study.by_depth),
+        "by_added_inertia": in_words(study.by_added_inertia),
         "inertia_changes": [*study.by_added_inertia.values()],
+        "optimum": math.degrees(study.pd_optimum),
     }
 
 
@@ -230,8 +239,11 @@ def links(study: LinksStudy) -> Numbers:
         study: What `run_links` returned.
     """
     settings = study.settings
-    rows = [(d.kept, GAIT_WORDS[d.shorter.gait.kind], d.velocity_change, d.power_factor) for d in study.doublings]
-    same_phase_shift = [row[1:] for row in rows if row[0] == "phase shift"]
+    kept: dict[str, list[tuple[str, float, float]]] = {}
+    for one in study.doublings:
+        row = (GAIT_WORDS[one.shorter.gait.kind], one.velocity_change, one.power_factor)
+        kept.setdefault(one.kept, []).append(row)
+    _, change, factor = zip(*kept["phase shift"], strict=True)
     return {
         "joints": study.how["joints"],
         "coefficients": settings.coefficients.name,
@@ -239,10 +251,10 @@ def links(study: LinksStudy) -> Numbers:
         "short": settings.n_links[0],
         "long": settings.n_links[1],
         **{name: math.degrees(getattr(settings, name)) for name in ("amplitude", "frequency", "phase_shift")},
-        "same_phase_shift": same_phase_shift,
-        "same_waves": [row[1:] for row in rows if row[0] == "number of waves"],
-        "velocity_change": [change for _, change, _ in same_phase_shift],
-        "power_factor": [factor for _, _, factor in same_phase_shift],
+        "same_phase_shift": kept["phase shift"],
+        "same_waves": kept["number of waves"],
+        "velocity_change": change,
+        "power_factor": factor,
     }
 
 
@@ -253,7 +265,7 @@ def parity(study: ParityStudy) -> Numbers:
         study: What `run_parity` returned.
     """
     dt, path = min(study.worst("path").items())
-    return {"joints": study.joints, "dt": dt, "path": path}
+    return {"joints": study.how["joints"], "dt": dt, "path": path}
 
 
 def following(study: PathFollowingStudy) -> Numbers:
@@ -264,9 +276,8 @@ def following(study: PathFollowingStudy) -> Numbers:
     """
     figures = [case.run.figures for case in study.cases]
     means = [figure["last_third_error"] for figure in figures]
-    mean_heading, heading = zip(*(_heading_errors(case) for case in study.cases), strict=True)
-    changes = fin_changes(study)
-    convergence = [*_convergence(study)]
+    mean_heading, heading = zip(*map(_heading_errors, study.cases), strict=True)
+    gains, convergence = fin_gains(study.cases), _convergence(study)
     sources: dict[str, Callable[[FollowingCase], float]] = {
         "measured velocity": lambda case: case.measured.forward_velocity,
         "measured power": lambda case: case.measured.mean_power,
@@ -286,11 +297,21 @@ def following(study: PathFollowingStudy) -> Numbers:
         "heading": heading,
         "convergence": convergence,
         "later_with_fin": [fin - bare for _, _, bare, fin in convergence],
-        "gain": [change.measured_velocity for change in changes],
-        "simulated_gain": [change.simulated_velocity for change in changes],
-        "band_gain": [value for change in changes for value in change.band_velocity],
+        "gain": [gain.measured.velocity for gain in gains],
+        "simulated_gain": [gain.simulated(sources["simulated velocity"]) for gain in gains],
+        "band_gain": [change for gain in gains for change in band_gains(gain)],
         "spreads": {name: _spreads(study, figure) for name, figure in sources.items()},
     }
+
+
+def band_gains(gain: FinGain[FollowingCase]) -> list[float]:
+    """How much faster the fin makes it, in every way of the band [%].
+
+    Args:
+        gain: From a case of Table 2 to the one with the fin.
+    """
+    ways = range(len(gain.without.band))
+    return [gain.simulated(lambda case, way=way: case.band[way].forward_velocity) for way in ways]
 
 
 def _kept(study: PathFollowingStudy, cases: Sequence[FollowingCase]) -> Numbers:
@@ -338,8 +359,5 @@ def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float
 
 def _spreads(study: PathFollowingStudy, figure: Callable[[FollowingCase], float]) -> list[float]:
     """By group, largest minus smallest value over their mean [%]."""
-    found: list[float] = []
-    for group in study.settings.groups:
-        values = [figure(case) for case in study.cases if case.group == group]
-        found.append(100.0 * (max(values) - min(values)) / fmean(values))
-    return found
+    found = [[figure(case) for case in study.cases if case.group == group] for group in study.settings.groups]
+    return [100.0 * (max(values) - min(values)) / fmean(values) for values in found]

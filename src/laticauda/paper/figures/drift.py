@@ -4,11 +4,9 @@
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -16,6 +14,7 @@ from laticauda.figures import style
 from laticauda.figures.following import path_beside
 from laticauda.figures.path import extent
 from laticauda.trial import Trial
+from laticauda.trial.cycles import CycleMean
 
 STRIP = (0.55, 2.4)  # smallest and largest height of a path [in]
 LABELS = 0.55  # height that labels and letters take [in]
@@ -30,35 +29,30 @@ LINES: tuple[tuple[str, Any], ...] = (
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorLine:
-    """The mean distance from the path in one run."""
-
-    label: str
-    """What the legend says."""
-    at: Float[np.ndarray, " n_middles"]
-    """When, or how far along the path [s, m]."""
-    error: Float[np.ndarray, " n_middles"]
-    """Cycle mean of the cross-track error then, positive to the left [m]."""
+ErrorLine = tuple[str, CycleMean]
+"""What a legend says, and the mean error of a run."""
 
 
 def mean_errors(lines: Sequence[ErrorLine], ax: Axes, *, xlabel: str, tolerance: float | None = None) -> Axes:
     """Mean distance from the path, a line per run.
 
     Args:
-        lines: The data.
+        lines: Of each run, what the legend says, and the cycle mean of its cross-track error, positive to the left [m];
+            over the time [s] or over how far along the path it was [m].
         ax: Where to draw.
-        xlabel: What `at` is, with its unit.
+        xlabel: What the errors are drawn over, with its unit.
         tolerance: A band around the path to be shaded; None for none [m].
     """
     if tolerance is not None:
         label = f"\N{PLUS-MINUS SIGN}{100.0 * tolerance:g} cm"
         ax.axhspan(-tolerance, tolerance, color="#E4E4E4", linewidth=0.0, zorder=0, label=label)
     ax.axhline(0.0, color=style.GRAY, linewidth=style.THIN, zorder=1)
-    for i, line in enumerate(lines):
+    for i, (label, error) in enumerate(lines):
         color, dashes = LINES[i % len(LINES)]
-        ax.plot(line.at, line.error, color=color, linestyle=dashes, linewidth=1.5, label=line.label)
-    ax.set_xlim(min(0.0, *(float(line.at[0]) for line in lines)), max(float(line.at[-1]) for line in lines))
+        ax.plot(*error, color=color, linestyle=dashes, linewidth=1.5, label=label)
+    ax.set_xlim(
+        min(0.0, *(float(error.time[0]) for _, error in lines)), max(float(error.time[-1]) for _, error in lines)
+    )
     return style.dress(ax, xlabel=xlabel, ylabel="mean cross-track\nerror [m]")
 
 
@@ -89,21 +83,13 @@ def runs_sheet(
     axes: list[Axes] = []
     for i, (words, trial) in enumerate(trials):
         ax = path_beside(trial, figure.add_subplot(grid[i], **({"sharex": axes[0]} if axes else {})))
-        ax.set_title(f"({'abcdefgh'[i]})  {words}", fontsize=style.TICK, color=style.INK, loc="left", pad=4)
+        style.letter(ax, i, words)
         axes.append(ax)
     for ax in axes[:-1]:
         ax.set_xlabel("")
     last = mean_errors(lines, figure.add_subplot(grid[-1]), xlabel=xlabel, tolerance=tolerance)
-    last.set_title(f"({'abcdefgh'[len(trials)]})", fontsize=style.TICK, color=style.INK, loc="left", pad=4)
+    style.letter(last, len(trials))
     figure.align_ylabels([*axes, last])
     style.head(figure, title)
-    figure.legend(
-        *last.get_legend_handles_labels(),
-        loc="outside lower center",
-        ncols=2,
-        fontsize=style.TICK,
-        labelcolor=style.INK,
-        frameon=False,
-        handlelength=2.6,
-    )
+    style.legend_below(figure, *last.get_legend_handles_labels())
     return figure

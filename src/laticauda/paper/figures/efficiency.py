@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.container import ErrorbarContainer
@@ -18,7 +18,11 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
+from laticauda.paper.measured import MeasuredCase
+from laticauda.paper.repeats import Repeat
+from laticauda.paper.settings import SweepSettings
 
+Curves = Float[np.ndarray, "n_curves n_values"]
 Values = Float[np.ndarray, " _"]
 
 LABELS = {
@@ -45,59 +49,47 @@ MARGIN = 0.035  # beside the first and the last value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Curve:
-    """A simulated curve over one parameter of the gait."""
-
-    label: str
-    """What the legend says."""
-    velocity: Float[np.ndarray, " n_values"]
-    """Forward velocity [m/s]."""
-    power: Float[np.ndarray, " n_values"]
-    """Mechanical power [W]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Scatter:
-    """Repeated trials of one setting on a panel's line of settings."""
-
-    at: float
-    """The parameter [rad, rad/s]."""
-    velocity: Float[np.ndarray, " n_trials"]
-    """Forward velocity; nan where it is missing [m/s]."""
-    power: Float[np.ndarray, " n_trials"]
-    """Electrical power above idle; nan where it is missing [W]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Marks:
-    """What was measured on a panel's line of settings."""
-
-    at: Float[np.ndarray, " n_marks"]
-    """The parameter [rad, rad/s]."""
-    velocity: Float[np.ndarray, " n_marks"]
-    """Forward velocity; nan where it is missing [m/s]."""
-    power: Float[np.ndarray, " n_marks"]
-    """Electrical power above idle; nan where it is missing [W]."""
-    is_maximum: Bool[np.ndarray, " n_marks"]
-    """Whether it is given as the fastest of its sweep."""
-    scatter: tuple[Scatter, ...] = ()
-    """Repeated trials, an entry per setting."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Panel:
     """One parameter of the gait is varied: the data of one panel."""
 
-    parameter: str
-    """amplitude, frequency or phase_shift."""
-    fixed: dict[str, float]
-    """The other two, held [rad, rad/s]."""
-    values: Float[np.ndarray, " n_values"]
-    """Of the parameter, for all curves [rad, rad/s]."""
-    curves: tuple[Curve, ...]
-    """In the same order in every panel."""
-    measured: Marks
-    """What was measured."""
+    sweep: SweepSettings
+    """What is varied, and what is held."""
+    labels: tuple[str, ...]
+    """What the legend says to each curve."""
+    velocity: Curves
+    """Simulated forward velocity [m/s]."""
+    power: Curves
+    """Simulated mechanical power [W]."""
+    measured: tuple[MeasuredCase, ...]
+    """The measured settings on this line."""
+    repeats: tuple[Repeat, ...]
+    """The settings on this line that were repeated."""
+
+    @property
+    def velocities(self) -> list[Values]:
+        """Repeated, by setting; nan where one is missing [m/s]."""
+        return [np.array(one.forward_velocity, dtype=float) for one in self.repeats]
+
+    @property
+    def powers(self) -> list[Values]:
+        """The same of the electrical power above idle [W]."""
+        return [np.array(one.mean_power, dtype=float) for one in self.repeats]
+
+    def marks(self, name: str) -> Values:
+        """What was measured, by setting; nan where it is missing.
+
+        Args:
+            name: forward_velocity [m/s] or mean_power [W].
+        """
+        return np.array([getattr(one, name) for one in self.measured], dtype=float)
+
+    def at(self, found: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
+        """Where settings lie on the axis [deg, deg/s].
+
+        Args:
+            found: Some that were measured.
+        """
+        return np.degrees([getattr(one.gait, self.sweep.parameter) for one in found])
 
 
 # ---- figures -------------------------------------------------------------------------------------------------------
@@ -110,9 +102,9 @@ def velocity_curves(panel: Panel, ax: Axes) -> Axes:
         panel: The data.
         ax: Where to draw.
     """
-    _draw_curves(panel, [curve.velocity for curve in panel.curves], ax)
-    _draw_marks(panel, panel.measured.velocity, ax)
-    _draw_scatter(panel, _velocities(panel), ax)
+    _draw_curves(panel, panel.velocity, ax)
+    _draw_marks(panel, panel.marks("forward_velocity"), ax)
+    _draw_scatter(panel, panel.velocities, ax)
     return _dress(panel, ax, "forward velocity [m/s]")
 
 
@@ -123,7 +115,7 @@ def mechanical_power_curves(panel: Panel, ax: Axes) -> Axes:
         panel: The data.
         ax: Where to draw.
     """
-    _draw_curves(panel, [curve.power for curve in panel.curves], ax)
+    _draw_curves(panel, panel.power, ax)
     return _dress(panel, ax, "mechanical power,\nsimulated [W]")
 
 
@@ -134,9 +126,9 @@ def electrical_power_marks(panel: Panel, ax: Axes) -> Axes:
         panel: The data.
         ax: Where to draw.
     """
-    _draw_marks(panel, panel.measured.power, ax)
-    _draw_scatter(panel, _powers(panel), ax)
-    if np.all(np.isnan(np.concatenate([panel.measured.power, *_powers(panel)]))):
+    _draw_marks(panel, panel.marks("mean_power"), ax)
+    _draw_scatter(panel, panel.powers, ax)
+    if np.all(np.isnan(np.concatenate([panel.marks("mean_power"), *panel.powers]))):
         ax.text(0.5, 0.5, "not available", transform=ax.transAxes, ha="center", fontsize=style.TICK, color=style.GRAY)
     return _dress(panel, ax, "electrical power,\nmeasured [W]")
 
@@ -153,7 +145,7 @@ def velocity_sheet(panels: Sequence[Panel], title: str) -> Figure:
     shown: list[Values] = []
     for panel, ax in zip(panels, axes, strict=True):
         velocity_curves(panel, ax)
-        shown += [*(curve.velocity for curve in panel.curves), panel.measured.velocity, *_velocities(panel)]
+        shown += [*panel.velocity, panel.marks("forward_velocity"), *panel.velocities]
     _level(axes, shown)
     _finish(figure, [axes], panels, title)
     return figure
@@ -174,8 +166,8 @@ def power_sheet(panels: Sequence[Panel], title: str) -> Figure:
     for panel, upper, lower in zip(panels, above, below, strict=True):
         mechanical_power_curves(panel, upper).set_xlabel("")
         electrical_power_marks(panel, lower)
-    _level(above, [curve.power for p in panels for curve in p.curves])
-    _level(below, [values for p in panels for values in (p.measured.power, *_powers(p))])
+    _level(above, [curve for panel in panels for curve in panel.power])
+    _level(below, [values for panel in panels for values in (panel.marks("mean_power"), *panel.powers)])
     _finish(figure, [above, below], panels, title)
     return figure
 
@@ -183,36 +175,27 @@ def power_sheet(panels: Sequence[Panel], title: str) -> Figure:
 # ---- parts ---------------------------------------------------------------------------------------------------------
 
 
-def _draw_curves(panel: Panel, quantities: Sequence[Float[np.ndarray, " n_values"]], ax: Axes) -> None:
-    for i, quantity in enumerate(quantities):
+def _draw_curves(panel: Panel, curves: Curves, ax: Axes) -> None:
+    for i, curve in enumerate(curves):
         color, dashes = LINES[i % len(LINES)]
-        ax.plot(np.degrees(panel.values), quantity, color=color, linestyle=dashes, linewidth=1.5)
+        ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
 
 
-def _draw_marks(panel: Panel, quantity: Float[np.ndarray, " n_marks"], ax: Axes) -> None:
-    known = ~np.isnan(quantity)
+def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
+    starred = np.array([one.starred == panel.sweep.parameter for one in panel.measured], dtype=bool)
     for maximum in (False, True):
-        shown = known & (panel.measured.is_maximum == maximum)
+        shown = ~np.isnan(quantity) & (starred == maximum)
         if not np.any(shown):  # the layout takes an empty line that is not clipped for one without end
             continue
-        ax.plot(np.degrees(panel.measured.at[shown]), quantity[shown], clip_on=False, zorder=3, **_mark(maximum))
-
-
-def _velocities(panel: Panel) -> list[Values]:
-    return [repeats.velocity for repeats in panel.measured.scatter]
-
-
-def _powers(panel: Panel) -> list[Values]:
-    return [repeats.power for repeats in panel.measured.scatter]
+        ax.plot(panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **_mark(maximum))
 
 
 def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
     """Every repeated trial as a dot, and mean and standard deviation of several: to the right, not over marks."""
-    low, high = np.degrees(panel.values[[0, -1]])
+    low, high = np.degrees(panel.sweep.values[[0, -1]])
     step = BESIDE * float(high - low)
-    for repeats, quantity in zip(panel.measured.scatter, quantities, strict=True):
-        known = quantity[~np.isnan(quantity)]
-        at = float(np.degrees(repeats.at)) + step
+    for place, quantity in zip(panel.at(panel.repeats).tolist(), quantities, strict=True):
+        known, at = quantity[~np.isnan(quantity)], place + step
         if known.size:
             ax.plot([at] * known.size, known, clip_on=False, zorder=4, **_dot())
         if known.size > 1:
@@ -257,15 +240,15 @@ def _mark(maximum: bool) -> dict[str, Any]:
 
 
 def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
-    low, high = np.degrees(panel.values[[0, -1]])
+    low, high = np.degrees(panel.sweep.values[[0, -1]])
     if high > low:
         margin = MARGIN * float(high - low)  # a mark at the end keeps off the next panel
         beside = 2.0 * BESIDE * float(high - low)
-        farthest = max([float(high), *(math.degrees(repeats.at) + beside for repeats in panel.measured.scatter)])
+        farthest = max([float(high), *(panel.at(panel.repeats) + beside)])
         ax.set_xlim(float(low) - margin, farthest + margin)
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
-    return style.dress(ax, xlabel=LABELS[panel.parameter], ylabel=ylabel)
+    return style.dress(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
 
 
 def _level(axes: Sequence[Axes], shown: Sequence[Float[np.ndarray, " _"]]) -> None:
@@ -276,38 +259,29 @@ def _level(axes: Sequence[Axes], shown: Sequence[Float[np.ndarray, " _"]]) -> No
 
 def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str) -> None:
     """What is beside the data: letters, what is held, legend and title."""
-    for letter, ax, panel in zip("abcdefgh", rows[0], panels, strict=False):
-        held = ", ".join(SYMBOLS[name].format(float(np.degrees(value))) for name, value in panel.fixed.items())
-        ax.set_title(f"({letter})  {held}", fontsize=style.TICK, color=style.INK, loc="left", pad=6)
+    for place, (ax, panel) in enumerate(zip(rows[0], panels, strict=True)):
+        held = [SYMBOLS[name].format(float(np.degrees(value))) for name, value in panel.sweep.fixed.items()]
+        style.letter(ax, place, ", ".join(held), pad=6)
     for row in rows:
         for ax in row[1:]:
             ax.set_ylabel("")
             ax.tick_params(labelleft=False)
         for ax in row:
-            ax.grid(axis="y", color="#E4E4E4", linewidth=style.THIN)
-            ax.set_axisbelow(True)
+            style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
     figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
-    figure.legend(
-        handles=_handles(panels),
-        loc="outside lower center",
-        ncols=2,
-        fontsize=style.TICK,
-        labelcolor=style.INK,
-        frameon=False,
-        handlelength=2.6,
-    )
+    style.legend_below(figure, _handles(panels))
 
 
 def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
     """What the legend shows."""
     handles: list[Line2D | ErrorbarContainer] = []
-    for i, curve in enumerate(panels[0].curves):
+    for i, label in enumerate(panels[0].labels):
         color, dashes = LINES[i % len(LINES)]
-        handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=curve.label))
+        handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=label))
     for maximum, label in ((True, "measured, fastest of its sweep"), (False, "measured, another setting")):
         handles.append(Line2D([], [], label=label, **_mark(maximum)))
-    if any(panel.measured.scatter for panel in panels):
+    if any(panel.repeats for panel in panels):
         handles.append(Line2D([], [], label="repeated trials, beside their setting", **_dot()))
         handles.append(_mean_handle())
     return handles

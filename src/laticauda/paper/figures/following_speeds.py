@@ -92,8 +92,7 @@ def following_speeds(rows: Sequence[SpeedRow], ax: Axes) -> Axes:
     ax.set_ylim(places[-1] + 0.6, places[0] - 1.1)
     ax.set_xlim(left=0.0)
     ax.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-    ax.grid(axis="x", color="#E4E4E4", linewidth=style.THIN)
-    ax.set_axisbelow(True)
+    style.light_grid(ax, "x")
     style.dress(ax, xlabel="forward velocity [m/s]", ylabel="")
     ax.tick_params(axis="y", length=0)
     return ax
@@ -117,16 +116,7 @@ def following_speeds_sheet(rows: Sequence[SpeedRow], title: str, *, chosen: str,
         handles.append(Line2D([], [], linestyle="none", color=color, marker=marker, markersize=4.0, label=law))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=2,
-        fontsize=style.TICK,
-        labelcolor=style.INK,
-        frameon=False,
-        handlelength=1.4,
-        handletextpad=0.7,
-    )
+    style.legend_below(figure, handles, handlelength=1.4, handletextpad=0.7)
     style.head(figure, title)
     return figure
 

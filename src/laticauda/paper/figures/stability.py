@@ -4,10 +4,8 @@
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -19,6 +17,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
 from laticauda.figures import style
+from laticauda.paper.stability import StabilityMap
 
 Edge = tuple[tuple[float, float], tuple[float, float]]
 
@@ -32,48 +31,35 @@ BOUNDARY = 2.0  # width of the line around the loops that have not settled [pt]
 HATCH = "////"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StabilityPanel:
-    """The map of one swimmer; the first columns are for the mean heading, those behind the gap for the raw one."""
-
-    title: str
-    """Above the panel."""
-    look_ahead_distances: Float[np.ndarray, " n_distances"]
-    """Rising [m]."""
-    gains: Float[np.ndarray, " n_mean"]
-    """With the mean heading over the gait cycle, rising [-]."""
-    raw_gains: Float[np.ndarray, " n_raw"]
-    """With the raw heading [-]."""
-    rms: Float[np.ndarray, "n_distances n_columns"]
-    """Root mean square of the mean error over the last third, by distance and gain, raw ones last [m]."""
-    behaviors: tuple[tuple[str, ...], ...]
-    """By distance and gain: settled, limit cycle or still coming."""
-    rule: float
-    """Two lengths of the robot, to be marked [m]."""
-    paper: tuple[float, float]
-    """Look-ahead distance [m] and gain [-] to be marked."""
-
-
-def stability_map(panel: StabilityPanel, ax: Axes) -> Axes:
+def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> Axes:
     """One map: color and number are the error, a thick line parts the loops that settle from those that do not.
 
+    The first columns are for the mean heading, those behind the gap for the raw one.
+
     Args:
-        panel: The data.
+        panel: The map of one swimmer.
         ax: Where to draw.
+        paper: Look-ahead distance [m] and gain [-] to be marked.
     """
-    n = panel.gains.size
-    columns = [j + (GAP if j >= n else 0.0) for j in range(n + panel.raw_gains.size)]
+    n, gains, distances = panel.cycle_mean.gains.size, panel.gains, panel.cycle_mean.look_ahead_distances
+    columns = [j + (GAP if j >= n else 0.0) for j in range(gains.size)]
     for row, (errors, behaviors) in enumerate(zip(panel.rms, panel.behaviors, strict=True)):
         for at, error, behavior in zip(columns, errors.tolist(), behaviors, strict=True):
             _draw_cell(ax, at, row, error, behavior)
     _draw_boundary(panel, ax, columns)
-    _draw_rule(panel, ax, columns)
-    _mark_paper(panel, ax, columns)
+    above = np.flatnonzero(distances >= 2.0 * panel.swimmer.length * (1.0 - 1e-9))
+    if above.size:  # the rule of thumb, a line under the first distance that keeps it
+        at, ends = float(above[0]) - 0.5, (-0.5, columns[-1] + 0.5)
+        ax.plot(ends, (at, at), color=style.ORANGE, linewidth=1.4, linestyle=(0, (4, 2)), zorder=4, clip_on=False)
+    rows, places = np.flatnonzero(np.isclose(distances, paper[0])), np.flatnonzero(np.isclose(gains, paper[1]))
+    corners = [(columns[j] - 0.42, row - 0.4) for row in rows.tolist() for j in places.tolist()]
+    frames = [Rectangle(corner, 0.84, 0.8) for corner in corners]
+    ax.add_collection(PatchCollection(frames, facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, zorder=5))
     ax.set_xlim(-0.5, columns[-1] + 0.5)
-    ax.set_ylim(-0.5, panel.look_ahead_distances.size - 0.5)
-    ax.set_xticks(columns, [f"{gain:g}" for gain in (*panel.gains, *panel.raw_gains)])
-    ax.set_yticks(range(panel.look_ahead_distances.size), [f"{value:g}" for value in panel.look_ahead_distances])
-    if panel.raw_gains.size:
+    ax.set_ylim(-0.5, distances.size - 0.5)
+    ax.set_xticks(columns, [f"{gain:g}" for gain in gains])
+    ax.set_yticks(range(distances.size), [f"{value:g}" for value in distances])
+    if gains.size > n:
         for at, words in ((np.mean(columns[:n]), "mean heading"), (np.mean(columns[n:]), "raw")):
             ax.annotate(
                 words,
@@ -93,22 +79,22 @@ def stability_map(panel: StabilityPanel, ax: Axes) -> Axes:
     return ax
 
 
-def stability_sheet(panels: Sequence[StabilityPanel], title: str, note: str = "") -> Figure:
+def stability_sheet(panels: Sequence[StabilityMap], title: str, paper: tuple[float, float], note: str = "") -> Figure:
     """All maps, two in a row, with their scale and what the marks mean.
 
     Args:
         panels: One per swimmer.
         title: Above all panels.
+        paper: Look-ahead distance [m] and gain [-] to be marked.
         note: A second line under the title; "" for none.
     """
     n_rows = -(-len(panels) // 2)
-    height = n_rows * (max(panel.look_ahead_distances.size for panel in panels) * CELL[1] + 0.85) + 1.1
+    height = n_rows * (panels[0].cycle_mean.look_ahead_distances.size * CELL[1] + 0.85) + 1.1
     figure = style.new_figure(style.DOUBLE_COLUMN, height)
     grid = figure.subplots(n_rows, 2, squeeze=False)
     axes: list[Axes] = [ax for row in grid for ax in row]
-    for letter, panel, ax in zip("abcdefgh", panels, axes, strict=False):
-        stability_map(panel, ax)
-        ax.set_title(f"({letter})  {panel.title}", fontsize=style.TICK, color=style.INK, loc="left", pad=16)
+    for place, (panel, ax) in enumerate(zip(panels, axes, strict=False)):
+        style.letter(stability_map(panel, ax, paper), place, panel.swimmer.name, pad=16)
     for ax in axes[len(panels) :]:
         ax.set_visible(False)
     used = axes[: len(panels)]
@@ -119,16 +105,7 @@ def stability_sheet(panels: Sequence[StabilityPanel], title: str, note: str = ""
     bar.set_label("rms of the mean error, last third [cm]", fontsize=style.LABEL, color=style.INK)
     bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue, reportAttributeAccessIssue]
     style.head(figure, title, note)
-    figure.legend(
-        handles=_handles(),
-        loc="outside lower center",
-        ncols=4,
-        fontsize=style.TICK,
-        labelcolor=style.INK,
-        frameon=False,
-        handlelength=1.9,
-        columnspacing=1.4,
-    )
+    style.legend_below(figure, _handles(), ncols=4, handlelength=1.9, columnspacing=1.4)
     return figure
 
 
@@ -163,10 +140,10 @@ def _centimeters(error: float) -> str:
     return f"{100.0 * error:.1f}" if error < 0.0995 else f"{100.0 * error:.0f}"
 
 
-def _draw_boundary(panel: StabilityPanel, ax: Axes, columns: Sequence[float]) -> None:
+def _draw_boundary(panel: StabilityMap, ax: Axes, columns: Sequence[float]) -> None:
     """Lines between cells that settle and cells that do not."""
     edges: list[Edge] = []
-    n_rows, n_mean = panel.look_ahead_distances.size, panel.gains.size
+    n_rows, n_mean = panel.cycle_mean.look_ahead_distances.size, panel.cycle_mean.gains.size
     settled = [[behavior == "settled" for behavior in row] for row in panel.behaviors]
     for row in range(n_rows):
         for j, at in enumerate(columns):
@@ -175,25 +152,6 @@ def _draw_boundary(panel: StabilityPanel, ax: Axes, columns: Sequence[float]) ->
             if j + 1 < len(columns) and j + 1 != n_mean and settled[row][j] != settled[row][j + 1]:
                 edges.append(((at + 0.5, row - 0.5), (at + 0.5, row + 0.5)))
     ax.add_collection(LineCollection(edges, colors=style.INK, linewidths=BOUNDARY, capstyle="projecting", zorder=3))
-
-
-def _draw_rule(panel: StabilityPanel, ax: Axes, columns: Sequence[float]) -> None:
-    """The rule of thumb as a line under the first distance that keeps it."""
-    above = np.flatnonzero(panel.look_ahead_distances >= panel.rule * (1.0 - 1e-9))
-    if above.size:
-        at = float(above[0]) - 0.5
-        ends = (-0.5, columns[-1] + 0.5)
-        ax.plot(ends, (at, at), color=style.ORANGE, linewidth=1.4, linestyle=(0, (4, 2)), zorder=4, clip_on=False)
-
-
-def _mark_paper(panel: StabilityPanel, ax: Axes, columns: Sequence[float]) -> None:
-    """A frame around the paper's point, with either heading."""
-    distance, gain = panel.paper
-    rows = np.flatnonzero(np.isclose(panel.look_ahead_distances, distance))
-    places = np.flatnonzero(np.isclose(np.concatenate((panel.gains, panel.raw_gains)), gain))
-    corners = [(columns[j] - 0.42, row - 0.4) for row in rows.tolist() for j in places.tolist()]
-    frames = [Rectangle(corner, 0.84, 0.8) for corner in corners]
-    ax.add_collection(PatchCollection(frames, facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, zorder=5))
 
 
 def _handles() -> list[Line2D | Patch]:

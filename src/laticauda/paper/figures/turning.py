@@ -4,7 +4,6 @@
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -13,33 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, MaxNLocator, MultipleLocator, NullLocator
 
 from laticauda.figures import style
+from laticauda.paper.turning import TurningCurve
 
 PANEL_HEIGHT = 2.2  # [in]
 HEAD = 0.9  # height that title and legend take [in]
 RADII = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)  # on the axis [m]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TurningLine:
-    """One swimmer, by offset."""
-
-    label: str
-    """What the legend says."""
-    is_eel_like: bool
-    """Its color."""
-    has_fin: bool
-    """Its dashes and marks."""
-    offset: Float[np.ndarray, " n_offsets"]
-    """phi_0, rising [rad]."""
-    turning_rate: Float[np.ndarray, " n_offsets"]
-    """[rad/s]."""
-    radius: Float[np.ndarray, " n_offsets"]
-    """[m]."""
-    path_speed: Float[np.ndarray, " n_offsets"]
-    """[m/s]."""
-
-
-def turning_rates(lines: Sequence[TurningLine], ax: Axes) -> Axes:
+def turning_rates(lines: Sequence[TurningCurve], ax: Axes) -> Axes:
     """Turning rate over the offset.
 
     Args:
@@ -49,7 +29,7 @@ def turning_rates(lines: Sequence[TurningLine], ax: Axes) -> Axes:
     return _draw(lines, [np.degrees(line.turning_rate) for line in lines], ax, "turning rate [deg/s]")
 
 
-def turning_radii(lines: Sequence[TurningLine], ax: Axes) -> Axes:
+def turning_radii(lines: Sequence[TurningCurve], ax: Axes) -> Axes:
     """Radius of the turn over the offset, on a scale of ratios.
 
     Args:
@@ -66,7 +46,7 @@ def turning_radii(lines: Sequence[TurningLine], ax: Axes) -> Axes:
     return ax
 
 
-def turning_speeds(lines: Sequence[TurningLine], ax: Axes) -> Axes:
+def turning_speeds(lines: Sequence[TurningCurve], ax: Axes) -> Axes:
     """Path speed over the offset.
 
     Args:
@@ -76,7 +56,7 @@ def turning_speeds(lines: Sequence[TurningLine], ax: Axes) -> Axes:
     return _draw(lines, [line.path_speed for line in lines], ax, "path speed [m/s]")
 
 
-def turning_sheet(lines: Sequence[TurningLine], title: str) -> Figure:
+def turning_sheet(lines: Sequence[TurningCurve], title: str) -> Figure:
     """Rate, radius and speed side by side.
 
     Args:
@@ -85,40 +65,32 @@ def turning_sheet(lines: Sequence[TurningLine], title: str) -> Figure:
     """
     figure = style.new_figure(style.DOUBLE_COLUMN, PANEL_HEIGHT + HEAD)
     axes: list[Axes] = list(figure.subplots(1, 3))
-    for letter, draw, ax in zip("abc", (turning_rates, turning_radii, turning_speeds), axes, strict=True):
+    for place, (draw, ax) in enumerate(zip((turning_rates, turning_radii, turning_speeds), axes, strict=True)):
         draw(lines, ax)
-        ax.set_title(f"({letter})", fontsize=style.TICK, color=style.INK, loc="left", pad=4)
+        style.letter(ax, place)
     for ax in (axes[0], axes[2]):
         ax.set_ylim(0.0, None)
         ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     style.head(figure, title)
-    figure.legend(
-        *axes[0].get_legend_handles_labels(),
-        loc="outside lower center",
-        ncols=2,
-        fontsize=style.TICK,
-        labelcolor=style.INK,
-        frameon=False,
-        handlelength=2.6,
-    )
+    style.legend_below(figure, *axes[0].get_legend_handles_labels())
     return figure
 
 
-def _draw(lines: Sequence[TurningLine], values: Sequence[Float[np.ndarray, " n_offsets"]], ax: Axes, y: str) -> Axes:
+def _draw(lines: Sequence[TurningCurve], values: Sequence[Float[np.ndarray, " n_offsets"]], ax: Axes, y: str) -> Axes:
     for line, value in zip(lines, values, strict=True):
+        is_eel_like, has_fin = line.swimmer.gait.kind == "eel_like", line.swimmer.has_fin
         ax.plot(
             np.degrees(line.offset),
             value,
-            color=style.ORANGE if line.is_eel_like else style.BLUE,
-            linestyle="-" if line.has_fin else (0, (5, 2)),
+            color=style.ORANGE if is_eel_like else style.BLUE,
+            linestyle="-" if has_fin else (0, (5, 2)),
             linewidth=1.4,
-            marker="s" if line.is_eel_like else "o",
+            marker="s" if is_eel_like else "o",
             markersize=3.2,
-            markerfacecolor=None if line.has_fin else "white",
-            label=line.label,
+            markerfacecolor=None if has_fin else "white",
+            label=line.swimmer.name,
         )
-    ax.grid(axis="y", color="#E4E4E4", linewidth=style.THIN)
-    ax.set_axisbelow(True)
+    style.light_grid(ax, "y")
     ax.set_xlim(0.0, 1.04 * max(float(np.degrees(line.offset[-1])) for line in lines))
     ax.xaxis.set_major_locator(MultipleLocator(5.0))
     return style.dress(ax, xlabel="offset $\\phi_0$ [deg]", ylabel=y)

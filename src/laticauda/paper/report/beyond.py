@@ -8,8 +8,10 @@ import numpy as np
 
 from laticauda.paper.beyond import BeyondStudy
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.report.chapter import PaperChapter, degrees
 from laticauda.paper.turning import TurningCurve
+from laticauda.reports.chapter import Chapter
+from laticauda.trial.cycles import CycleMean
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +30,7 @@ def beyond_chapter(study: BeyondStudy) -> Chapter:
     settings = study.settings
     tightest = settings.curved.tightest_radius
     needed = {curve.swimmer.name: _offset_for(curve, settings.turning.offsets, tightest) for curve in study.turning}
-    return Chapter(
+    return PaperChapter(
         name="beyond",
         values={
             "study": study,
@@ -105,7 +107,7 @@ def _turning(study: BeyondStudy) -> list[dict[str, Any]]:
     return [
         {
             "swimmer": curve.swimmer.name,
-            "offset [deg]": round(math.degrees(offset), 9),
+            "offset [deg]": degrees(offset),
             "turning rate [deg/s]": math.degrees(curve.turning_rate[i]),
             "radius [m]": curve.radius[i],
             "radius in robot lengths [-]": curve.radius[i] / curve.swimmer.length,
@@ -141,13 +143,13 @@ def _offset_for(curve: TurningCurve, offsets: tuple[float, ...], radius: float) 
 
 
 def _drift_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.drift import ErrorLine, runs_sheet
+    from laticauda.paper.figures.drift import runs_sheet
 
     settings = study.settings.drift
     title = (
         f"{settings.swimmer.name.capitalize()} in a current of {math.hypot(*settings.current):g} m/s across the path"
     )
-    lines = [ErrorLine(label=run.law.name, at=run.error.time, error=run.error.value) for run in study.drift]
+    lines = [(run.law.name, run.error) for run in study.drift]
     figure = runs_sheet(
         [(run.law.name, run.trial) for run in study.drift[:2]],
         lines,
@@ -159,29 +161,17 @@ def _drift_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
 
 
 def _curved_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.drift import ErrorLine, runs_sheet
+    from laticauda.paper.figures.drift import runs_sheet
 
     title = f"A curved path, line of sight with {study.settings.curved.law.name}"
-    lines = [ErrorLine(label=run.swimmer.name, at=run.along, error=run.error.value) for run in study.curved]
+    lines = [(run.swimmer.name, CycleMean(run.along, run.error.value)) for run in study.curved]
     shown = [(run.swimmer.name, run.trial) for run in study.curved[:2]]
     figure = runs_sheet(shown, lines, title, xlabel="distance along the path [m]")
     return f"{title}: the way, and the cycle-mean cross-track error. Simulation only.", figure
 
 
 def _turning_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.turning import TurningLine, turning_sheet
+    from laticauda.paper.figures.turning import turning_sheet
 
     title = "Turning with a constant offset of all joints"
-    lines = [
-        TurningLine(
-            label=curve.swimmer.name,
-            is_eel_like=curve.swimmer.gait.kind == "eel_like",
-            has_fin=curve.swimmer.has_fin,
-            offset=np.array(study.settings.turning.offsets),
-            turning_rate=curve.turning_rate,
-            radius=curve.radius,
-            path_speed=curve.path_speed,
-        )
-        for curve in study.turning
-    ]
-    return f"{title}: turning rate, radius and path speed. Simulation only.", turning_sheet(lines, title)
+    return f"{title}: turning rate, radius and path speed. Simulation only.", turning_sheet(study.turning, title)

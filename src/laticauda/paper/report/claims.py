@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from laticauda.paper.claims import Claim, Misprint, misprints
-from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.report.chapter import PaperChapter
+from laticauda.reports.chapter import Chapter
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """The best first."""
@@ -35,7 +36,7 @@ def claims_chapter(found: Sequence[Claim], wrong: Sequence[Misprint] | None = No
         for entry in (misprints() if wrong is None else wrong)
     ]
     counts = Counter(claim.verdict for claim in found)
-    return Chapter(
+    return PaperChapter(
         name="claims",
         values={"n_claims": len(found), "counts": {name: counts[name] for name in VERDICTS if counts[name]}},
         tables={"claims": DataFrame(claims), "misprints": DataFrame(misprinted)},

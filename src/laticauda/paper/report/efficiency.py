@@ -1,22 +1,24 @@
-"""The efficiency study for readers: its figures, and what its chapter of the report speaks of."""
+"""The efficiency study for readers: its tables, its figures, and what its chapter of the report speaks of."""
 
 import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from laticauda.gaits import Gait
+from laticauda.paper.claims.quantities import best_null, fin_by_gait
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.efficiency import EfficiencyStudy, SweepResult
+from laticauda.paper.efficiency import EfficiencyStudy, SweepResult, maxima
+from laticauda.paper.measured import percent_change
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report.chapter import Chapter
-from laticauda.paper.report.efficiency_tables import efficiency_tables
-from laticauda.paper.scores import scores
+from laticauda.paper.report.chapter import PaperChapter, Row, degrees, error_rows, fin_row, misprinted
+from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
-from laticauda.paper.table1 import fin_gains, maxima
+from laticauda.reports.chapter import Chapter
+from laticauda.trial.null_models import group_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from laticauda.paper.figures.efficiency import Panel
 
@@ -30,10 +32,10 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         study: What `run_efficiency` returned.
         repeats: Repeated trials to draw beside the paper's (`load_repeats`).
     """
-    return Chapter(
+    return PaperChapter(
         name="efficiency",
         values={"study": study, "settings": study.settings, "repeats": repeats, **_findings(study, repeats)},
-        tables=efficiency_tables(study, repeats),
+        tables=_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
         figures=lambda: efficiency_figures(study, repeats),
         data={"efficiency.nc": lambda: to_dataset(study)},
@@ -42,32 +44,116 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
     """What the sentences of the chapter are made of."""
-    found, gains, starred = scores(study), fin_gains(study), maxima(study)
-    kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
-    known = {k: [g for g in gains if g.with_fin.group.gait == k and g.measured_velocity is not None] for k in kinds}
+    found, gains, starred, models = scores(study), fin_gains(study.cases), maxima(study), range(len(study.models))
     sweeps, groups = study.settings.sweeps, study.settings.groups
+    near = [[abs(one.simulated_at[i] - one.measured_at) <= NEAR + 1e-9 for one in starred] for i in models]
     return {
         "physical": [score for score in found if score.n_fitted is None],
-        "best": min((s for s in found if s.leave_one_out is not None), key=lambda score: score.leave_one_out or 0.0),
+        "best": best_null(found),
         "n_maxima": len(starred),
-        "n_near": [
-            sum(abs(entry.simulated_at[i] - entry.measured_at) <= NEAR + 1e-9 for entry in starred)
-            for i in range(len(study.models))
-        ],
-        "n_at_end": [sum(entry.at_the_end[i] for entry in starred) for i in range(len(study.models))],
-        "fin": {
-            kind: {
-                "measured": [gain.measured_velocity for gain in here],
-                "simulated": [[gain.simulated_velocity[i] for gain in here] for i in range(len(study.models))],
-            }
-            for kind, here in known.items()
-        },
-        "misprinted": [
-            (gain.with_fin, what, getattr(gain, f"printed_{what}"), getattr(gain, f"measured_{what}"))
-            for gain in gains
-            for what in gain.misprints
-        ],
+        "n_near": [*map(sum, near)],
+        "n_at_end": [sum(one.at_the_end[i] for one in starred) for i in models],
+        "fin": {kind: gain for kind, gain in fin_by_gait(study).items() if gain["measured"]},
+        "misprinted": misprinted(gains),
         "n_repeats_shown": sum(any(_is_shown(r, g, sweep) for g in groups for sweep in sweeps) for r in repeats),
+    }
+
+
+# ---- tables --------------------------------------------------------------------------------------------------------
+
+
+def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> "dict[str, DataFrame]":
+    """All tables of the study, by name."""
+    from pandas import DataFrame
+
+    titles = {model.name: f"{model.name}: {model.title}" for model in study.settings.models}
+    rows = {
+        "table1": _table1(study),
+        "table1-maxima": _maxima(study),
+        "fin-gain": _fin(study),
+        "errors": error_rows(study, "numbers fitted here", titles),
+        "sweeps": _sweeps(study),
+    }
+    if repeats:
+        rows["repeats"] = [_repeat(repeat) for repeat in repeats]
+    return {name: DataFrame(found) for name, found in rows.items()}
+
+
+def _setting(gait: Gait) -> Row:
+    return {
+        "amplitude [deg]": degrees(gait.amplitude),
+        "frequency [deg/s]": degrees(gait.frequency),
+        "phase shift [deg]": degrees(gait.phase_shift),
+    }
+
+
+def _table1(study: EfficiencyStudy) -> list[Row]:
+    rows: list[Row] = []
+    for case in study.cases:
+        measured = case.measured.forward_velocity
+        row: Row = {"group": case.group.name, "case": case.measured.case, **_setting(case.measured.gait)}
+        row["fastest over"] = (case.measured.starred or "").replace("_", " ")
+        row["measured: v [m/s]"] = measured
+        row["measured: electrical power [W]"] = case.measured.mean_power
+        for name, velocity, power in zip(study.models, case.forward_velocity, case.mechanical_power, strict=True):
+            row[f"{name}: v [m/s]"] = velocity
+            row[f"{name}: error [%]"] = None if measured is None else percent_change(measured, velocity)
+            row[f"{name}: mechanical power [W]"] = power
+        rows.append(row)
+    return rows
+
+
+def _maxima(study: EfficiencyStudy) -> list[Row]:
+    rows: list[Row] = []
+    for entry in maxima(study):
+        row: Row = {"group": entry.group.name, "over": entry.parameter.replace("_", " ")}
+        row["measured: fastest at [deg, deg/s]"] = degrees(entry.measured_at)
+        row["measured: v [m/s]"] = entry.measured_velocity
+        for i, name in enumerate(study.models):
+            row[f"{name}: fastest at [deg, deg/s]"] = degrees(entry.simulated_at[i])
+            row[f"{name}: at the end of the range"] = entry.at_the_end[i]
+            row[f"{name}: v [m/s]"] = entry.simulated_velocity[i]
+        rows.append(row)
+    return rows
+
+
+def _fin(study: EfficiencyStudy) -> list[Row]:
+    rows: list[Row] = []
+    for gain in fin_gains(study.cases):
+        speeds = [gain.simulated(lambda case, i=i: case.forward_velocity[i]) for i in range(len(study.models))]
+        simulated = {f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)}
+        rows.append(fin_row(gain.measured, _setting(gain.with_fin.measured.gait), simulated, {}))
+    return rows
+
+
+def _sweeps(study: EfficiencyStudy) -> list[Row]:
+    return [
+        {
+            "model": model,
+            "group": group.name,
+            "over": sweep.settings.parameter.replace("_", " "),
+            "value [deg, deg/s]": degrees(float(value)),
+            "v [m/s]": sweep.forward_velocity[m, g, i],
+            "steady v [m/s]": sweep.steady_velocity[m, g, i],
+            "mechanical power [W]": sweep.mechanical_power[m, g, i],
+        }
+        for sweep in study.sweeps
+        for g, group in enumerate(study.settings.groups)
+        for m, model in enumerate(study.models)
+        for i, value in enumerate(sweep.values)
+    ]
+
+
+def _repeat(repeat: Repeat) -> Row:
+    (velocity, deviation), (power, power_deviation) = repeat.velocity, repeat.power or (None, None)
+    return {
+        "group": group_name(repeat.gait.kind, repeat.has_fin),
+        **_setting(repeat.gait),
+        "trials": len(repeat.forward_velocity),
+        "v: mean [m/s]": velocity,
+        "v: deviation [m/s]": deviation,
+        "electrical power: mean [W]": power,
+        "electrical power: deviation [W]": power_deviation,
     }
 
 
@@ -93,33 +179,17 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":
     """One panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
-    from laticauda.paper.figures.efficiency import Curve, Marks, Panel, Scatter
+    from laticauda.paper.figures.efficiency import Panel
 
-    settings, group = sweep.settings, study.settings.groups[place]
-    cases = [case for case in study.cases if case.group == group and settings.contains(case.gait)]
+    group, rows = study.settings.groups[place], [case.measured for case in study.cases]
+    on_line = [row for row in rows if row.group == group.name and sweep.settings.contains(row.gait)]
     return Panel(
-        parameter=settings.parameter,
-        fixed=dict(settings.fixed),
-        values=sweep.values,
-        curves=tuple(
-            Curve(label=model.title, velocity=sweep.forward_velocity[i, place], power=sweep.mechanical_power[i, place])
-            for i, model in enumerate(study.settings.models)
-        ),
-        measured=Marks(
-            at=np.array([getattr(case.gait, settings.parameter) for case in cases], dtype=float),
-            velocity=np.array([case.measured_velocity for case in cases], dtype=float),
-            power=np.array([case.measured_power for case in cases], dtype=float),
-            is_maximum=np.array([case.starred == settings.parameter for case in cases], dtype=bool),
-            scatter=tuple(
-                Scatter(
-                    at=getattr(repeat.gait, settings.parameter),
-                    velocity=np.array(repeat.forward_velocity, dtype=float),
-                    power=np.array(repeat.mean_power, dtype=float),
-                )
-                for repeat in repeats
-                if _is_shown(repeat, group, settings)
-            ),
-        ),
+        sweep=sweep.settings,
+        labels=tuple(model.title for model in study.settings.models),
+        velocity=sweep.forward_velocity[:, place],
+        power=sweep.mechanical_power[:, place],
+        measured=tuple(on_line),
+        repeats=tuple(repeat for repeat in repeats if _is_shown(repeat, group, sweep.settings)),
     )
 
 

@@ -10,14 +10,19 @@ from laticauda.paper.claims.judge import Claim, claims
 from laticauda.paper.curved import CurvedSettings
 from laticauda.paper.drift import DriftSettings
 from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
-from laticauda.paper.following_settings import PathFollowingSettings, path_following_settings
 from laticauda.paper.links import LinksSettings, LinksStudy, run_links
 from laticauda.paper.parity import ParitySettings, ParityStudy, run_parity
 from laticauda.paper.path_following import PathFollowingStudy, run_path_following
-from laticauda.paper.settings import Coefficients, EfficiencySettings, efficiency_settings
+from laticauda.paper.runs import Coefficients
+from laticauda.paper.settings import (
+    EfficiencySettings,
+    PathFollowingSettings,
+    efficiency_settings,
+    path_following_settings,
+    swimmers,
+)
 from laticauda.paper.side_trials import SideSettings, SideTrials, run_side_trials
 from laticauda.paper.stability import StabilitySettings, StabilityStudy, run_stability
-from laticauda.paper.swimmers import swimmers
 from laticauda.paper.turning import TurningSettings
 from laticauda.robot import Parameters
 
@@ -100,7 +105,7 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
         parameters=parameters,
     )
     own, drifting = swimmers(given), usual.beyond.drift.swimmer
-    (same,) = (one for one in own if (one.gait, one.robot) == (drifting.gait, drifting.robot))
+    (same,) = (one for one in own if one.name == drifting.name)
     return Experiments(
         efficiency=replace(usual.efficiency, models=(given, *usual.efficiency.models)),
         links=LinksSettings(coefficients=given),

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.paper.parity import ORDERS, ParityStudy
-from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.report.chapter import PaperChapter
+from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +35,7 @@ def parity_chapter(study: ParityStudy) -> Chapter:
         for row in study.rows
     ]
     dt, path = min(study.worst("path").items())
-    return Chapter(
+    return PaperChapter(
         name="parity",
         values={"study": study, "dt": dt, "path": path},
         tables={"parity": DataFrame(rows)},
@@ -54,13 +55,14 @@ def parity_figures(study: ParityStudy) -> Iterator[tuple[str, str, "Figure"]]:
 
     figure = new_figure(style.DOUBLE_COLUMN, 2.9)
     labels = {"path": "path: largest difference / distance [-]", "heading": "heading: largest difference [rad]"}
+    joints = str(study.how["joints"])
     for ax, (name, label) in zip(figure.subplots(1, 2), labels.items(), strict=True):
         worst = study.worst(name)
         curve = ConvergenceCurve(
-            label=f"{study.joints} joints",
+            label=f"{joints} joints",
             dt=np.array(list(worst)),
             difference=np.array(list(worst.values())),
-            order=ORDERS[study.joints],
+            order=ORDERS[joints],
         )
         convergence([curve], ax, ylabel=label, bounds=[(ACCEPTED, "0.3 %")] if name == "path" else [])
     yield "parity", "Planar and spatial model over the step of the spatial one: the worst of all cases.", figure

@@ -5,13 +5,14 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import GAIT_WORDS
+from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.following_run import FollowingRun
-from laticauda.paper.path_following import FollowingCase, HeldOutRun, PathFollowingStudy
-from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.measured import percent_change
+from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
+from laticauda.paper.report.chapter import PaperChapter, misprinted
 from laticauda.paper.report.path_following_tables import path_following_tables
-from laticauda.paper.table1 import percent_change
-from laticauda.paper.table2 import Prediction, fin_changes, following_scores, meter_costs, null_predictions
+from laticauda.paper.scores import Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
+from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
     Args:
         study: What `run_path_following` returned.
     """
-    return Chapter(
+    return PaperChapter(
         name="path-following",
         values={
             "study": study,
@@ -47,22 +48,17 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
 
 def _findings(study: PathFollowingStudy) -> dict[str, Any]:
     """What the sentences of the chapter are made of."""
-    settings, cases = study.settings, study.cases
-    ways = [score for score in following_scores(study) if score.n_fitted is None]
-    changes = fin_changes(study)
-    kinds = dict.fromkeys(change.with_fin.group.gait for change in changes)
+    settings, cases, ways, gains = study.settings, study.cases, simulated(study), fin_gains(study.cases)
     laws: dict[str, list[FollowingRun]] = {}
     for run in cases[0].band:
         laws.setdefault(run.joints, []).append(run)
-    in_other_ways = [
-        [case.band[i] for case in cases] for i, run in enumerate(cases[0].band) if run.name != cases[0].run.name
-    ]
-    all_ways = [[case.run for case in cases], *in_other_ways, [case.cycle_mean for case in cases]]
+    kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
+    by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
     return {
         "n_runs": settings.n_runs(cases[0].run.joints, cases[0].run.offset_bandwidth),
         "laws": laws,
         "there": [case.run.figures for case in cases if case.run.converged],
-        "kept": [_kept(study, runs) for runs in all_ways],
+        "kept": [_kept(study, runs) for runs in in_all_ways(study)],
         "errors": ways,
         "best": _best_null(study),
         "outside_band": [case.figure for case in cases if not case.is_in_band],
@@ -70,12 +66,15 @@ def _findings(study: PathFollowingStudy) -> dict[str, Any]:
             _group(score, [case for case in cases if case.group == group])
             for group, score in zip(settings.groups, ways[0].by_group, strict=True)
         ],
-        "fin": {kind: [change for change in changes if change.with_fin.group.gait == kind] for kind in kinds},
-        "misprinted": [
-            (change.with_fin, what, getattr(change, f"printed_{what}"), getattr(change, f"measured_{what}"))
-            for change in changes
-            for what in change.misprints
-        ],
+        "fin": {
+            kind: {
+                "measured": [gain.measured.velocity for gain in here],
+                "simulated": [gain.simulated(lambda case: case.run.forward_velocity) for gain in here],
+                "band": [change for gain in here for change in band_gains(gain)],
+            }
+            for kind, here in by_kind.items()
+        },
+        "misprinted": misprinted(gains),
         "costs": [*_costs(study)],
     }
 
@@ -168,7 +167,7 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
     yield HELD_OUT, caption, follow_sheet(held.trial, title=title, note=f"Simulated with {held.run.name}")
 
 
-def _best_null(study: PathFollowingStudy) -> Prediction:
+def _best_null(study: PathFollowingStudy) -> Score:
     return min(null_predictions(study), key=lambda prediction: prediction.overall)
 
 

@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from laticauda.paper.following_run import FollowingRun
-from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
-from laticauda.paper.table1 import percent_change
-from laticauda.paper.table2 import fin_changes, following_scores, meter_costs
+from laticauda.paper.claims.quantities import band_gains
+from laticauda.paper.measured import percent_change
+from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
+from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row
+from laticauda.paper.scores import FinGain, fin_gains, meter_costs
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-Row = dict[str, Any]
 
 
 def path_following_tables(study: PathFollowingStudy) -> "dict[str, DataFrame]":
@@ -30,8 +29,8 @@ def path_following_tables(study: PathFollowingStudy) -> "dict[str, DataFrame]":
         ],
         "table2": [_table2(case) for case in cases],
         "following-loop": [_loop(case) for case in cases],
-        "following-errors": _errors(study),
-        "following-fin": _fin(study),
+        "following-errors": error_rows(study, "numbers fitted to Table 1", {}),
+        "following-fin": [_fin(gain) for gain in fin_gains(cases)],
         "following-joules": [*_joules(study)],
         "following-runs": [*_runs(study)],
     }
@@ -43,7 +42,7 @@ def _case(case: FollowingCase) -> Row:
 
 
 def _start(case: FollowingCase) -> Row:
-    heading = round(math.degrees(case.measured.initial_heading), 9)
+    heading = degrees(case.measured.initial_heading)
     return {"start: p_y [m]": case.measured.initial_cross_track_error, "start: heading [deg]": heading}
 
 
@@ -93,36 +92,12 @@ def _loop(case: FollowingCase) -> Row:
     return row
 
 
-def _errors(study: PathFollowingStudy) -> list[Row]:
-    groups = [f"{group.name} [%]" for group in study.settings.groups]
-    return [
-        {
-            "predictor of v": score.name if score.n_fitted is None else f"null model: {score.name}",
-            "numbers fitted to Table 1": score.n_fitted or 0,
-            **dict(zip(groups, score.by_group, strict=True)),
-            "all rows [%]": score.overall,
-        }
-        for score in following_scores(study)
-    ]
-
-
-def _fin(study: PathFollowingStudy) -> list[Row]:
-    return [
-        {
-            "gait": change.with_fin.group.name.split(",")[0],
-            "case": change.with_fin.measured.case,
-            "measured: v [%]": change.measured_velocity,
-            "simulated: v [%]": change.simulated_velocity,
-            "band: lowest [%]": change.band_velocity[0],
-            "band: highest [%]": change.band_velocity[1],
-            "printed: v [%]": change.printed_velocity,
-            "measured: electrical power [%]": change.measured_power,
-            "simulated: mechanical power [%]": change.simulated_power,
-            "printed: electrical power [%]": change.printed_power,
-            "misprint": ", ".join(change.misprints),
-        }
-        for change in fin_changes(study)
-    ]
+def _fin(gain: FinGain[FollowingCase]) -> Row:
+    band = band_gains(gain)
+    velocity: Row = {"simulated: v [%]": gain.simulated(lambda case: case.run.forward_velocity)}
+    velocity |= {"band: lowest [%]": min(band), "band: highest [%]": max(band)}
+    power = {"simulated: mechanical power [%]": gain.simulated(lambda case: case.run.mechanical_power)}
+    return fin_row(gain.measured, {}, velocity, power)
 
 
 def _joules(study: PathFollowingStudy) -> Iterator[Row]:

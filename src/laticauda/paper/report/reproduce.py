@@ -14,14 +14,14 @@ from laticauda.files import write
 from laticauda.packaging import __version__
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
-from laticauda.paper.report.chapter import Chapter, environment, write_chapter
+from laticauda.paper.report.chapter import paper_templates
 from laticauda.paper.report.claims import claims_chapter
 from laticauda.paper.report.efficiency import efficiency_chapter
 from laticauda.paper.report.experiments import HALVES, RUNS, Experiments, Results
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.report.stability import stability_chapter
-from laticauda.reports.chapter import writable_folder
+from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 
 STUDIES = tuple(HALVES)
 """The halves of the paper."""
@@ -107,7 +107,7 @@ def reproduce(
         one_of("only", only, STUDIES)
     whole("workers", workers, 1)
     folder = writable_folder(folder)
-    report = environment().get_template("report.html")
+    report = paper_templates().get_template("report.html")
     settings = settings or Experiments()
     jobs = [
         _Job(name=name, settings=getattr(settings, name), model=model, joints=joints, folder=folder, repeats=repeats)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.report.chapter import Chapter
+from laticauda.paper.report.chapter import PaperChapter
 from laticauda.paper.stability import SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
+from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +25,7 @@ def stability_chapter(study: StabilityStudy) -> Chapter:
     """
     from pandas import DataFrame
 
-    return Chapter(
+    return PaperChapter(
         name="stability",
         values={
             "study": study,
@@ -47,24 +48,9 @@ def stability_figures(study: StabilityStudy) -> Iterator[tuple[str, str, "Figure
     Args:
         study: What `run_stability` returned.
     """
-    from laticauda.paper.figures.stability import StabilityPanel, stability_sheet
+    from laticauda.paper.figures.stability import stability_sheet
 
     settings = study.settings
-    panels = [
-        StabilityPanel(
-            title=found.swimmer.name,
-            look_ahead_distances=np.array(settings.look_ahead_distances),
-            gains=found.cycle_mean.gains,
-            raw_gains=found.raw.gains,
-            rms=np.hstack((found.cycle_mean.rms, found.raw.rms)),
-            behaviors=tuple(
-                (*mean, *raw) for mean, raw in zip(found.cycle_mean.behaviors, found.raw.behaviors, strict=True)
-            ),
-            rule=2.0 * found.swimmer.length,
-            paper=settings.paper,
-        )
-        for found in study.maps
-    ]
     title = "Line of sight over look-ahead distance and gain: where the loop settles on the path"
     caption = (
         f"{title}. Numbers: root mean square of the cycle-mean cross-track error over the last third of "
@@ -72,11 +58,8 @@ def stability_figures(study: StabilityStudy) -> Iterator[tuple[str, str, "Figure
         "the rule of thumb, two lengths of the robot with its fin; the frames are the paper's gains."
     )
     start = f"start {settings.initial_cross_track_error:g} m beside the path, {settings.duration:g} s"
-    yield (
-        "stability",
-        caption,
-        stability_sheet(panels, title, f"numbers: rms of the mean error, last third [cm]; {start}"),
-    )
+    note = f"numbers: rms of the mean error, last third [cm]; {start}"
+    yield "stability", caption, stability_sheet(study.maps, title, settings.paper, note)
 
 
 # ---- tables --------------------------------------------------------------------------------------------------------
@@ -93,9 +76,7 @@ def _boundary(study: StabilityStudy) -> list[dict[str, Any]]:
             "in robot lengths [-]": None if distance is None else distance / found.swimmer.length,
         }
         for found, kind, loops in _all_loops(study)
-        for gain, distance in zip(
-            loops.gains.tolist(), loops.shortest(study.settings.look_ahead_distances), strict=True
-        )
+        for gain, distance in zip(loops.gains.tolist(), loops.shortest, strict=True)
     ]
 
 
@@ -155,7 +136,7 @@ def _shortest(study: StabilityStudy) -> list[tuple[str, float | None]]:
     """By swimmer, the shortest look-ahead distance that settles at the paper's gain with the mean heading [m]."""
     settings = study.settings
     return [
-        (found.swimmer.name, found.cycle_mean.shortest(settings.look_ahead_distances)[j])
+        (found.swimmer.name, found.cycle_mean.shortest[j])
         for j, gain in enumerate(settings.gains)
         if math.isclose(gain, settings.paper[1])
         for found in study.maps

@@ -1,13 +1,14 @@
 from dataclasses import replace
 from math import radians
 
+import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
-from laticauda.interfaces import Command
-from laticauda.paper import Coefficients
-from laticauda.paper.swimmers import how_made, in_water, long_enough, run_named, swimmers
+from laticauda.paper import Coefficients, swimmers
+from laticauda.paper.runs import Runs, long_enough
+from laticauda.scenarios import Planar, model_of
 
 
 def test_the_swimmers_are_those_of_table_2():
@@ -18,8 +19,8 @@ def test_the_swimmers_are_those_of_table_2():
         "eel-like motion, without fin",
         "eel-like motion, with fin",
     ]
-    assert [one.robot for one in found] == ["mamba", "mamba-fin", "mamba", "mamba-fin"]
-    assert [one.water.name for one in found] == ["paper-lateral", "paper-lateral", "paper-eel", "paper-eel"]
+    assert [one.robot.name for one in found] == ["mamba", "mamba-fin", "mamba", "mamba-fin"]
+    assert [one.environment.name for one in found] == ["paper-lateral", "paper-lateral", "paper-eel", "paper-eel"]
     assert [round(one.gait.amplitude / radians(1), 6) for one in found] == [30, 30, 40, 40]
     assert {round(one.gait.frequency / radians(1), 6) for one in found} == {90}
 
@@ -35,29 +36,30 @@ def test_a_robots_length_holds_its_fin():
 def test_other_coefficients_reach_the_water():
     waters = {"lateral_undulation": "paper-vortex", "eel_like": "published-2015"}
     found = swimmers(Coefficients(name="other", title="other", waters=waters))
-    assert [one.water.name for one in found] == ["paper-vortex"] * 2 + ["published-2015"] * 2
+    assert [one.environment.name for one in found] == ["paper-vortex"] * 2 + ["published-2015"] * 2
 
 
-def test_the_current_reaches_the_water_and_nothing_else_changes():
-    swimmer = swimmers()[0]
-    body = in_water(swimmer, model="planar", joints="prescribed", offset_bandwidth=4.0, current=(0.1, 0.2))
-    assert body.environment == replace(swimmer.water, current=(0.1, 0.2))
-    assert body.settings.offset_bandwidth == 4.0
+def test_a_swimmer_is_a_scenario_that_swim_knows():
+    swimmer = replace(swimmers()[0], duration=2.0, model=Planar(offset_bandwidth=4.0))
+    trial = Runs(n_runs=1, progress=None).swim("this one", swimmer)
+    assert np.array_equal(trial.center_of_mass, lc.swim(swimmer).center_of_mass)
+    assert trial.scenario.model.offset_bandwidth == 4.0
 
 
 def test_a_run_that_blows_up_is_named():
-    swimmer = replace(swimmers()[0], gait=replace(swimmers()[0].gait, frequency=1e9))
-    body = in_water(swimmer, model="planar", joints="prescribed", offset_bandwidth=10.0)
+    swimmer = replace(swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0)
     with pytest.raises(SimulationFailed, match=r"^this one: "):
-        run_named("this one", body, lc.OpenLoop(command=Command(gait=swimmer.gait)), 3.0)
+        Runs(n_runs=1, progress=None).swim("this one", swimmer)
 
 
-def test_how_a_run_was_made_leaves_the_controller_out():
-    swimmer = swimmers()[0]
-    body = in_water(swimmer, model="planar", joints="pd", offset_bandwidth=10.0)
-    trial = run_named("one", body, lc.OpenLoop(command=Command(gait=swimmer.gait)), 0.5)
-    assert set(how_made(trial)) == {"model", "joints", "dt", "offset_bandwidth", "ramp"}
-    assert how_made(trial)["joints"] == "pd"
+def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
+    told = []
+    runs = Runs(n_runs=2, progress=lambda *what: told.append(what))
+    for swimmer in swimmers()[:2]:
+        runs.swim("one", replace(swimmer, duration=0.5, model=model_of("planar", joints="pd")))
+    assert set(runs.how) == {"model", "joints", "dt", "offset_bandwidth", "ramp"}
+    assert runs.how["joints"] == "pd"
+    assert told == [(1, 2), (2, 2)]
 
 
 def test_a_duration_must_hold_its_cycles():

@@ -1,0 +1,176 @@
+"""What all studies of the paper share: who swims with which coefficients, how it is steered, and how it is run."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, Generic, TypeVar
+
+from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing
+from laticauda.control import Path as FollowedPath
+from laticauda.errors import SimulationFailed, within
+from laticauda.gaits import Gait
+from laticauda.packaging import __version__
+from laticauda.robot import Parameters, Robot, Water, load_robot, load_water
+from laticauda.scenarios import Scenario, settings_of
+from laticauda.simulate import plant, run
+from laticauda.simulate.runner import Until
+from laticauda.studies.progress import Progress
+from laticauda.trial import Trial
+from laticauda.trial.contents import Setting
+from laticauda.trial.null_models import group_name
+
+Settings = TypeVar("Settings")
+_robot = cache(load_robot)
+
+
+class Swimmer(Scenario):
+    """One gait with one configuration of the robot, in its water; the runs of a study differ from it in the rest."""
+
+    @property
+    def has_fin(self) -> bool:
+        """Whether it wears a caudal fin."""
+        return self.robot.caudal_fin is not None
+
+    @property
+    def name(self) -> str:
+        """What tables and files call it."""
+        return group_name(self.gait.kind, self.has_fin)
+
+    @property
+    def length(self) -> float:
+        """Of the straight robot, its fin included [m]."""
+        return self.robot.length + (0.0 if self.robot.caudal_fin is None else self.robot.caudal_fin.length)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coefficients:
+    """One set of fluid coefficients, by gait: a curve of every figure."""
+
+    name: str
+    """What tables and files call it."""
+    title: str
+    """What a legend says."""
+    waters: Mapping[str, str | Water]
+    """A water for every kind of gait: itself, or its name (`load_water`)."""
+    parameters: Parameters | None = None
+    """What they change about a robot, if they come from a parameter file."""
+
+    def water(self, gait: str) -> Water:
+        """The water for a kind of gait.
+
+        Args:
+            gait: The gait's kind.
+        """
+        water = self.waters[gait]
+        return water if isinstance(water, Water) else load_water(water)
+
+    def swimmer(self, robot: Robot | str, gait: Gait, **more: Any) -> Swimmer:
+        """A robot with what these parameters change about it, in the water for its gait.
+
+        Args:
+            robot: What swims, or its name (`load_robot`).
+            gait: How.
+            more: Further fields of the scenario.
+        """
+        robot = _robot(robot) if isinstance(robot, str) else robot
+        robot = robot if self.parameters is None else self.parameters.robot(robot, gait.kind)
+        return Swimmer(robot=robot, motion=gait, environment=self.water(gait.kind), **more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steering:
+    """How a swimmer is steered along a path: guidance, heading law and heading."""
+
+    name: str
+    """What tables and files call it."""
+    guidance: LineOfSight | IntegralLineOfSight
+    """The law that leads to the path."""
+    gain: float
+    """k of the heading law [-]."""
+    max_offset: float
+    """Largest offset to either side [rad]."""
+    heading_estimate: str = "raw"
+    """Which heading is used: raw or cycle_mean."""
+
+    def controller(self, gait: Gait, path: FollowedPath[Any], interval: float) -> PathFollowing:
+        """The controller.
+
+        Args:
+            gait: What swims along the path.
+            path: What is followed.
+            interval: Between two control instants [s].
+        """
+        return PathFollowing(
+            gait=gait,
+            path=path,
+            guidance=self.guidance,
+            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
+            heading_estimate=self.heading_estimate,
+            interval=interval,
+        )
+
+
+@dataclass(kw_only=True)
+class Runs:
+    """Swims one scenario after the other: counts them, and keeps how they were made."""
+
+    n_runs: int
+    """How many there will be [-]."""
+    progress: Progress | None
+    """Called after every run with the number of runs done, and of all."""
+    how: dict[str, Setting] = field(default_factory=dict[str, Setting])
+    """How they were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    n_done: int = 0
+    """How many there were [-]."""
+
+    def swim(self, name: str, scenario: Scenario, *, until: Until | None = None) -> Trial:
+        """The trial of a scenario.
+
+        Args:
+            name: Which one it is.
+            scenario: What is run.
+            until: See `laticauda.simulate.run`.
+
+        Raises:
+            SimulationFailed: If the run blows up; the message says which.
+        """
+        body, start, interval = plant(scenario), scenario.start, scenario.sample_interval
+        settings: Any = {"start": start, "sample_interval": interval, "until": until}
+        try:
+            trial = run(body, scenario.controller, scenario.duration, throw=True, **settings)
+        except SimulationFailed as error:
+            raise SimulationFailed(f"{name}: {error}") from error
+        self.how |= settings_of(body.settings)
+        self.n_done += 1
+        if self.progress is not None:
+            self.progress(self.n_done, self.n_runs)
+        return trial
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Study(Generic[Settings]):
+    """What a study ran; what came out stands in its subclasses."""
+
+    settings: Settings
+    """What was run."""
+    how: Mapping[str, Setting]
+    """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    version: str = field(default_factory=lambda: __version__)
+    """Version of laticauda that ran it."""
+
+
+def long_enough(name: str, duration: float, gaits: tuple[Gait, ...], n_cycles: float) -> float:
+    """A duration that holds so many cycles of every gait.
+
+    Args:
+        name: Of the argument.
+        duration: [s].
+        gaits: That are to be seen.
+        n_cycles: How many of their cycles [-].
+
+    Raises:
+        ValueError: If it is too short.
+    """
+    longest = max(2.0 * math.pi / gait.frequency for gait in gaits)
+    return within(name, duration, n_cycles * longest, 1e5, "s")
