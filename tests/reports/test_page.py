@@ -8,7 +8,7 @@ from laticauda.reports.chapter import Chapter, templates, write_chapter
 from laticauda.reports.texts import form_of, in_digits, share, shown, span
 
 NASTY = '<script>alert("1 & 2")</script>'
-VOID = {"meta", "img", "br"}
+VOID = {"meta", "img", "br", "wbr"}
 PAGE = """
 {% extends "page.html" %}
 {% from "parts.html" import table, picture %}
@@ -69,6 +69,11 @@ def test_a_grouped_table_shows_what_rows_have_in_common_once():
     reader = read(page("text"))
     assert reader.text.count("alike") == 1
     assert "kind" not in reader.text
+
+
+def test_long_names_in_the_head_of_a_table_may_be_broken_and_stay_escaped():
+    text = page("robot.servo_gain <b>")
+    assert '<th scope="col">robot.<wbr>servo_<wbr>gain &lt;b&gt;</th>' in text
 
 
 def test_several_chapters_get_a_list_of_contents():
