@@ -19,6 +19,7 @@ from laticauda.simulate import parameters, sensitivities
 
 pytestmark = pytest.mark.slow
 
+# The laws of the docs, letter by letter: the kernels are compiled for a formula once, whoever holds it.
 MODULE = '''
 from laticauda.actuation import JointLaw
 from laticauda.fluid import DragLaw
@@ -41,11 +42,11 @@ class Carangiform(Envelope):
 class WashedDrag(DragLaw):
     """Drag along that sees the sideways speed, drag across that sees the speed ahead."""
 
-    share: float = quantity("", "Of the sideways speed that the drag along sees", ge=0.0, default=0.2)
+    wash: float = quantity("", "Share of the sideways speed that the drag along sees", ge=0.0, default=0.2)
     floor: float = quantity("m/s", "Speed below which drag is linear", ge=0.0, default=0.1)
 
     def __call__(self, v_t, v_n, across, rate, element):
-        f_t = -element.c_t * v_t * (self.floor + magnitude(v_t) + self.share * across)
+        f_t = -element.c_t * v_t * (self.floor + magnitude(v_t) + self.wash * across)
         f_n = -element.c_n * v_n * (self.floor + magnitude(v_n))
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
@@ -86,7 +87,7 @@ def gait(ideas):
 
 @pytest.fixture(scope="module")
 def water(ideas):
-    return replace(STILL, drag=ideas.WashedDrag(share=0.3, floor=0.5))
+    return replace(STILL, drag=ideas.WashedDrag(wash=0.3, floor=0.5))
 
 
 def test_each_is_known_by_its_name_and_goes_through_files(ideas, gait, water):
@@ -104,8 +105,8 @@ def test_they_swim_and_their_numbers_count(ideas, gait, water):
     assert usual.settings["joints"] == "spring"
     changes = [
         how | {"joints": ideas.Spring(stiffness=10.0)},
-        how | {"environment": replace(water, drag=ideas.WashedDrag(share=0.6, floor=0.5))},
-        how | {"environment": replace(water, drag=ideas.WashedDrag(share=0.3, floor=0.2))},
+        how | {"environment": replace(water, drag=ideas.WashedDrag(wash=0.6, floor=0.5))},
+        how | {"environment": replace(water, drag=ideas.WashedDrag(wash=0.3, floor=0.2))},
     ]
     speeds = [lc.swim(ROBOT, gait, **one).forward_velocity for one in changes]
     speeds.append(lc.swim(ROBOT, replace(gait, envelope=ideas.Carangiform(share=0.5)), **how).forward_velocity)
@@ -113,7 +114,7 @@ def test_they_swim_and_their_numbers_count(ideas, gait, water):
 
 
 def test_a_batch_of_other_numbers_is_bit_for_bit_that_of_single_runs(ideas, gait, water):
-    laws = [ideas.WashedDrag(share=0.1 * i, floor=0.3) for i in range(5)]
+    laws = [ideas.WashedDrag(wash=0.1 * i, floor=0.3) for i in range(5)]
     waters = [replace(water, drag=law) for law in laws]
     how = {"joints": ideas.Spring(stiffness=25.0)}
     swims = lc.swim_many(ROBOT, gait, 2.0, environments=waters, **how)
@@ -132,13 +133,13 @@ def test_the_model_in_space_agrees_with_that_in_the_plane(ideas, gait, water):
 
 def test_sweeps_know_their_numbers(ideas, gait, water):
     known = parameters(scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring()))
-    assert {"water.drag.share", "water.drag.floor", "gait.envelope.share"} <= known.keys()
+    assert {"water.drag.wash", "water.drag.floor", "gait.envelope.share"} <= known.keys()
     assert known["water.drag.floor"].unit == "m/s"
 
 
 def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, water):
     how = {"joints": ideas.Spring(), "dt": 0.002}
-    names = ["water.drag.share", "water.drag.floor"]
+    names = ["water.drag.wash", "water.drag.floor"]
     found = sensitivities(ROBOT, gait, 2.0, environments=water, names=names, **how)
     for name in names:
         field, step = name.rsplit(".", 1)[1], 1e-5
@@ -152,7 +153,7 @@ def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
     variables = {
         v.name: v for v in export_fmu(tmp_path / "own.fmu", ROBOT, gait, environment=water, joints=ideas.Spring())
     }
-    assert variables["water.drag.share"].start == 0.3
+    assert variables["water.drag.wash"].start == 0.3
     assert variables["water.drag.floor"].unit == "m/s"
     assert variables["water.drag.floor"].least == 0.0
 

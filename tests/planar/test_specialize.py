@@ -8,23 +8,30 @@ import pytest
 import laticauda as lc
 from laticauda import scalars
 from laticauda.compiling import fingerprint
-from laticauda.planar.specialize import is_compiled
+from laticauda.fluid.laws import FunctionDrag
+from laticauda.planar.specialize import is_compiled, specialize
 from laticauda.robot import load_robot
 
+# The least of the kernels is enough: accelerations of the chain as it passes a state, and no march.
 SCRIPT = textwrap.dedent(
     """
     import sys
     from dataclasses import replace
+    import numpy as np
     import laticauda as lc
+    from laticauda.compiling.sources import is_kept
     from laticauda.fluid.laws import FunctionDrag
-    from laticauda.planar.specialize import is_compiled
+    from laticauda.planar import rows
     sys.path.insert(0, {folder!r})
-    from mylaw import make_law
-    law = FunctionDrag(function=make_law({exponent}))
-    print(is_compiled(law=law))
-    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    water = replace(lc.load_water("paper-lateral"), drag=law)
-    print(repr(lc.swim(lc.load_robot("mamba"), gait, duration=5.0, environment=water).forward_velocity))
+    from {module} import make_law
+    water = replace(lc.load_water("paper-lateral"), drag=FunctionDrag(function=make_law(1.0)))
+    plant = lc.plant(lc.load_robot("mamba"), water)
+    print(is_kept(plant.kernels.evaluate))
+    command = lc.Command(gait=lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7))
+    S, a = plant.rows(plant.init(lc.Start(velocity=0.5), command), command), plant.layout
+    free = np.zeros(a.n_bodies, dtype=bool)
+    plant.kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, free, a.tail_link, a.has_extras)
+    print(repr(float(S[rows.AX])))
     """
 )
 LAW = textwrap.dedent(
@@ -56,25 +63,55 @@ def test_the_digest_of_a_law_sees_its_code_its_constants_and_what_it_calls():
     assert len(set(prints)) == 4
 
 
-def test_a_law_of_ones_own_compiles_once_is_found_again_and_compiles_anew_when_edited(tmp_path):
-    def run(exponent=1.0):
+def test_the_digest_of_a_law_does_not_see_what_only_bears_the_name_of_one_of_its_attributes():
+    names = {}
+    exec("def law(self, v):\n    return -scale * self.exponent * v", names)
+    prints = []
+    for scale, exponent in ((1.0, 1.0), (1.0, 2.0), (2.0, 2.0)):
+        names.update(scale=scale, exponent=exponent)
+        prints.append(fingerprint(names["law"]))
+    assert prints[0] == prints[1] != prints[2]
+
+
+def test_the_digest_of_a_law_sees_the_code_of_functions_inside_it():
+    def make(power):
+        names = {}
+        exec(f"def law(v):\n    return [x**{power} for x in (v,)][0]", names)
+        return names["law"]
+
+    assert fingerprint(make(2)) == fingerprint(make(2)) != fingerprint(make(3))
+
+
+def test_another_drag_law_takes_the_drives_as_they_are():
+    def law(v_t, v_n, across, rate, element):
+        return -element.c_t * v_t, -element.c_n * v_n, -element.lambda_2 * rate
+
+    usual, other = specialize(), specialize(law=FunctionDrag(function=law))
+    assert usual is not other
+    assert usual.set_reference is other.set_reference
+    assert usual.accelerations is not other.accelerations
+
+
+def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_compiles_anew_when_edited(tmp_path):
+    def run(module="mylaw"):
         done = subprocess.run(
-            [sys.executable, "-c", SCRIPT.format(folder=str(tmp_path), exponent=exponent)],
+            [sys.executable, "-c", SCRIPT.format(folder=str(tmp_path), module=module)],
             capture_output=True,
             text=True,
             check=True,
         )
-        compiled, speed = done.stdout.split()
-        return compiled == "True", float(speed)
+        kept, acceleration = done.stdout.split()
+        return kept == "True", float(acceleration)
 
     file = tmp_path / "mylaw.py"
     factor = 1.0 + np.random.default_rng().random()  # never compiled before on this machine
     file.write_text(LAW.format(factor=factor))
     first = run()
     assert not first[0]
-    assert run() == (True, first[1])
+    file = file.rename(tmp_path / "elsewhere.py")
+    assert run("elsewhere") == (True, first[1])
     file.write_text(LAW.format(factor=3.0 * factor))  # an edit in a function that the law calls
-    edited = run()
+    edited = run("elsewhere")
     assert not edited[0]
     assert edited[1] != pytest.approx(first[1], rel=1e-2)
 

@@ -1,5 +1,6 @@
 """Compile scalar laws, which are plain Python functions, for the kernels of every model."""
 
+import dis
 import hashlib
 from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
@@ -57,8 +58,9 @@ def compiled(function: Callable[..., Any]) -> Any:
     """
     function = getattr(function, "py_func", function)
     code = function.__code__
-    names = dict(function.__globals__)
-    for name in code.co_names:
+    # Machine code on disk names the module of every function in it, and each must be there when it is loaded.
+    names: dict[str, Any] = {**function.__globals__, "__name__": __name__}
+    for name in _globals_of(code):
         if isinstance(names.get(name), FunctionType):
             names[name] = _compiled_inner(names[name])
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
@@ -168,11 +170,23 @@ def _parts(value: Any, seen: set[int]) -> list[str]:
     if id(code) in seen:
         return []
     seen.add(id(code))
-    constants = [c for c in code.co_consts if not isinstance(c, CodeType)]
-    parts = [code.co_code.hex(), repr(constants), repr(code.co_names), repr(function.__defaults__)]
+    parts = [*_text_of(code), repr(function.__defaults__)]
     for cell in function.__closure__ or ():
         parts += _parts(cell.cell_contents, seen)
-    for name in code.co_names:
+    for name in _globals_of(code):
         if name in function.__globals__:
             parts += [name, *_parts(function.__globals__[name], seen)]
     return parts
+
+
+def _text_of(code: CodeType) -> list[str]:
+    constants = [c for c in code.co_consts if not isinstance(c, CodeType)]
+    inner = [text for c in code.co_consts if isinstance(c, CodeType) for text in _text_of(c)]
+    return [code.co_code.hex(), repr(constants), repr(code.co_names), *inner]
+
+
+def _globals_of(code: CodeType) -> list[str]:
+    """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them."""
+    own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
+    inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in _globals_of(c)]
+    return list(dict.fromkeys([*own, *inner]))
