@@ -95,7 +95,7 @@ def test_whole_numbers_have_equal_shares_of_the_samples():
             "as many values of one parameter as of another, got 2 of a, 1 of b",
         ),
         (lambda: Samples(ranges={}, n_points=3), "`ranges` must name at least one parameter, got none"),
-        (lambda: Samples(ranges={"a": (2, 1)}, n_points=3), "`a` must have a range with low < high, got 2 and 1"),
+        (lambda: Samples(ranges={"a": (2, 1)}, n_points=3), "`ranges` must have low < high, got 2 and 1 for `a`"),
         (lambda: Samples(ranges=BOX, n_points=0), "`n_points` must be a whole number >= 1, got 0"),
         (lambda: Samples(ranges=BOX, n_points=1, seed=-1), "`seed` must be a whole number >= 0, got -1"),
     ],

@@ -1,7 +1,7 @@
 """`laticauda design-experiment`: the next trials that would tell the most."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING, Any, Literal
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from laticauda.identify.candidates import Candidate
     from laticauda.identify.design import Design, Step
     from laticauda.identify.problem import Problem
+    from laticauda.scenarios import Choice, Scenario
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
@@ -133,52 +134,45 @@ class DesignExperiment(Command):
         if not self.unknowns.parameters:
             rule = "must name at least one number to identify, as water.normal_drag, got none"
             raise BadArgument("parameters", rule)
-        base = self._base()
-        joints = self.robot.joints or (base.joints if base is not None else None) or "prescribed"
-        put = make_problem(
-            [one.measurement for one in self._swims(None)],
+        swims = self._swims()
+        problem = make_problem(
+            [one.measurement for one in swims],
             [_unknown(word) for word in self.unknowns.parameters],
-            joints=joints,
+            joints=self._names.resolved(swims[0].measurement.scenario.gait).model.joints,
             threads=self.candidates.threads,
         )
-        return put, {}
+        return problem, {}
 
-    def _base(self) -> Any:
-        from laticauda.robot import load_parameters
+    @property
+    def _names(self) -> "Choice":
+        from laticauda.scenarios import Choice
 
-        return None if self.robot.base is None else load_parameters(self.robot.base)
+        return Choice(robot=self.robot.robot or "mamba", parameters=self.robot.base, joints=self.robot.joints)
 
-    def _swims(self, put: "Problem | None") -> "list[Candidate]":
-        """A candidate per gait, with robot and water as they are without the identification."""
-        from laticauda.gaits import eel_like, lateral_undulation
+    def _swims(self, fitted: "Sequence[Scenario]" = ()) -> "list[Candidate]":
+        """A candidate per gait and robot: those of a fit, or what the names stand for."""
+        from laticauda.gaits import Gait
+        from laticauda.gaits.envelopes import Envelope
         from laticauda.identify.candidates import swims
         from laticauda.robot import load_robot
-        from laticauda.scenarios import default_water, preset_water
 
-        flags, base = self.candidates, self._base()
-        makers = {"lateral-undulation": (lateral_undulation,), "eel-like": (eel_like,)}.get(
-            flags.gait, (lateral_undulation, eel_like)
-        )
-        settings = product(flags.amplitudes, flags.frequencies, flags.phase_shifts)
-        gaits = [make(amplitude=a, frequency=f, phase_shift=p) for a, f, p in settings for make in makers]
+        flags, names = self.candidates, self.robot
+        kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
+        robots = {one.robot.name: one.robot for one in fitted if names.robot is None}
         found: list[Candidate] = []
-        robots = {s.robot.name: s.robot for s in put.scenarios} if put is not None else {}
-        if not robots or self.robot.robot is not None:
-            chosen = load_robot(self.robot.robot or "mamba")
-            robots = {chosen.name: chosen}
-        for gait in gaits:
-            for robot in robots.values():
-                mine = robot if base is None else base.robot(robot, gait.kind)
-                olds = [] if put is None else [s.environment for s in put.scenarios if s.gait.kind == gait.kind]
-                water = base.water(gait.kind) if base is not None else None
-                water = water or next(iter(olds), None) or preset_water(default_water(gait))
-                found += swims(mine, [gait], water, _sensors(flags.sensors), duration=flags.duration)
+        for a, f, p, kind in product(flags.amplitudes, flags.frequencies, flags.phase_shifts, kinds):
+            gait = Gait(envelope=Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p)
+            waters = [one.environment for one in fitted if one.gait.kind == gait.kind and names.base is None]
+            for robot in robots.values() or (load_robot(self._names.robot),):
+                chosen = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
+                where = waters[0] if waters else chosen.environment
+                found += swims(chosen.robot, [gait], where, _sensors(flags.sensors), duration=flags.duration)
         return found
 
     def _candidates(self, put: "Problem") -> "list[Candidate]":
         from laticauda.identify.candidates import Tow, coast_down, straight_tow
 
-        found = self._swims(put)
+        found = self._swims(put.scenarios)
         if self.candidates.no_tow:
             return found
         first: dict[str, Candidate] = {}

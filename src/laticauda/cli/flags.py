@@ -25,7 +25,7 @@ Command = TypeVar("Command")
 NOT_FLAGS = ("name", "robot", "values", "waypoints")
 """Fields of nested values that are said by names (`laticauda.cli.scene`), and not by flags of their own."""
 CALLED = {
-    **{"folder": "output", "points": "vary", "bounds": "vary", "objectives": "objective"},
+    **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
     **{"measurements": "files", "trials": "files", "kind": "gait"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""

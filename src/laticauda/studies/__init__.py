@@ -5,8 +5,9 @@ from laticauda.studies.front import Front, hypervolume, unbeaten
 from laticauda.studies.optimization import OBJECTIVES, SPEED_POWER, Optimization
 from laticauda.studies.optimize import optimize
 from laticauda.studies.sampling import Grid, Rows, Samples
+from laticauda.studies.store import open_sweep
 from laticauda.studies.sweep import Sweep
-from laticauda.studies.sweep_run import best, count_failed, open_sweep, run_sweep
+from laticauda.studies.sweep_run import best, count_failed, run_sweep
 
 __all__ = [
     "OBJECTIVES",

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument, finite, one_of, positive
+from laticauda.errors import BadArgument, one_of
+from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
+from laticauda.studies.sampling import checked_ranges
 from laticauda.studies.trials import (
     COSTS,
     QUANTITIES,
@@ -30,7 +31,16 @@ VIOLATION = "violation"
 FAILED = 1e3  # how far a run that blew up is from being feasible: farther than any gait that is too wide
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
+    wanted = (given,) if isinstance(given, str) else tuple(given)
+    for one in wanted:
+        one_of(name, one, OBJECTIVES)
+    if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
+        raise BadArgument(name, f"must be one, or two that differ, got {', '.join(wanted) or 'none'}")
+    return wanted
+
+
+@value
 class Optimization:
     """A scenario, the numbers of it that may change, and what is to be great or small.
 
@@ -51,32 +61,30 @@ class Optimization:
         ('forward_velocity', 'mechanical_power')
     """
 
-    scenario: Scenario
-    """What all trials share; by the planar model."""
-    bounds: Mapping[str, tuple[float, float]]
-    """Least and greatest value by name of the parameter, as for a sweep (SI, radians)."""
-    objectives: Sequence[str] = SPEED_POWER
-    """One of `OBJECTIVES`, or two for the front between them."""
-    joint_rate_limit: float | None = None
-    """Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none [rad/s]."""
-    least_velocity: float | None = None
-    """Least `forward_velocity` that will do: without one the cheapest gait hardly moves; None for none [m/s]."""
+    scenario: Scenario = option("What all trials share; by the planar model")
+    bounds: Mapping[str, tuple[float, float]] = option(
+        "Least and greatest value by name of the parameter, as for a sweep (SI, radians)", check=checked_ranges
+    )
+    objectives: Sequence[str] = option(
+        "One of `OBJECTIVES`, or two for the front between them", default=SPEED_POWER, check=_objectives
+    )
+    joint_rate_limit: float | None = quantity(
+        "rad/s",
+        "Largest rate that the gait may ask of a joint, a servo's `no_load_speed` for instance; None for none",
+        gt=0.0,
+        default=None,
+    )
+    least_velocity: float | None = quantity(
+        "m/s",
+        "Least `forward_velocity` that will do: without one the cheapest gait hardly moves; None for none",
+        gt=0.0,
+        default=None,
+    )
 
     def __post_init__(self) -> None:
-        """Check every field once."""
+        """Check what goes together."""
         check_scenario(self.scenario)
-        object.__setattr__(self, "bounds", _checked(self.bounds))
         check_ranges(self.scenario, self.bounds, "bounds")
-        wanted = (self.objectives,) if isinstance(self.objectives, str) else tuple(self.objectives)
-        for name in wanted:
-            one_of("objectives", name, OBJECTIVES)
-        if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
-            raise BadArgument("objectives", f"must be one, or two that differ, got {', '.join(wanted) or 'none'}")
-        object.__setattr__(self, "objectives", wanted)
-        if self.joint_rate_limit is not None:
-            positive("joint_rate_limit", self.joint_rate_limit, "rad/s")
-        if self.least_velocity is not None:
-            positive("least_velocity", self.least_velocity, "m/s")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -164,17 +172,3 @@ def _beyond(scenario: Scenario, joint_rate_limit: float | None) -> float:
         if joint_rate_limit is not None:
             widest = max(widest, swing * gait.frequency / joint_rate_limit)
     return max(0.0, widest - 1.0)
-
-
-def _checked(bounds: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
-    if not bounds:
-        raise BadArgument("bounds", "must name at least one parameter, got none")
-    found: dict[str, tuple[float, float]] = {}
-    for name, ends in bounds.items():
-        if len(ends) != 2:
-            raise BadArgument("bounds", f"must be a low and a high value of `{name}`, got {len(ends)} numbers")
-        low, high = finite(name, ends[0]), finite(name, ends[1])
-        if not low < high:
-            raise BadArgument("bounds", f"must have low < high, got {low:g} and {high:g} for `{name}`")
-        found[name] = low, high
-    return found

@@ -12,7 +12,7 @@ from laticauda.studies.checkpoint import CHECKPOINT, JOB, Checkpoint
 from laticauda.studies.folder import as_stored, owned
 from laticauda.studies.front import Front, unbeaten
 from laticauda.studies.optimization import VIOLATION, Optimization, evaluate, losses
-from laticauda.studies.progress import Progress
+from laticauda.studies.progress import Progress, silent
 from laticauda.studies.search import LEAST_POPULATION, POPULATION, Search, versions
 from laticauda.studies.trials import Column, Table
 
@@ -69,7 +69,7 @@ def optimize(
     memory = Checkpoint(definition=definition, n_names=len(optimization.names), folder=path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
-        _search(optimization, search, memory, budget, progress or _say_nothing, threads)
+        _search(optimization, search, memory, budget, progress or silent, threads)
     sought, found = memory.all(budget)
     return _front(optimization, optimization.points(sought), found, seed)
 
@@ -118,7 +118,3 @@ def _front(optimization: Optimization, table: Table, found: dict[str, Column], s
         n_infeasible=int(np.sum(~feasible)),
         seed=seed,
     )
-
-
-def _say_nothing(done: int, total: int) -> None:
-    """Stands for progress that nobody wants to know."""

@@ -4,3 +4,7 @@ from collections.abc import Callable
 
 Progress = Callable[[int, int], None]
 """Called now and then with the number of runs done, and of all."""
+
+
+def silent(done: int, total: int) -> None:
+    """Progress that nobody wants to know."""

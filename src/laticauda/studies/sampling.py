@@ -4,15 +4,16 @@ The points are made region by region from their numbers, never all at once, so t
 region of them.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite, whole
+from laticauda.errors import BadArgument, finite
 from laticauda.extras import optional_import
+from laticauda.quantities import option, quantity, value
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]
@@ -23,7 +24,28 @@ TRIAL = "trial"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Grid:
+class _Values:
+    """Points that are given by their values."""
+
+    values: Mapping[str, Any]
+    """Numbers by name of the parameter, in the order of the result's dimensions (SI, radians)."""
+
+    def __post_init__(self) -> None:
+        """Check every value once."""
+        object.__setattr__(self, "values", _checked(self.values))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is swept."""
+        return tuple(self.values)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The least and the greatest value by parameter."""
+        return {name: (float(np.min(some)), float(np.max(some))) for name, some in self.values.items()}
+
+
+class Grid(_Values):
     """Every combination of some values per parameter.
 
     Raises:
@@ -34,20 +56,12 @@ class Grid:
         (3, 2)
     """
 
-    values: Mapping[str, Any]
-    """Numbers by name of the parameter, in the order of the result's dimensions (SI, radians)."""
-
     def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "values", _checked(self.values, "values"))
+        """Check every value once."""
+        super().__post_init__()
         for name, values in self.values.items():
             if len(set(values)) < len(values):
                 raise BadArgument(name, "must have different values in a grid, got one of them twice")
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What is swept."""
-        return tuple(self.values)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -58,11 +72,6 @@ class Grid:
     def shape(self) -> tuple[int, ...]:
         """The number of values per parameter."""
         return tuple(len(values) for values in self.values.values())
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The least and the greatest value by parameter."""
-        return _ranges(self.values)
 
     def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
         """The points of some blocks, a row each, the last parameter changing fastest.
@@ -80,8 +89,7 @@ class Grid:
         return {"kind": "grid", "values": {name: np.asarray(values).tolist() for name, values in self.values.items()}}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Rows:
+class Rows(_Values):
     """A list of points: row i takes value i of every parameter.
 
     Raises:
@@ -89,21 +97,13 @@ class Rows:
             different numbers of values.
     """
 
-    values: Mapping[str, Any]
-    """Numbers by name of the parameter, all of one length (SI, radians)."""
-
     def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "values", _checked(self.values, "values"))
+        """Check every value once."""
+        super().__post_init__()
         lengths = {name: len(values) for name, values in self.values.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
             raise BadArgument("values", f"must have as many values of one parameter as of another, got {listed}")
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What is swept."""
-        return tuple(self.values)
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -114,11 +114,6 @@ class Rows:
     def shape(self) -> tuple[int, ...]:
         """The number of points."""
         return (len(next(iter(self.values.values()))),)
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The least and the greatest value by parameter."""
-        return _ranges(self.values)
 
     def tables(self, blocks: Iterable[Block], counts: Collection[str] = ()) -> Iterator[Table]:
         """The points of some blocks, a row each.
@@ -142,7 +137,30 @@ class Rows:
         }
 
 
-@dataclass(frozen=True, kw_only=True)
+def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
+    """Least and greatest values by parameter.
+
+    Args:
+        argument: Where they are from, for messages.
+        ranges: As they were given.
+
+    Raises:
+        ValueError: If there is none, or one is no range.
+    """
+    if not ranges:
+        raise BadArgument(argument, "must name at least one parameter, got none")
+    found: dict[str, tuple[float, float]] = {}
+    for name, ends in ranges.items():
+        if len(ends) != 2:
+            raise BadArgument(argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers")
+        low, high = finite(name, ends[0]), finite(name, ends[1])
+        if not low < high:
+            raise BadArgument(argument, f"must have low < high, got {low:g} and {high:g} for `{name}`")
+        found[name] = low, high
+    return found
+
+
+@value
 class Samples:
     """Points that fill a box evenly: the scrambled Halton sequence.
 
@@ -156,25 +174,11 @@ class Samples:
         ValueError: If there is no parameter, or a range, the number of points or the seed is wrong.
     """
 
-    ranges: Mapping[str, tuple[float, float]]
-    """Least and greatest value by name of the parameter (SI, radians)."""
-    n_points: int
-    """How many points [-]."""
-    seed: int = 0
-    """Of the scrambling; another one gives other points [-]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        if not self.ranges:
-            raise BadArgument("ranges", "must name at least one parameter, got none")
-        checked: dict[str, tuple[float, float]] = {}
-        for name, (low, high) in self.ranges.items():
-            checked[name] = finite(name, low), finite(name, high)
-            if not low < high:
-                raise BadArgument(name, f"must have a range with low < high, got {low} and {high}")
-        object.__setattr__(self, "ranges", checked)
-        object.__setattr__(self, "n_points", whole("n_points", self.n_points, 1))
-        object.__setattr__(self, "seed", whole("seed", self.seed, 0))
+    ranges: Mapping[str, tuple[float, float]] = option(
+        "Least and greatest value by name of the parameter (SI, radians)", check=checked_ranges
+    )
+    n_points: int = quantity("", "How many points", ge=1)
+    seed: int = quantity("", "Of the scrambling; another one gives other points", ge=0, default=0)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -229,9 +233,9 @@ def _halton(n_names: int, seed: int) -> Any:
     return qmc.Halton(n_names, scramble=True, rng=seed)
 
 
-def _checked(values: Mapping[str, Any], argument: str) -> dict[str, Values]:
+def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
     if not values:
-        raise BadArgument(argument, "must name at least one parameter, got none")
+        raise BadArgument("values", "must name at least one parameter, got none")
     found: dict[str, Values] = {}
     for name, given in values.items():
         if isinstance(given, str) or not hasattr(given, "__len__"):
@@ -248,7 +252,3 @@ def _checked(values: Mapping[str, Any], argument: str) -> dict[str, Values]:
         array.setflags(write=False)
         found[name] = array
     return found
-
-
-def _ranges(values: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
-    return {name: (float(np.min(some)), float(np.max(some))) for name, some in values.items()}

@@ -137,8 +137,20 @@ class Store:
         self.n_done += len(table)
 
 
-def open_dataset(folder: str | Path) -> xarray.Dataset:
-    """The Dataset of a folder; see `laticauda.studies.open_sweep`."""
+def open_sweep(folder: str | Path) -> xarray.Dataset:
+    """The results of a sweep, finished or not, read when they are used.
+
+    A grid has a dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
+    and the parameters as coordinates along it. Points that are still to come are nan, and have not `succeeded`; the
+    attributes `n_trials` and `n_finished` count them.
+
+    Args:
+        folder: As for `run_sweep`.
+
+    Raises:
+        ValueError: If the folder holds no sweep.
+        MissingExtra: If zarr is not installed.
+    """
     _zarr()
     xarray: Any = import_module("xarray")
     path = Path(folder)

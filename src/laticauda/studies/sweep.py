@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from laticauda.actuation.laws import Prescribed
-from laticauda.errors import instance, whole
+from laticauda.errors import whole
+from laticauda.quantities import option, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import check_whole, parameters
-from laticauda.studies.sampling import Block, Grid, Points, Rows, Samples
+from laticauda.studies.sampling import Block, Points, Samples
 from laticauda.studies.trials import Table, check_ranges, check_scenario, definition_of
 
 # What a region should take on one core, and what a trial of ten links and 30 s takes there, roughly [s].
@@ -22,7 +23,7 @@ TRIAL_TIME, DRIVEN_TIME = 0.35e-3, 5e-3
 LEAST_SIZE, MOST_SIZE = 64, 16384
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@value
 class Sweep:
     """What to sweep: a scenario, and the points that change numbers of it.
 
@@ -41,15 +42,12 @@ class Sweep:
         6
     """
 
-    scenario: Scenario
-    """What all trials share; by the planar model."""
-    points: Points
-    """Which points: `Grid`, `Rows` or `Samples`."""
+    scenario: Scenario = option("What all trials share; by the planar model")
+    points: Points = option("Which points: `Grid`, `Rows` or `Samples`")
 
     def __post_init__(self) -> None:
-        """Check every field once."""
+        """Check what goes together."""
         check_scenario(self.scenario)
-        instance("points", self.points, Grid, Rows, Samples)
         check_ranges(self.scenario, self.points.ranges)
         if not isinstance(self.points, Samples):
             known = parameters(self.scenario)

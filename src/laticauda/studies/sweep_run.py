@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import one_of, whole
-from laticauda.studies.progress import Progress
-from laticauda.studies.store import Store, open_dataset, regions_of
+from laticauda.studies.progress import Progress, silent
+from laticauda.studies.store import Store, open_sweep, regions_of
 from laticauda.studies.sweep import Regions, Sweep
 from laticauda.studies.trials import COSTS, FIGURES, swim_points
 
@@ -61,7 +61,7 @@ def run_sweep(
     if threads is not None:
         whole("threads", threads, 1)
     with Store.open(folder, sweep, region_size=region_size, resume=resume) as store:
-        tell = progress or _say_nothing
+        tell = progress or silent
         tell(store.n_done, sweep.n_trials)
         pending = store.pending()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
@@ -69,23 +69,6 @@ def run_sweep(
                 store.write(index, table, found)
                 tell(store.n_done, sweep.n_trials)
     return open_sweep(folder)
-
-
-def open_sweep(folder: str | Path) -> xarray.Dataset:
-    """The results of a sweep, finished or not, read when they are used.
-
-    A grid has a dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
-    and the parameters as coordinates along it. Points that are still to come are nan, and have not `succeeded`; the
-    attributes `n_trials` and `n_finished` count them.
-
-    Args:
-        folder: As for `run_sweep`.
-
-    Raises:
-        ValueError: If the folder holds no sweep.
-        MissingExtra: If zarr is not installed.
-    """
-    return open_dataset(folder)
 
 
 def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5) -> list[dict[str, float]]:
@@ -105,7 +88,7 @@ def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5)
     one_of("quantity", quantity, FIGURES)
     whole("count", count, 1)
     sign = 1.0 if quantity in COSTS else -1.0
-    dataset, regions = open_dataset(folder), regions_of(folder)
+    dataset, regions = open_sweep(folder), regions_of(folder)
     values = dataset[quantity].variable
     ranked: list[tuple[float, tuple[int, ...]]] = []
     for block in regions.blocks(range(regions.count)):
@@ -126,14 +109,10 @@ def count_failed(folder: str | Path) -> int:
     Args:
         folder: That of a sweep, finished or not.
     """
-    dataset, regions = open_dataset(folder), regions_of(folder)
+    dataset, regions = open_sweep(folder), regions_of(folder)
     succeeded = dataset["succeeded"].variable
     n_good = sum(int(succeeded[block].to_numpy().sum()) for block in regions.blocks(range(regions.count)))
     return int(dataset.attrs["n_finished"]) - n_good
-
-
-def _say_nothing(done: int, total: int) -> None:
-    """Stands for progress that nobody wants to know."""
 
 
 def _results(

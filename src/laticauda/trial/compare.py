@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import BadArgument
@@ -20,8 +21,8 @@ LARGEST_PERCENT = 1000.0
 class ComparedFigure:
     """One figure of several trials, side by side."""
 
-    figure: Figure
-    """Which one."""
+    figure: Any
+    """Which one, a `Figure`; as the type of a field that would be read as a property."""
     values: tuple[float | None, ...]
     """One value per trial, in the figure's unit; None where it has no meaning."""
     differences: tuple[float | None, ...]
