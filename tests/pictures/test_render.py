@@ -14,9 +14,9 @@ from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
 from laticauda.pictures import film, lines, offscreen, render, surroundings
 from laticauda.pictures.camera import VIEW_DEG, calm, view
-from laticauda.pictures.caustics import PERIOD, light
-from laticauda.pictures.overlay import write_words
+from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
+from laticauda.pictures.surroundings import PERIOD, light
 from laticauda.scenarios import Experiment
 
 pytest.importorskip("mujoco")

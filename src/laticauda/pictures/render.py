@@ -1,12 +1,15 @@
 """Films and stills of trials: the robot in the water with its trail, a clock and its speed."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
 from laticauda.errors import BadArgument, positive, whole, within
 from laticauda.extras import load_mujoco
@@ -14,13 +17,15 @@ from laticauda.pictures import lines
 from laticauda.pictures.camera import aim, ripple_period, view
 from laticauda.pictures.film import ffmpeg, write_video
 from laticauda.pictures.offscreen import Offscreen, Picture, check_offscreen
-from laticauda.pictures.overlay import write_words
 from laticauda.pictures.replay import Replay
 from laticauda.pictures.surroundings import pictures_of
 from laticauda.trial import Trial
 
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
+# Of the words: margin and sizes in heights of the picture, and colors.
+MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
+WHITE, PALE = (255, 255, 255), (200, 228, 230)
 
 
 def video(
@@ -81,8 +86,6 @@ def still(
         width: Of the picture [pixels].
         height: Of the picture [pixels].
     """
-    from PIL import Image
-
     size = _pixels("width", width), _pixels("height", height)
     moment = float(trial.time[-1])
     if time is not None:
@@ -166,3 +169,43 @@ def _pixels(name: str, value: int) -> int:
     if number > MOST_PIXELS:
         raise BadArgument(name, f"must be at most {MOST_PIXELS} pixels, got {number}")
     return number
+
+
+def write_words(picture: Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> Picture:
+    """The picture with its words.
+
+    Args:
+        picture: What to write on.
+        large: Figures with their units, from left to right at the top.
+        small: Lines at the bottom left.
+    """
+    height = picture.shape[0]
+    image = Image.fromarray(picture)
+    draw: Any = ImageDraw.Draw(image)
+    margin, figure, line = (round(share * height) for share in (MARGIN, LARGE, SMALL))
+    x = margin
+    for number, unit in large:
+        bold, plain = _font(figure, "DejaVuSans-Bold"), _font(round(0.62 * figure), "DejaVuSans")
+        _text(draw, (x, margin), number, bold, WHITE, figure)
+        x += round(draw.textlength(number, font=bold)) + round(0.22 * figure)
+        _text(draw, (x, margin), unit, plain, PALE, figure)
+        x += round(draw.textlength(unit, font=plain)) + round(1.3 * figure)
+    for k, words in enumerate(reversed(small)):
+        at = (margin, height - margin - round(1.5 * line * k) - line)
+        _text(draw, at, words, _font(line, "DejaVuSans"), WHITE if k == len(small) - 1 else PALE, line)
+    return np.asarray(image)
+
+
+def _text(draw: Any, at: tuple[int, int], words: str, font: Any, color: tuple[int, int, int], height: int) -> None:
+    """Words that stand on the same line whatever their size, with a dark rim so that they can be read on anything."""
+    place = (at[0], at[1] + height)
+    draw.text(
+        place, words, font=font, fill=color, anchor="ls", stroke_width=max(1, height // 16), stroke_fill=(4, 30, 40)
+    )
+
+
+@lru_cache(maxsize=16)
+def _font(size: int, name: str) -> Any:
+    """A font that comes with matplotlib, and so is everywhere."""
+    file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"
+    return ImageFont.truetype(str(file), size)

@@ -14,6 +14,7 @@ from laticauda.pictures.surroundings import add_surroundings
 from laticauda.robot import Ground
 from laticauda.spatial import mjcf, scene
 from laticauda.trial import Trial
+from laticauda.trial.cycles import hermite
 
 MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
 CLEARANCE = 0.45  # least height over the floor [m]
@@ -86,10 +87,8 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
     share = float(np.clip((time - trial.time[before]) / step, 0.0, 1.0)) if step > 0.0 else 0.0
 
     def cubic(values: np.ndarray, rates: np.ndarray) -> np.ndarray:
-        """Through the values and rates of both samples."""
-        rise, fall = share * share * (3.0 - 2.0 * share), step * share * (1.0 - share)
-        tangents = fall * ((1.0 - share) * rates[before] - share * rates[after])
-        return np.asarray((1.0 - rise) * values[before] + rise * values[after] + tangents)
+        pairs = [(np.atleast_1d(one[before]), np.atleast_1d(one[after])) for one in (values, rates)]
+        return hermite(share, step, pairs[0], pairs[1])
 
     center = cubic(trial.center_of_mass, trial.center_of_mass_velocity)
     joint_angle = cubic(trial.joint_angle, trial.joint_rate)
@@ -102,7 +101,7 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
         tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
     else:
         center = np.append(center, height)
-        tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)))[0]
+        tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
         yaw = joint_angle
         joint_angle = np.zeros(trial.robot.n_joints)  # the planar model holds the others straight
         joint_angle[[i for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw"]] = yaw
