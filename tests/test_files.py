@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from laticauda.errors import RobotFileError, StorageFailed
-from laticauda.files import parse_toml, read_text, read_toml, write
+from laticauda.files import parse_toml, read_bytes, read_text, read_toml, write
 
 
 def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):
@@ -97,3 +97,8 @@ def test_a_link_goes_on_pointing_to_its_file_whose_mode_stays_and_a_device_stays
     assert (tmp_path / "a.txt").stat().st_mode & 0o777 == 0o640
     write("/dev/null", "x")
     assert Path("/dev/null").is_char_device()
+
+
+def test_data_that_never_end_are_not_read_to_their_end():
+    with pytest.raises(OSError, match="File too large"):
+        read_bytes("/dev/zero", most_bytes=1000)

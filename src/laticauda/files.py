@@ -1,5 +1,6 @@
 """Reading and writing of files: texts of bounded size, TOML, and files that are replaced as a whole."""
 
+import errno
 import os
 import shutil
 import tomllib
@@ -11,6 +12,25 @@ from laticauda.errors import LaticaudaError, StorageFailed
 
 MOST_BYTES = 1 << 26
 """A text that a person or a program wrote for us is not longer than this."""
+MOST_DATA = 1 << 32
+"""Nor is a table or a trial longer than this."""
+
+
+def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
+    """All of a file, of data that a program wrote.
+
+    Args:
+        path: Of the file.
+        most_bytes: A longer file is refused, before it fills the memory.
+
+    Raises:
+        OSError: If it cannot be read, or is longer.
+    """
+    with Path(path).open("rb") as file:
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+    return content
 
 
 def read_text(
@@ -32,16 +52,15 @@ def read_text(
         LaticaudaError: As `error` says.
     """
     try:
-        with Path(path).open("rb") as file:
-            content = file.read(most_bytes + 1)
+        content = read_bytes(path, most_bytes)
     except FileNotFoundError:
         raise (missing or error)(f"{path}: no such file") from None
     except IsADirectoryError:
         raise error(f"{path}: is a folder, not a file") from None
     except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
+        if getattr(failure, "errno", None) == errno.EFBIG:
+            raise error(f"{path}: is longer than {most_bytes >> 20} MiB, which no file of this kind is") from None
         raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
-    if len(content) > most_bytes:
-        raise error(f"{path}: is longer than {most_bytes >> 20} MiB, which no file of this kind is")
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as failure:

@@ -41,6 +41,11 @@ def test_files_are_found_beside_the_map(tmp_path):
     ("text", "message"),
     [
         ('kind = "robot"\n', 'key `kind`: must be "columns" here'),
+        (
+            'kind = "columns"\nformat = 9\n',
+            "key `format`: must be 1 to 2, which this version of laticauda reads, got 9",
+        ),
+        ('kind = "columns"\nrobot = "mamba"\nenvironment = 3\n', "key `environment`: is not known; the keys here are"),
         ('kind = "columns"\n', "key `robot`: is missing; every column map needs it"),
         ('kind = "columns"\nrobot = 3\n', "key `robot`: must be the name of a preset or a path, got 3"),
         ('kind = "columns"\nrobot = "mambo"\n', "did you mean `mamba`?"),

@@ -26,15 +26,17 @@ They are read strictly: what is unknown, missing or out of range is refused with
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, keys_of
+from laticauda.codec import BadKey, Table, check_keys, decode, keys_of, take_kind
 from laticauda.errors import BadArgument, LaticaudaError, TrialFileError, finite, one_of, shown
 from laticauda.files import read_toml
 from laticauda.gaits import Gait
-from laticauda.quantities import Check, hints_of, option, quantity, value
+from laticauda.quantities import Check, option, quantity, value
 from laticauda.robot import Environment, Robot, load_ground, load_robot, load_water
+from laticauda.scenarios import default_water
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
@@ -305,28 +307,21 @@ def load_column_map(path: str | Path) -> ColumnMap:
 
 
 def _column_map(table: Table, folder: Path) -> ColumnMap:
-    if table.pop("kind", None) != "columns":
-        raise BadKey("kind", 'must be "columns" here')
+    take_kind(table, "columns")
     if "robot" not in table:
         raise BadKey("robot", "is missing; every column map needs it")
-    hints = {name: hint for name, hint in hints_of(ColumnMap).items() if name != "environment"}
-    check_keys(table, [*hints, "water", "ground"])
+    known = [one.name for one in fields(ColumnMap) if one.name != "environment"]
+    check_keys(table, [*known, "water", "ground"])
+    if "ground" in table and "water" in table:
+        raise BadKey("ground", "must not be given beside `water`")
     gait = decode(Gait, table.pop("gait"), "gait") if "gait" in table else None
     robot = _loaded("robot", load_robot, table.pop("robot"), folder)
-    environment = _environment(table, gait, folder)
-    sections = {name: decode(hints[name], one, name) for name, one in table.items()}
-    with arguments_of(""):
-        return ColumnMap(robot=robot, environment=environment, gait=gait, **sections)
-
-
-def _environment(table: Table, gait: Gait | None, folder: Path) -> Environment:
-    """What the file names, or the paper's water for the gait."""
     if "ground" in table:
-        if "water" in table:
-            raise BadKey("ground", "must not be given beside `water`")
-        return _loaded("ground", load_ground, table.pop("ground"), folder)
-    standard = "paper-eel" if gait is not None and gait.kind == "eel_like" else "paper-lateral"
-    return _loaded("water", load_water, table.pop("water", standard), folder)
+        environment = _loaded("ground", load_ground, table.pop("ground"), folder)
+    else:
+        standard = default_water(gait) if gait is not None else "paper-lateral"
+        environment = _loaded("water", load_water, table.pop("water", standard), folder)
+    return decode(ColumnMap, {**table, "robot": robot, "environment": environment, "gait": gait})
 
 
 def _loaded(key: str, load: Any, name: Any, folder: Path) -> Any:

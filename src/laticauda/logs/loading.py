@@ -5,13 +5,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from laticauda.errors import TrialFileError
+from laticauda.files import read_bytes
 from laticauda.logs.c3d import read_c3d
 from laticauda.logs.column_maps import ColumnMap, load_column_map
 from laticauda.logs.matlab import mat_columns
 from laticauda.logs.measuring import measured_trial
-from laticauda.logs.parquet import parquet_columns
-from laticauda.logs.qtm_tsv import qtm_table
-from laticauda.logs.tables import Table, csv_table
+from laticauda.logs.tables import Table, csv_table, qtm_table
+from laticauda.logs.tabular import parquet_columns
 from laticauda.trial import Format, Trial
 
 
@@ -67,7 +67,7 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
         return read_c3d(path)
     if ending in (".parquet", ".mat"):
         return Table(columns=parquet_columns(path) if ending == ".parquet" else mat_columns(path))
-    content = path.read_bytes()
+    content = read_bytes(path)
     try:
         lines = content.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:

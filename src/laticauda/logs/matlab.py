@@ -12,6 +12,7 @@ import numpy as np
 
 from laticauda.errors import TrialFileError
 from laticauda.extras import optional_import
+from laticauda.files import read_bytes
 from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
 from laticauda.trial.dataset import assembled, variable
@@ -84,7 +85,7 @@ def mat_columns(path: Path) -> dict[str, Samples]:
 
 def _content(path: Path) -> dict[str, Any]:
     library = _library()
-    content = path.read_bytes()
+    content = read_bytes(path)
     try:
         return library.loadmat(BytesIO(content))
     except NotImplementedError as error:

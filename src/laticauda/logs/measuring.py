@@ -7,15 +7,14 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from laticauda import kinematics
 from laticauda.errors import BadArgument
-from laticauda.logs import flat
 from laticauda.logs.column_maps import TIMES, UNITS, ColumnMap
-from laticauda.logs.placing import Angles, Log, Place, joints_of, place_of
-from laticauda.logs.smoothing import rate
+from laticauda.logs.placing import Angles, Measured, Place, joints_of, place_of
 from laticauda.logs.tables import Table
+from laticauda.logs.tabular import series
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
@@ -26,6 +25,9 @@ from laticauda.trial.dataset import ELECTRICAL, PLAIN, WORK
 FASTEST = 5.0  # robot lengths per second; what is faster has another unit
 SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
 LARGEST_BEND = math.pi  # [rad]
+ORDER = 3  # of the polynomials whose slopes are rates
+
+Columns = Float[np.ndarray, "n_samples n_columns"]
 
 
 def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
@@ -49,7 +51,7 @@ def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
     if given.center_of_mass is None and given.body is None and given.ends is None:
         return _own_table(table, Experiment(**known, notes=notes))
     time, rows = _time(table, given)
-    log = Log(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
+    log = Measured(table, given, rows, time, np.zeros(time.size, dtype=np.bool_))
     chain = given.robot.planar()
     place = place_of(log, chain)
     joints = {name: joints_of(log, name, chain) for name in UNITS if getattr(given, name) is not None}
@@ -116,7 +118,7 @@ def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n
 # ---- joints, rates, work -------------------------------------------------------------------------------------------
 
 
-def _arrays(log: Log, chain: Robot, place: Place, joints: dict[str, Angles]) -> dict[str, Any]:
+def _arrays(log: Measured, chain: Robot, place: Place, joints: dict[str, Angles]) -> dict[str, Any]:
     """The arrays of the trial that can be made."""
     time, window = log.time, log.column_map.smoothing
     found: dict[str, Any] = {"time": time, "center_of_mass": place.center, **joints}
@@ -135,7 +137,7 @@ def _arrays(log: Log, chain: Robot, place: Place, joints: dict[str, Angles]) -> 
     return found
 
 
-def _electrical_work(log: Log) -> Samples:
+def _electrical_work(log: Measured) -> Samples:
     """Electrical work above idle (4) [J]."""
     given = log.column_map.power
     assert given is not None
@@ -151,6 +153,65 @@ def _electrical_work(log: Log) -> Samples:
 
 def _integral(time: Samples, values: Samples) -> Samples:
     return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(time) * (values[1:] + values[:-1]))))
+
+
+def rate(
+    time: Samples, signal: Float[np.ndarray, "n_samples ..."], window: float
+) -> Float[np.ndarray, "n_samples ..."]:
+    """The slope of a signal: of the cubic polynomial that fits it best over a window around each moment.
+
+    A Savitzky-Golay filter, exact for cubic polynomials also at both ends, where the window is one-sided. It damps what
+    is faster than about 1 / window. Samples that are not evenly spaced are first interpolated onto ones that are.
+
+    Args:
+        time: Of the samples [s], strictly increasing.
+        signal: Values at the samples.
+        window: Length of the window [s]; at least five samples are taken, or all there are.
+
+    Source:
+        Savitzky and Golay, Analytical Chemistry 36 (1964) 1627.
+    """
+    n = time.size
+    if n < 2:
+        return np.zeros_like(signal)
+    step = float(time[-1] - time[0]) / (n - 1)
+    even = time[0] + step * np.arange(n)
+    flat = signal.reshape(n, -1)
+    is_even = bool(np.max(np.abs(even - time)) < 1e-3 * step)
+    values = flat if is_even else _interpolated(even, time, flat)
+    width = 2 * max(round(0.5 * window / step), 2) + 1
+    slope = _slopes(values, min(width, n)) / step
+    if not is_even:
+        slope = _interpolated(time, even, slope)
+    return slope.reshape(signal.shape)
+
+
+def _interpolated(at: Samples, time: Samples, values: Columns) -> Columns:
+    found = np.empty((at.size, values.shape[1]))
+    for i in range(values.shape[1]):
+        found[:, i] = np.interp(at, time, values[:, i])
+    return found
+
+
+def _slopes(values: Columns, width: int) -> Columns:
+    """Slopes per sample, with windows of `width` samples."""
+    n, before = len(values), width // 2
+    order = min(ORDER, width - 1)
+    at = np.arange(width, dtype=np.float64)
+    fit = np.linalg.pinv(np.vander(at - 0.5 * (width - 1), order + 1, increasing=True))  # values -> coefficients
+    powers = np.arange(1, order + 1)
+
+    def weights(where: float) -> Float[np.ndarray, " width"]:
+        return (powers * (where - 0.5 * (width - 1)) ** (powers - 1)) @ fit[1:]
+
+    slope = np.empty_like(values)
+    windows = np.lib.stride_tricks.sliding_window_view(values, width, axis=0)
+    slope[before : before + len(windows)] = windows @ weights(before)
+    for k in range(before):
+        slope[k] = weights(k) @ values[:width]
+    for k in range(before + len(windows), n):
+        slope[k] = weights(k - n + width) @ values[-width:]
+    return slope
 
 
 # ---- checks and words ----------------------------------------------------------------------------------------------
@@ -170,7 +231,7 @@ def _check_plausible(arrays: dict[str, Any], chain: Robot, missing: tuple[str, .
             raise ValueError(f"`{name}` must be between -pi and pi rad, got {largest:.4g} rad; is its `unit` deg?")
 
 
-def _status(log: Log) -> str:
+def _status(log: Measured) -> str:
     if not log.filled_columns:
         return "Measured, without gaps."
     n, columns = int(np.count_nonzero(log.lost)), sorted(set(log.filled_columns))
@@ -187,7 +248,7 @@ def _own_table(table: Table, known: Experiment) -> Trial:
     if "center_of_mass_x" not in plain:
         raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")
     try:
-        arrays: dict[str, Any] = {name: flat.series(plain, name) for name in PLAIN}
+        arrays: dict[str, Any] = {name: series(plain, name) for name in PLAIN}
         work = np.stack([plain[name] for name in WORK], axis=1)
     except KeyError as error:
         raise ValueError(f"The file has no column `{error.args[0]}`.") from error

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from laticauda.errors import TrialFileError
+from laticauda.files import read_bytes
 from laticauda.trial import Format
 from laticauda.trial.dataset import MARK, packed
 
@@ -48,7 +49,7 @@ class NetCdfFile(Format):
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
         """The trial in a file; see `Format.read`."""
-        content = path.read_bytes()
+        content = read_bytes(path)
         try:
             found = _decoded(_unsealed(content))
         except (OSError, RuntimeError, AttributeError) as error:  # what netCDF raises at bytes that make no sense

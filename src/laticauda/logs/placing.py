@@ -13,7 +13,6 @@ from jaxtyping import Bool, Float
 from laticauda import kinematics
 from laticauda.errors import BadArgument
 from laticauda.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
-from laticauda.logs.smoothing import filled
 from laticauda.logs.tables import Table
 from laticauda.robot import Robot
 from laticauda.trial.arrays import Samples
@@ -23,7 +22,7 @@ Angles = Float[np.ndarray, "n_samples n_columns"]
 
 
 @dataclass
-class Log:
+class Measured:
     """The part of a table that is the trial, and what had to be filled in."""
 
     table: Table
@@ -78,7 +77,7 @@ class Place:
     """Angles of its links [rad]."""
 
 
-def place_of(log: Log, chain: Robot) -> Place:
+def place_of(log: Measured, chain: Robot) -> Place:
     """Where the robot was, by whichever section of the map says it.
 
     Args:
@@ -106,7 +105,7 @@ def place_of(log: Log, chain: Robot) -> Place:
     return Place(position, heading, link_angle)
 
 
-def _from_body(log: Log, chain: Robot, body: Body) -> Place:
+def _from_body(log: Measured, chain: Robot, body: Body) -> Place:
     if body.link >= chain.n_links:
         raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
     if body.name is not None:
@@ -129,7 +128,7 @@ def _of_qtm(table: Table, body: Body) -> Body:
     return dataclasses.replace(body, name=None, position=position, yaw=f"{body.name} Yaw")
 
 
-def _from_ends(log: Log, chain: Robot) -> Place:
+def _from_ends(log: Measured, chain: Robot) -> Place:
     ends = log.column_map.ends
     assert ends is not None
     if len(ends.markers) != chain.n_links + 1:
@@ -153,7 +152,7 @@ def _from_ends(log: Log, chain: Robot) -> Place:
     return Place(np.mean(centers, axis=0), kinematics.heading(link_angle), link_angle)
 
 
-def _forward(log: Log, body: Body) -> Float[np.ndarray, "n_samples 3"]:
+def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:
     """The direction toward the head in the axes of the file."""
     sign, axis = -1.0 if body.forward.startswith("-") else 1.0, "xyz".index(body.forward[-1])
     if body.rotation is not None:  # columns of the matrix are the body's axes
@@ -187,7 +186,7 @@ def _turn(frame: Frame) -> Float[np.ndarray, "2 2"]:
     return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 
-def _plane(log: Log, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"]) -> Points:
+def _plane(log: Measured, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"]) -> Points:
     """A place in the trial's axes [m], without gaps."""
     place = log.lengths(names, unit)
     place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
@@ -199,7 +198,7 @@ def _plane(log: Log, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"
     return (place @ axes.T - np.array(frame.origin)) @ _turn(frame).T
 
 
-def _direction(log: Log, name: str, forward: Float[np.ndarray, "n_samples 3"], axes: Any) -> Samples:
+def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3"], axes: Any) -> Samples:
     """The angle of a direction to the trial's x axis [rad], unwrapped, without gaps."""
     ours = forward @ axes.T @ _turn(log.column_map.frame).T
     known = np.all(np.isfinite(ours), axis=1)
@@ -210,7 +209,7 @@ def _direction(log: Log, name: str, forward: Float[np.ndarray, "n_samples 3"], a
     return log.whole(f"angle of {name}", angle)
 
 
-def joints_of(log: Log, section: str, chain: Robot) -> Angles:
+def joints_of(log: Measured, section: str, chain: Robot) -> Angles:
     """What one section has of every joint, in SI units, without gaps.
 
     Args:
@@ -229,3 +228,42 @@ def joints_of(log: Log, section: str, chain: Robot) -> Angles:
         raise ValueError(str(error).replace("`columns`", f"`{section}.columns`")) from error
     found = [log.whole(name, factor * log.raw(name)) for name in names]
     return np.stack(found, axis=1) if found else np.zeros((log.time.size, 0))
+
+
+def filled(
+    name: str, time: Samples, signal: Float[np.ndarray, " n_samples"], longest: float
+) -> tuple[Samples, Bool[np.ndarray, " n_samples"]]:
+    """A signal without gaps: straight lines where values are missing.
+
+    Args:
+        name: What the signal is called, for the message.
+        time: Of the samples [s].
+        signal: Values; nan where there is none.
+        longest: Time over which values may be missing [s].
+
+    Returns:
+        The values, and which of them were missing.
+
+    Raises:
+        ValueError: If values are missing over a longer time, or at an end.
+    """
+    lost = ~np.isfinite(signal)
+    if not np.any(lost):
+        return signal, lost
+    known = np.flatnonzero(~lost)
+    advice = "cut it off by `start` and `stop`, or fill it by hand"
+    if not known.size:
+        raise BadArgument(name, f"must hold numbers, and it holds none from {time[0]:g} s to {time[-1]:g} s")
+    if lost[0] or lost[-1]:
+        end, at = ("begins", time[known[0]]) if lost[0] else ("ends", time[known[-1]])
+        raise BadArgument(name, f"must hold numbers at both ends, and it {end} at {at:.6g} s; {advice}")
+    steps = np.diff(time[known])
+    gap = int(np.argmax(np.where(np.diff(known) > 1, steps, 0.0)))
+    if steps[gap] > longest * (1.0 + 1e-9):
+        begin, end = time[known[gap]], time[known[gap + 1]]
+        raise BadArgument(
+            name,
+            f"must have no gap longer than `longest_gap` = {longest:g} s, got one of {steps[gap]:.4g} s "
+            f"from {begin:.6g} s to {end:.6g} s; {advice}",
+        )
+    return np.interp(time, time[known], signal[known]), lost

@@ -1,4 +1,4 @@
-"""Tables of somebody's log: columns of numbers by name, and those of a text with separators."""
+"""Tables of somebody's log: columns of numbers by name, from a text with separators or from what QTM exports."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
 """Cells that stand for a missing number, in small letters."""
+OF_BODY = ("X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{i}]" for i in range(9)))
+AXES = ("X", "Y", "Z")
+UNITS = {"X": "mm", "Y": "mm", "Z": "mm", "Roll": "deg", "Pitch": "deg", "Yaw": "deg", "Residual": "mm"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,3 +109,103 @@ def _check_header(header: Sequence[str], row: int) -> None:
     twice = next((name for name in header if header.count(name) > 1), None)
     if twice is not None:
         raise ValueError(f"row {row} must name every column once, got `{twice}` twice.")
+
+
+# ---- Qualisys Track Manager -----------------------------------------------------------------------------------------
+
+
+def qtm_table(lines: Sequence[str]) -> Table:
+    """The columns of a TSV file of Qualisys Track Manager: `time`, and those of every marker or body, as `head X`.
+
+    It has trajectories of markers (3D) or of rigid bodies (6D). Above the numbers stand lines of a key and its values,
+    as ``FREQUENCY 100`` and ``BODY_NAMES head tail``; the row of column names and the columns for frame and time may be
+    there or not. Lengths are in mm, angles in deg, and the nine numbers of a rotation go column by column. What was
+    lost is 0 in all numbers of a marker or body, or a word.
+
+    Args:
+        lines: Of the file.
+
+    Raises:
+        ValueError: If it is not whole, or neither 3D nor 6D.
+    """
+    keys, top = _keys(lines)
+    included = keys.get("DATA_INCLUDED", [""])[0]
+    if included not in ("3D", "6D"):
+        raise ValueError(f"DATA_INCLUDED must be 3D or 6D, got {included!r}.")
+    names = keys.get("MARKER_NAMES" if included == "3D" else "BODY_NAMES", [])
+    parts = AXES if included == "3D" else OF_BODY
+    # Every line ends with a tab too.
+    rows = [line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()]
+    header: list[str] = []
+    if rows and not _is_number(rows[0][0]):
+        header, rows, top = rows[0], rows[1:], top + 1
+    leading = _leading(header, len(rows[0]) if rows else 0, len(names) * len(parts))
+    wanted = [f"{name} {part}" for name in names for part in parts]
+    if header and len(header) - len(leading) != len(wanted):
+        # A choice of columns was exported: the name of a body stands before its first one only.
+        wanted = _named(header[len(leading) :], names)
+    _check_rows(rows, len(leading) + len(wanted), top, int(float(keys.get("NO_OF_FRAMES", ["-1"])[0])))
+    found: dict[str, Samples | str] = {}
+    for i, name in enumerate([*leading, *wanted]):
+        found[name] = numbers(name, [row[i] for row in rows], top + 1)
+    for name in names:
+        _forget_lost(found, name)
+    units = {name: UNITS[name.rsplit(" ", 1)[1]] for name in wanted if name.rsplit(" ", 1)[1] in UNITS}
+    return Table(columns=found, units=units, rate=float(keys["FREQUENCY"][0]) if "FREQUENCY" in keys else None)
+
+
+def _keys(lines: Sequence[str]) -> tuple[dict[str, list[str]], int]:
+    """The lines above the numbers by key, and how many there are."""
+    found: dict[str, list[str]] = {}
+    for number, line in enumerate(lines):
+        key, *values = line.rstrip("\r\n").split("\t")
+        if not (key.isupper() and key.replace("_", "").isalnum()) or key in AXES:
+            return found, number
+        found[key] = [value for value in values if value]
+    return found, len(lines)
+
+
+def _leading(header: Sequence[str], width: int, n_wanted: int) -> list[str]:
+    """The columns before those of the markers or bodies."""
+    if header:
+        return [name.lower() for name in header[:2] if name in ("Frame", "Time")]
+    return ["frame", "time"][: max(width - n_wanted, 0)]
+
+
+def _named(header: Sequence[str], names: Sequence[str]) -> list[str]:
+    found: list[str] = []
+    owner = ""
+    for cell in header:
+        for name in names:
+            if cell.startswith(f"{name} "):
+                owner, cell = name, cell.removeprefix(f"{name} ")
+        found.append(f"{owner} {cell}")
+    return found
+
+
+def _check_rows(rows: Sequence[Sequence[str]], width: int, top: int, n_frames: int) -> None:
+    for i, row in enumerate(rows):
+        if len(row) != width:
+            raise ValueError(f"row {top + 1 + i} must have {width} cells, got {len(row)}.")
+    if n_frames >= 0 and len(rows) != n_frames:
+        raise ValueError(f"NO_OF_FRAMES says {n_frames}, and there are {len(rows)} rows: is it cut off?")
+
+
+def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
+    """Make nan of what a marker or body has at the frames where it was lost."""
+    place = [found.get(f"{name} {axis}") for axis in AXES]
+    known = [one for one in place if isinstance(one, np.ndarray)]
+    if not known:
+        return
+    lost = np.all([one == 0.0 for one in known], axis=0)
+    for key, values in found.items():
+        if key.startswith(f"{name} ") and isinstance(values, np.ndarray):
+            values[lost] = np.nan
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 _OURS = {
     "nc": "laticauda.logs.netcdf",
     "mcap": "laticauda.logs.mcap_trials",
-    "parquet": "laticauda.logs.parquet",
+    "parquet": "laticauda.logs.tabular",
     "mat": "laticauda.logs.matlab",
-    "csv": "laticauda.logs.csv_files",
+    "csv": "laticauda.logs.tabular",
 }
 
 

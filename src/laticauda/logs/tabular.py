@@ -1,25 +1,49 @@
-"""Trials as Parquet files, by the package `pyarrow`: one column per number, units in the columns' metadata."""
+"""Trials as flat tables, one column per number: CSV for a spreadsheet, Parquet by the package `pyarrow`."""
 
 # pyarrow has no types.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 # pyright: reportMissingTypeStubs=false
 
+import csv
+import io
+import itertools
 import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.errors import TrialFileError
 from laticauda.extras import optional_import
-from laticauda.logs import flat
+from laticauda.files import read_bytes
 from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
+from laticauda.trial.dataset import AXES, assembled, variable
 
 if TYPE_CHECKING:
     import xarray
 
 KEY = b"laticauda_trial"
+
+
+class CsvFile(Format):
+    """Columns are called as `joint_angle_0 [rad]`; 0 is the tail."""
+
+    called: ClassVar[str] = "csv"
+    title: ClassVar[str] = "CSV, time series only"
+    is_whole: ClassVar[bool] = False
+
+    @staticmethod
+    def write(dataset: "xarray.Dataset", path: Path) -> None:
+        """Write the time series; see `Format.write`."""
+        columns = list(flat_columns(dataset))
+        text = io.StringIO(newline="")
+        writer = csv.writer(text)
+        writer.writerow([f"{name} [{unit}]" for name, unit, _ in columns])
+        writer.writerows(np.stack([values for _, _, values in columns], axis=1).tolist())
+        path.write_bytes(text.getvalue().encode())
 
 
 class ParquetFile(Format):
@@ -32,7 +56,7 @@ class ParquetFile(Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write a trial as a Parquet file; see `Format.write`."""
         pyarrow = _library()
-        columns = list(flat.columns(dataset))
+        columns = list(flat_columns(dataset))
         fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit, _ in columns]
         schema = pyarrow.schema(fields, metadata={KEY: json.dumps(dataset.attrs).encode()})
         table = pyarrow.Table.from_arrays([pyarrow.array(values) for _, _, values in columns], schema=schema)
@@ -46,7 +70,8 @@ class ParquetFile(Format):
         if text is None:
             message = "it is a table, but no trial of laticauda; say what its columns are"
             raise TrialFileError(f"Cannot load {path}: {message}.")
-        return flat.dataset_of(_numbers(table), json.loads(text))
+        found = _numbers(table)
+        return assembled(lambda name: series(found, name), json.loads(text))
 
 
 def parquet_columns(path: Path) -> dict[str, Samples]:
@@ -75,7 +100,7 @@ def _numbers(table: Any) -> dict[str, Samples]:
 
 def _table(path: Path) -> Any:
     pyarrow = _library()
-    content = path.read_bytes()
+    content = read_bytes(path)
     try:
         return pyarrow.parquet.read_table(pyarrow.BufferReader(content))
     except (pyarrow.ArrowException, OSError) as error:
@@ -85,3 +110,44 @@ def _table(path: Path) -> Any:
 def _library() -> Any:
     optional_import("Reading and writing Parquet", "pyarrow", "logs", "pyarrow.parquet")
     return optional_import("Reading and writing Parquet", "pyarrow", "logs")
+
+
+def flat_columns(dataset: "xarray.Dataset") -> Iterator[tuple[str, str, Samples]]:
+    """All time series of a trial as single columns, time first: name, as `joint_angle_0` of the tail, unit, values.
+
+    Args:
+        dataset: The trial.
+    """
+    for name, series in dataset.variables.items():
+        if series.dims[:1] != ("time",):
+            continue
+        for index in np.ndindex(series.shape[1:]):
+            ends = (f"_{AXES[i] if of == 'axis' else i}" for of, i in zip(series.dims[1:], index, strict=True))
+            yield f"{name}{''.join(ends)}", series.attrs["units"], series.values[(slice(None), *index)]
+
+
+def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samples ..."]:
+    """One time series from its columns.
+
+    Args:
+        table: Columns by name.
+        name: Of the time series.
+
+    Raises:
+        KeyError: If it has no column.
+    """
+    return _stacked(table, name, variable(name).dimensions[1:])
+
+
+def _stacked(table: Mapping[str, Samples], name: str, dimensions: tuple[str, ...]) -> Float[np.ndarray, "..."]:
+    if not dimensions:
+        return table[name]
+    found: list[Float[np.ndarray, ...]] = []
+    for end in AXES if dimensions[0] == "axis" else itertools.count():
+        try:
+            found.append(_stacked(table, f"{name}_{end}", dimensions[1:]))
+        except KeyError:
+            break
+    if not found and dimensions != ("joint",):  # a robot of one link has no joint
+        raise KeyError(name)
+    return np.stack(found, axis=1) if found else np.empty((len(table["time"]), 0))
