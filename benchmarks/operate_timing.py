@@ -22,9 +22,8 @@ from _timing import print_load
 
 import laticauda as lc
 from laticauda.figures import save_figure, timing_sheet
-from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.session import operate
-from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation
 
 BUS = "udp_multicast:239.74.163.2:43119"
 

@@ -1,9 +1,9 @@
 """The paper's Table 2, operated from end to end in the virtual tank: is it what the simulation says?
 
-Question: `laticauda operate table2.toml` with its twelve settings, each repeated, on the virtual tank without wires:
-every run is prepared, swum, stopped and recorded as on the robot, with noise of its own, and a robot that somebody put
-down 2 cm and 1 deg off (standard deviations, an assumption). Beside it the paper's measurement, and the same trial
-simulated with servo joints and nothing in between.
+Question: `laticauda operate table2_series.toml` with its twelve settings, each repeated, on the virtual tank without
+wires: every run is prepared, swum, stopped and recorded as on the robot, with noise of its own, and a robot that
+somebody put down 2 cm and 1 deg off (standard deviations, an assumption). Beside it the paper's measurement, and the
+same trial simulated with servo joints and nothing in between.
 
     python campaigns/operate_table2.py                    # 12 settings, 3 runs each
     python campaigns/operate_table2.py --repeats 2 --workers 2 --output out/table2
@@ -25,10 +25,11 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.lab import LabSettings, Tank, VirtualRobot
-from laticauda.operate.series import Series, run_series, table2
+from laticauda.operate.series import Series, run_series
 from laticauda.operate.session import Result, operate_stepped
 from laticauda.operate.settings import Operation
 from laticauda.paper.measured import path_following_trials
+from laticauda.paper.repeats import table2_series
 from laticauda.trial import following
 
 PLACED, TURNED = 0.02, math.radians(1.0)  # how well somebody puts the robot down: an assumption [m], [rad]
@@ -63,7 +64,7 @@ def simulated(operation: Operation) -> lc.Trial:
 
 def setting(number: int, repeats: int, duration: float | None, folder: Path) -> Series:
     """All runs of one setting, in a folder of its own."""
-    series = table2()
+    series = table2_series()
     what = series.trials[number]
     what = what if duration is None else replace(what, duration=duration)
     series = replace(series, name=what.name, repeats=repeats, trials=(what,))
@@ -141,7 +142,7 @@ def main() -> int:
     parser.add_argument("--settings", type=int, nargs="*", help="their numbers, 0 to 11; all otherwise")
     parser.add_argument("--output", type=Path, default=Path("out/table2"))
     options = parser.parse_args()
-    numbers = options.settings or range(len(table2().trials))
+    numbers = options.settings or range(len(table2_series().trials))
     rows: list[dict[str, object]] = []
     with ProcessPoolExecutor(options.workers) as pool:
         waiting = [pool.submit(row, n, options.repeats, options.duration, options.output) for n in numbers]

@@ -10,9 +10,8 @@ from math import degrees, radians
 
 import laticauda as lc
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
-from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.settings import Calibration, Connection, Following, Operation
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Operation
 from laticauda.operate.stepped import run_stepped
 
 operation = Operation(

@@ -90,7 +90,7 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
             if estimate is not None:
                 recorder.estimate(estimate)
                 if k >= 100 and k % 5 == 0 and now <= stop:
-                    thought, command = controller.step(thought, estimate.observation())
+                    thought, command = controller.step(thought, estimate)
                     recorder.command(now, command, controller.signals(thought))
             if abs(now - stop) < 1e-6:
                 recorder.event(Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True}))

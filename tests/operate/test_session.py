@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,16 +17,16 @@ import pytest
 import laticauda as lc
 from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.operate import Event
-from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.drivers import Clock, DeviceFailed
 from laticauda.operate.keys import Keys
+from laticauda.operate.loop import run_loop
 from laticauda.operate.recording.log import read_operation
 from laticauda.operate.recording.recorder import OperationRecorder
 from laticauda.operate.recording.sink import PlainSink, RecordingSink
 from laticauda.operate.session import header_of, operate, operate_stepped, result_of, table
-from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation
-from laticauda.operate.stepped import run_stepped
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation
+from laticauda.operate.stepped import TankDevices, TankTime, run_stepped
 from laticauda.protocol import NodeState, bus_address
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40))
@@ -203,6 +203,50 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     assert len(again) == len(recorded) > 50
     assert all((a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True))
     assert rerun_controller(log).n_different == 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Failing(Operator):
+    """An operator whose tick has an error for some time."""
+
+    fails: tuple[float, float]
+
+    def tick(self, state, now, inputs):
+        if self.fails[0] <= now < self.fails[1]:
+            raise ZeroDivisionError("a slip")
+        return super().tick(state, now, inputs)
+
+
+def test_one_error_of_the_tick_stops_the_robot_and_not_the_program():
+    swum = tank()
+    state = run_stepped(Failing(operation=operation(duration=20.0), fails=(6.0, 6.01)), swum)
+    assert state.begun is not None
+    assert state.begun < 6.0
+    assert state.stopped_by == "program_error"
+    assert is_limp(swum)
+
+
+def test_an_error_at_every_tick_gives_up_with_an_emergency_stop():
+    swum = tank()
+    with pytest.raises(RuntimeError, match="given up with an emergency stop: ZeroDivisionError: a slip"):
+        run_stepped(Failing(operation=operation(duration=20.0), fails=(6.0, math.inf)), swum)
+    assert {node.state for node in swum.nodes} == {NodeState.FAULT}
+
+
+def test_ticks_that_a_computer_missed_are_not_made_up_for():
+    class Sleepy(TankTime):
+        def wait_until(self, moment):
+            super().wait_until(moment + (1.0 if 5.0 <= moment < 5.02 else 0.0))
+
+    swum, ticks = tank(), []
+    what = Operator(operation=operation(duration=3.0))
+    devices = TankDevices(swum, has_meter=True)
+    state, timing = run_loop(what, devices, Sleepy(swum), show=lambda state, _: ticks.append(state.now))
+    assert state.is_done
+    assert timing is None  # a tank's time is never late by itself
+    periods = np.diff(ticks)
+    assert periods.max() == pytest.approx(1.02)
+    assert periods.min() == pytest.approx(0.02)
 
 
 def test_a_full_disk_stops_the_robot(tmp_path: Path):

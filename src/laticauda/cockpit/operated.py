@@ -9,6 +9,7 @@ import numpy as np
 from laticauda.cockpit.events import refusing
 from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.cockpit.shapes import Color
+from laticauda.interfaces import Observation
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress
 from laticauda.robot import Robot, load_robot, robot_names
@@ -152,7 +153,7 @@ class OperatedRobot:
 
 def _sample(estimate: "Estimate") -> Log:
     """An estimate as a sample to draw, which says nothing of the motors."""
-    known: dict[str, Any] = {name: np.asarray(one) for name, one in vars(estimate.observation()).items()}
-    del known["pitch"]
+    seen = [name for name in Observation.__dataclass_fields__ if name != "pitch"]
+    known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in seen}
     nothing = np.zeros_like(estimate.joint_angle)
     return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3))

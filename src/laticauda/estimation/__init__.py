@@ -6,7 +6,7 @@ from laticauda.estimation.filter import Estimator
 from laticauda.estimation.filter_state import EstimatorState, FilterState
 from laticauda.estimation.kinematics import KinematicEstimator, KinematicState
 from laticauda.estimation.motion_model import MotionModel
-from laticauda.estimation.noise import Noise
+from laticauda.estimation.filter_state import Noise
 from laticauda.estimation.samples import JointSample, PoseSample, ReferenceSample, Sample
 
 __all__ = [

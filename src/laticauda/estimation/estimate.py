@@ -2,7 +2,8 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
@@ -10,7 +11,7 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, instance
 from laticauda.estimation.samples import Sample
 from laticauda.interfaces import Observation
-from laticauda.quantities import quantity, value
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 from laticauda.robot.reduction import reduce_to_plane
 
@@ -18,50 +19,21 @@ Status: TypeAlias = Literal["tracking", "bridging", "lost"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Estimate:
-    """Where the robot is and how it moves at one instant, in the plane, world axes, tail first."""
+class Estimate(Observation):
+    """What an estimator says can be seen of the robot, in the plane, and how sure that is; a controller takes it."""
 
-    time: float
-    """[s]."""
     status: Status
     """`tracking`: motion capture sees the robot; `bridging`: a drop-out is being bridged; `lost`: for too long [-]."""
     age: float
     """Time since the last frame that was accepted [s]."""
-    center_of_mass: Float[np.ndarray, " 2"]
-    """p [m]."""
-    center_of_mass_velocity: Float[np.ndarray, " 2"]
-    """p' [m/s]."""
-    heading: float
-    """Mean link angle (6), unwrapped [rad]."""
-    heading_rate: float
-    """[rad/s]."""
-    link_angle: Float[np.ndarray, " n_links"]
-    """theta [rad]."""
-    joint_angle: Float[np.ndarray, " n_joints"]
-    """phi [rad]."""
-    joint_rate: Float[np.ndarray, " n_joints"]
-    """phi' [rad/s]."""
-    center_of_mass_std: float
+    center_of_mass_std: float = 0.0
     """Standard deviation of p per axis; 0 where the estimator does not know [m]."""
-    heading_std: float
+    heading_std: float = 0.0
     """Of the heading; 0 where the estimator does not know [rad]."""
     current: Float[np.ndarray, " 2"] | None = None
     """Velocity the water moves to; None where it is not estimated [m/s]."""
     current_std: float = 0.0
     """Its standard deviation along its less certain direction [m/s]."""
-
-    def observation(self) -> Observation:
-        """What a controller gets of it."""
-        return Observation(
-            time=self.time,
-            center_of_mass=self.center_of_mass,
-            center_of_mass_velocity=self.center_of_mass_velocity,
-            heading=self.heading,
-            heading_rate=self.heading_rate,
-            link_angle=self.link_angle,
-            joint_angle=self.joint_angle,
-            joint_rate=self.joint_rate,
-        )
 
 
 @value
@@ -98,29 +70,40 @@ class Mount:
         return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
 
 
-@runtime_checkable
-class StateEstimator(Protocol):
-    """From samples, one by one, to estimates: what `Estimator` and `KinematicEstimator` share."""
+@value
+class StateEstimator:
+    """From samples, one by one, to estimates: base of `Estimator` and `KinematicEstimator`. Its state is a value.
+
+    Raises:
+        ValueError: If a field is out of its range, or the robot has no module that carries the markers.
+    """
+
+    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
+    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
+
+    def __post_init__(self) -> None:
+        """Refuse a mount that is not on the robot."""
+        _ = self.on_link
+
+    @cached_property
+    def on_link(self) -> tuple[int, tuple[float, float]]:
+        """See `Mount.on_link`."""
+        return self.mount.on_link(self.robot)
 
     def init(self) -> Any:
         """The state before the first sample."""
-        ...
+        raise NotImplementedError
 
     def step(self, state: Any, sample: Sample) -> Any:
         """The state that follows `state` by one more `sample`."""
-        ...
+        raise NotImplementedError
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
         """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known."""
-        ...
+        raise NotImplementedError
 
-
-def status_at(age: float, bridging_after: float, lost_after: float) -> Status:
-    """What the time since the last accepted frame means.
-
-    Args:
-        age: That time [s].
-        bridging_after: See `Estimator` [s].
-        lost_after: See `Estimator` [s].
-    """
-    return "tracking" if age <= bridging_after else "bridging" if age <= lost_after else "lost"
+    def status_at(self, age: float) -> Status:
+        """What the time since the last accepted frame, `age` [s], means."""
+        return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"

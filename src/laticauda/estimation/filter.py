@@ -15,31 +15,31 @@ import numpy as np
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
-from laticauda.estimation.estimate import Estimate, Mount, status_at
+from laticauda.estimation.estimate import Estimate, StateEstimator
 from laticauda.estimation.filter_state import (
     EstimatorState,
     FilterState,
     Gaussian,
     Matrix,
+    Noise,
     Vector,
+    beside_twin,
     initial_state,
     within_horizon,
 )
 from laticauda.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
-from laticauda.estimation.noise import Noise, beside_twin
 from laticauda.estimation.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
 from laticauda.gaits.reference import filter_step
 from laticauda.interfaces import Plant
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot
 
 PLAY_TORQUE = 0.3  # that has a gear touch on one side, about [N m]
 LONGEST_STEP = 0.05  # of the prediction over a gap [s]
 
 
 @value
-class Estimator:
+class Estimator(StateEstimator):
     """The filter's settings.
 
     With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital twin runs along and
@@ -48,8 +48,6 @@ class Estimator:
     is on the motor's side, which leads by half the play wherever the motor pulls.
     """
 
-    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
-    mount: Mount = option("where the marker body sits", default_factory=Mount)
     noise: Noise = option("how much sensors and model are off", default_factory=Noise)
     swim_speed: float | None = quantity("m/s", "speed through the water under the gait, if it is known", default=None)
     swim_speed_std: float = quantity("m/s", "how well it is known", gt=0.0, default=0.01)
@@ -60,15 +58,13 @@ class Estimator:
     largest_residual: float = quantity("m", "of the markers of an accepted frame", gt=0.0, default=0.005)
     patience: int = quantity("", "rejections in a row after which the filter must be wrong", ge=1, default=10)
     horizon: float = quantity("s", "how late a sample may come", ge=0.0, default=0.1)
-    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
-    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
 
     def __post_init__(self) -> None:
-        """Refuse a plant that cannot be the robot's twin, and a mount that is not on the robot."""
+        """Refuse a plant that cannot be the robot's twin."""
+        super().__post_init__()
         check_plant(self.plant, self.robot)
         if self.plant is not None and self.swim_speed is not None:
             raise BadArgument("swim_speed", f"must be None beside a `plant`, which knows it, got {self.swim_speed}")
-        _ = self.model.link
 
     @cached_property
     def model(self) -> MotionModel:
@@ -147,7 +143,7 @@ class Estimator:
         age = now.time - now.frame_time
         return Estimate(
             time=now.time,
-            status=status_at(age, self.bridging_after, self.lost_after),
+            status=self.status_at(age),
             age=age,
             center_of_mass=place,
             center_of_mass_velocity=velocity,
@@ -236,25 +232,16 @@ class Estimator:
         rejected = reported & (np.abs(residual) > self.gate * spread)
         n_rejected = np.where(rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected))
         insists = n_rejected >= self.patience
-        posterior = self._reset_joints(posterior, places[insists], residual[insists])
+        if insists.any():  # they are accepted: the filter starts anew with them
+            at = places[insists]
+            posterior = posterior.restarted(at, posterior.mean[at] + residual[insists], self.noise.joint**2)
+            posterior = posterior.restarted(at + 1, 0.0, 1.0)
         use = reported & ~rejected
         if use.any():
             rows = np.zeros((int(use.sum()), posterior.mean.size))
             rows[np.arange(rows.shape[0]), places[use]] = 1.0
             posterior = posterior.update(residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0]))
         return replace(state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected))
-
-    def _reset_joints(self, posterior: Gaussian, places: np.ndarray, shift: Vector) -> Gaussian:
-        """Joints that insist on another angle are accepted: the filter starts anew with them."""
-        if not places.size:
-            return posterior
-        mean, covariance = posterior.mean.copy(), posterior.covariance.copy()
-        mean[places] += shift
-        mean[places + 1] = 0.0
-        for at, variance in ((places, self.noise.joint**2), (places + 1, 1.0)):
-            covariance[at, :] = covariance[:, at] = 0.0
-            covariance[at, at] = variance
-        return Gaussian(mean=mean, covariance=covariance)
 
     def _with_frame(self, state: FilterState, frame: PoseSample) -> FilterState:
         if frame.is_lost:
@@ -293,7 +280,7 @@ class Estimator:
         measured, _ = self._measurement(frame)
         if state.joint_angle is None or measured.size < 3:
             return state
-        link, offset = self.mount.on_link(self.robot)
+        link, offset = self.on_link
         theta = link_angles(state.joint_angle, angle=float(measured[2]), link=link)
         place = center_of_mass(self.model.chain, measured[:2], theta, link=link, offset=offset)
         posterior = self._model_of(state).initial(

@@ -10,10 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
-from laticauda.estimation.estimate import Estimate, Mount, status_at
+from laticauda.estimation.estimate import Estimate, StateEstimator
 from laticauda.estimation.samples import JointSample, PoseSample, Sample, yaw_joints
 from laticauda.kinematics import center_of_mass, heading, link_angles
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import quantity, value
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " _n"]
@@ -46,28 +46,13 @@ class KinematicState:
 
 
 @value
-class KinematicEstimator:
+class KinematicEstimator(StateEstimator):
     """From the pose of the last module and the joint angles to center of mass and link angles.
 
     Joint angles are interpolated to the time of the frame. Velocities are differences over `span`.
-
-    Raises:
-        ValueError: If a field is out of its range, or the robot has no module that carries the markers.
     """
 
-    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
-    mount: Mount = option("where the marker body sits", default_factory=Mount)
     span: float = quantity("s", "time over which velocities are taken", gt=0.0, default=0.1)
-    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
-    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
-
-    def __post_init__(self) -> None:
-        """Refuse a mount that is not on the robot."""
-        _ = self._on_link
-
-    @cached_property
-    def _on_link(self) -> tuple[int, tuple[float, float]]:
-        return self.mount.on_link(self.robot)
 
     @cached_property
     def _chain(self) -> Robot:
@@ -99,7 +84,7 @@ class KinematicEstimator:
 
     def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
         assert frame.rotation is not None  # the caller looked
-        link, offset = self._on_link
+        link, offset = self.on_link
         if state.postures and frame.time <= state.postures[-1].time:
             return state
         times = np.array([time for time, _ in state.joints])
@@ -131,7 +116,7 @@ class KinematicEstimator:
         pace = 1.0 / (last.time - first.time) if last.time > first.time else 0.0
         return Estimate(
             time=now,
-            status=status_at(now - last.time, self.bridging_after, self.lost_after),
+            status=self.status_at(now - last.time),
             age=now - last.time,
             center_of_mass=last.center_of_mass,
             center_of_mass_velocity=pace * (last.center_of_mass - first.center_of_mass),
@@ -140,6 +125,4 @@ class KinematicEstimator:
             link_angle=last.link_angle,
             joint_angle=last.joint_angle,
             joint_rate=pace * (last.joint_angle - first.joint_angle),
-            center_of_mass_std=0.0,
-            heading_std=0.0,
         )

@@ -12,8 +12,7 @@ import numpy as np
 
 from laticauda.estimation.digital_twin import Displacement, TwinState
 from laticauda.estimation.estimate import Mount
-from laticauda.estimation.filter_state import Gaussian, Matrix, Vector
-from laticauda.estimation.noise import Noise
+from laticauda.estimation.filter_state import Gaussian, Matrix, Noise, Vector
 from laticauda.kinematics import link_angles, link_centers
 from laticauda.robot import Robot
 
@@ -117,12 +116,8 @@ class MotionModel:
         Args:
             posterior: Under the other model.
         """
-        mean, covariance = posterior.mean.copy(), posterior.covariance.copy()
         at = np.array([U, S, R, *range(TURN, JOINTS)])
-        mean[at] = 0.0
-        covariance[at, :] = covariance[:, at] = 0.0
-        covariance[at, at] = self._first_variance()[at]
-        return Gaussian(mean=mean, covariance=covariance)
+        return posterior.restarted(at, 0.0, self._first_variance()[at])
 
     def _first_variance(self) -> Vector:
         variance = np.zeros(self.size)

@@ -4,7 +4,6 @@
 
 import math
 import threading
-from types import TracebackType
 from typing import Any, Self, TextIO
 
 from laticauda.extras import optional_import
@@ -86,9 +85,7 @@ class Dashboard:
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Draw the end, and give the terminal back."""
         self._ended.set()
         self._thread.join(2.0)
@@ -170,8 +167,8 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
         rows.append(("offset", f"{math.degrees(state.reference.command.offset):7.1f}°"))
     if state.reading is not None:
         rows.append(("supply", f"{state.reading.current:7.3f} A"))
-    if state.idle_current is not None:
-        rows.append(("at rest", f"{state.idle_current:7.3f} A"))
+    if state.idle.mean is not None:
+        rows.append(("at rest", f"{state.idle.mean:7.3f} A"))
     for name, value in rows:
         table.add_row(f"[bold]{name}[/]", value)
     return table

@@ -6,7 +6,7 @@ import select
 import signal
 import sys
 import threading
-from types import FrameType, TracebackType
+from types import FrameType
 from typing import Any, Self, TextIO
 
 STOP, EMERGENCY = "operator_key", "emergency_key"
@@ -53,9 +53,7 @@ class Keys:
                 self._before[number] = signal.signal(number, self._signalled)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Give the signals back."""
         for number, handler in self._before.items():
             signal.signal(number, handler)
@@ -94,9 +92,7 @@ class Terminal:
             pass  # another operating system, or no terminal: Ctrl-C is left
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Give the terminal back as it was."""
         self._ended.set()
         if self._thread is not None:

@@ -1,6 +1,7 @@
 """A series: every setting several times, the mean and the scatter, and the runs that were rejected, with the reason."""
 
 import csv
+import io
 import math
 import statistics
 from collections.abc import Callable
@@ -8,16 +9,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from laticauda.errors import StorageFailed
-from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.files import write
+from laticauda.operate.files import SeriesFile
 from laticauda.operate.session import Result
 from laticauda.operate.settings import Operation
 from laticauda.robot import load_robot
 
-TABLE2 = Path(__file__).with_name("table2.toml")
-"""The paper's Table 2 as a series file: twelve settings, three runs each."""
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
+FIGURES: dict[str, tuple[str, int, int] | None] = {
+    "forward_velocity": ("v [m/s]", 20, 4),
+    "electrical_power": ("P above idle [W]", 20, 2),
+    "total_power": ("P total [W]", 18, 2),
+    "convergence_time": None,
+    "steady_error": ("p_y RMS [m]", 20, 4),
+}
+"""Figures of a setting, and where the table has them: title, width and digits."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
 
@@ -77,11 +84,7 @@ class Series:
                     "name": setting.operation.name,
                     "accepted": len(setting.accepted),
                     "rejected": [r.reason for r in setting.results if not r.accepted],
-                    "forward_velocity": setting.figure("forward_velocity"),
-                    "electrical_power": setting.figure("electrical_power"),
-                    "total_power": setting.figure("total_power"),
-                    "convergence_time": setting.figure("convergence_time"),
-                    "steady_error": setting.figure("steady_error"),
+                    **{name: setting.figure(name) for name in FIGURES},
                     "aftermath": [r.aftermath for r in setting.results if r.aftermath],
                 }
                 for setting in self.settings
@@ -90,21 +93,15 @@ class Series:
 
     def table(self) -> str:
         """Mean and scatter per setting, and why runs were rejected."""
-        titles = f"{'v [m/s]':>20}{'P above idle [W]':>20}{'P total [W]':>18}{'p_y RMS [m]':>20}"
-        lines = [f"{'setting':<34}{'runs':>5}{titles}"]
+        shown = [(name, *column) for name, column in FIGURES.items() if column is not None]
+        lines = [f"{'setting':<34}{'runs':>5}" + "".join(f"{title:>{width}}" for _, title, width, _ in shown)]
         for setting in self.settings:
-            names = ("forward_velocity", "electrical_power", "total_power", "steady_error")
-            texts = [_shown(setting.figure(name), digits) for name, digits in zip(names, (4, 2, 2, 4), strict=True)]
+            figures = (f"{_shown(setting.figure(name), digits):>{width}}" for name, _, width, digits in shown)
             runs = f"{len(setting.accepted)}/{self.file.repeats}"
-            lines.append(
-                f"{setting.operation.name:<34}{runs:>5}{texts[0]:>20}{texts[1]:>20}{texts[2]:>18}{texts[3]:>20}"
-            )
-        for setting in self.settings:
-            for result in setting.results:
-                if not result.accepted:
-                    lines.append(f"rejected: {result.name}: {result.reason}")
-                if result.aftermath:
-                    lines.append(f"{result.name}: {result.aftermath}")
+            lines.append(f"{setting.operation.name:<34}{runs:>5}" + "".join(figures))
+        for result in (result for setting in self.settings for result in setting.results):
+            lines += [] if result.accepted else [f"rejected: {result.name}: {result.reason}"]
+            lines += [f"{result.name}: {result.aftermath}"] if result.aftermath else []
         lines.append(f"for `laticauda reproduce --repeats`: {self.folder / 'repeats.csv'}")
         return "\n".join(lines)
 
@@ -152,13 +149,6 @@ def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | Non
     return Series(file=series, settings=tuple(settings), folder=folder)
 
 
-def table2() -> SeriesFile:
-    """The paper's Table 2 as a series."""
-    series = load_operation(TABLE2)
-    assert isinstance(series, SeriesFile)  # it is ours
-    return series
-
-
 def _stored(operation: Operation, folder: Path) -> Result | None:
     """An accepted run of an earlier call; None if there is none."""
     from laticauda.logs import load_trial
@@ -175,12 +165,8 @@ def _stored(operation: Operation, folder: Path) -> Result | None:
         accepted=True,
         reason="Taken from its file.",
         trial=trial,
-        start=None,
         idle_current=float(idle) if isinstance(idle, float | int) else None,
         supply_voltage=float(voltage) if isinstance(voltage, float | int) else None,
-        notes=(),
-        recording=None,
-        timing=None,
     )
 
 
@@ -198,14 +184,10 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
             power = summary.get("electrical_power")
             velocity = summary["forward_velocity"]
             rows.append((KINDS[gait.kind], config, *angles, velocity, "" if power is None else power))
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with (folder / "repeats.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(COLUMNS)
-            writer.writerows(rows)
-    except OSError as error:
-        raise StorageFailed(f"Cannot write {folder / 'repeats.csv'}: {error.strerror or error}.") from error
+    text = io.StringIO(newline="")
+    csv.writer(text).writerows([COLUMNS, *rows])
+    folder.mkdir(parents=True, exist_ok=True)
+    write(folder / "repeats.csv", text.getvalue())
 
 
 def _shown(figure: tuple[float, float | None] | None, digits: int) -> str:

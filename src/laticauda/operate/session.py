@@ -19,7 +19,7 @@ from laticauda.operate.recording.log import read_operation
 from laticauda.operate.recording.recorder import OperationRecorder
 from laticauda.operate.recording.sink import PlainSink, RecordingSink
 from laticauda.operate.recording.to_trial import trial_of
-from laticauda.operate.safety.rules import BY_EVENT, cause_of
+from laticauda.operate.safety.transitions import BY_EVENT, cause_of
 from laticauda.operate.settings import Operation
 from laticauda.operate.stepped import run_stepped
 from laticauda.operate.timing import Timing
@@ -41,17 +41,17 @@ class Result:
     """How it ended, or why it does not count."""
     trial: Trial | None
     """The run; None if there was none."""
-    start: tuple[float, float, float] | None
+    start: tuple[float, float, float] | None = None
     """Center of mass [m, m] and heading [rad] before it."""
-    idle_current: float | None
+    idle_current: float | None = None
     """I_0 [A]; None where it was not measured."""
-    supply_voltage: float | None
+    supply_voltage: float | None = None
     """V of (4) [V]; None without a power meter."""
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
     """What went wrong and did not stop it."""
-    recording: Path | None
+    recording: Path | None = None
     """The file with everything."""
-    timing: Timing | None
+    timing: Timing | None = None
     """How punctual the loop was; None if it had no clock."""
     aftermath: str = ""
     """What went wrong while the robot stopped after a run that counts: to be looked at before the next; "" if nothing
@@ -212,7 +212,7 @@ def result_of(operator: Operator, state: OperatorState, recording: Path | None, 
         reason=reason,
         trial=trial,
         start=state.prepared.start,
-        idle_current=state.idle_current,
+        idle_current=state.idle.mean,
         supply_voltage=operator.operation.supply_voltage,
         notes=state.notes,
         recording=recording,

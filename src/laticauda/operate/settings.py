@@ -6,7 +6,10 @@ everything else, with the path along its x axis in the paper's trials.
 
 import math
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from laticauda.control import (
     Guidance,
@@ -23,11 +26,11 @@ from laticauda.errors import BadArgument
 from laticauda.estimation import Mount
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, check_waves
-from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, Water, load_robot, load_water
 
+Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
 
 
@@ -35,17 +38,13 @@ LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules
 class Following:
     """Path following; an operation without it swims its gait open loop."""
 
-    waypoints: tuple[tuple[float, float], ...] | None = quantity(
-        "m", "corners of the path, path frame; None: the x axis", default=None
-    )
+    waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
     smooth: bool = option("a smooth curve through the waypoints instead of straight legs", default=False)
     guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
     look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
     integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
     gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
-    max_offset: float = quantity(
-        "rad", "largest offset of the joints to either side", gt=0.0, default=math.radians(20.0)
-    )
+    max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
     heading_estimate: str = option("raw, or cycle_mean over the last gait cycle", default="raw")
     interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
 
@@ -95,9 +94,7 @@ class Placement:
 class Connection:
     """Where the devices are."""
 
-    can_interface: Literal["udp_multicast", "virtual", "socketcan"] = option(
-        "python-can's name of the bus", default="udp_multicast"
-    )
+    can_interface: Literal["udp_multicast", "virtual", "socketcan"] = option("kind of bus", default="udp_multicast")
     can_channel: str = option("its channel: a multicast address, any name, or can0", default="239.74.163.2")
     can_port: int = quantity("", "UDP port of udp_multicast", ge=1, le=65535, default=43113)
     mocap_host: str = option("address of the motion capture's computer", default="127.0.0.1")
@@ -129,6 +126,50 @@ class Connection:
 
 
 @value
+class CaptureVolume:
+    """What the motion capture covers of the tank, and where the path lies in it; tank frame."""
+
+    volume_x: tuple[float, float] = quantity("m", "measuring volume along the tank", default=(0.0, 12.0))
+    volume_y: tuple[float, float] = quantity("m", "across it", default=(-2.725, 2.725))
+    path_origin: tuple[float, float] = quantity("m", "origin of the path frame", default=(0.0, 0.0))
+    path_heading: float = quantity("rad", "direction of its x axis", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Refuse a volume that is turned inside out."""
+        for name in ("volume_x", "volume_y"):
+            low, high = getattr(self, name)
+            if low >= high:
+                raise BadArgument(name, f"must be a smaller and a greater number in m, got {(low, high)!r}")
+
+    def to_path(self, position: Vector) -> Vector:
+        """A position of the tank frame in the path frame [m]; the height stays."""
+        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
+        x, y = position[0] - self.path_origin[0], position[1] - self.path_origin[1]
+        return np.array([cos * x + sin * y, cos * y - sin * x, *position[2:]])
+
+    def to_tank(self, position: Vector) -> Vector:
+        """A position of the path frame in the tank frame [m]."""
+        cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
+        x, y = position[0], position[1]
+        return np.array(
+            [self.path_origin[0] + cos * x - sin * y, self.path_origin[1] + sin * x + cos * y, *position[2:]]
+        )
+
+    def room(self, position: Vector, velocity: Vector) -> float:
+        """Distance to the edge that the robot moves to; infinite if it moves to none [m].
+
+        Args:
+            position: Tank frame [m].
+            velocity: Tank frame [m/s].
+        """
+        room = math.inf
+        for (low, high), at, speed in zip((self.volume_x, self.volume_y), position[:2], velocity[:2], strict=True):
+            if abs(speed) > 0.01:  # one that lies still at the edge may swim away from it
+                room = min(room, high - at if speed > 0.0 else at - low)
+        return float(room)
+
+
+@value
 class Calibration:
     """What is measured before a run.
 
@@ -137,9 +178,7 @@ class Calibration:
     """
 
     joint_zeros: bool = option("whether joint zeros are measured", default=False)
-    max_joint_zero: float = quantity(
-        "rad", "zeros beyond this are refused: then it was not straight", gt=0.0, default=math.radians(5.0)
-    )
+    max_joint_zero: float = quantity("rad", "larger zeros are refused", gt=0.0, default=math.radians(5.0))
     marker_module: int = quantity("", "the module that carries the rigid body, 0 = tail", ge=0, default=0)
     marker_offset: tuple[float, float] = quantity(
         "m", "of the rigid body from the middle of its module: toward the head, to the left", default=(0.0, 0.0)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState
-from laticauda.operate.drivers.can import Frame
+from laticauda.operate.drivers.can import Frame, framed
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.loop import Devices, Show, run_loop
@@ -47,12 +47,16 @@ def run_stepped(
     Raises:
         RuntimeError: As `run_loop`.
     """
-    devices = _TankDevices(tank, has_meter=bool(operator.operation.connection.meter_port))
-    return run_loop(operator, devices, _TankTime(tank), keys=keys, sink=sink, show=show, longest=longest)[0]
+    devices = TankDevices(tank, has_meter=bool(operator.operation.connection.meter_port))
+    return run_loop(operator, devices, TankTime(tank), keys=keys, sink=sink, show=show, longest=longest)[0]
 
 
-class _TankTime(Clock):
-    """The time up to which a tank has been stepped."""
+class TankTime(Clock):
+    """The time up to which a tank has been stepped.
+
+    Args:
+        tank: The tank.
+    """
 
     is_real = False
 
@@ -61,26 +65,35 @@ class _TankTime(Clock):
         self._tank, self._now = tank, tank.time
 
     def now(self) -> float:
+        """See `Clock.now`."""
         return self._now
 
     def wait_until(self, moment: float) -> None:
+        """Step the tank until then, a `moment` in s."""
         self._tank.advance_to(moment)
         self._now = moment
 
     @contextmanager
     def undisturbed(self) -> Generator[None]:
+        """Nothing to do: what is stepped cannot be late."""
         yield
 
 
-class _TankDevices(Devices):
-    """A tank without wires, as devices."""
+class TankDevices(Devices):
+    """A tank without wires, as devices.
+
+    Args:
+        tank: The tank.
+        has_meter: Whether its power meter is read.
+    """
 
     def __init__(self, tank: Tank, *, has_meter: bool) -> None:
         self._tank, self._has_meter = tank, has_meter
         self._queried = -math.inf
 
     def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
-        frames = tuple(_frame(now, decode(i, data), (i, data), is_ours=False) for i, data in self._tank.sent())
+        """See `Devices.receive`."""
+        frames = tuple(framed(now, wire, decode(*wire), is_ours=False) for wire in self._tank.sent())
         readings: tuple[PowerReading, ...] = ()
         if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
             readings, self._queried = self._readings(now), now
@@ -95,7 +108,8 @@ class _TankDevices(Devices):
         return inputs, frames
 
     def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
-        frames = tuple(_frame(now, message, encode(message), is_ours=True) for message in messages)
+        """See `Devices.send`."""
+        frames = tuple(framed(now, encode(message), message, is_ours=True) for message in messages)
         for frame in frames:
             self._tank.receive(frame.identifier, frame.data, now)
         return frames
@@ -108,7 +122,3 @@ class _TankDevices(Devices):
         except (IndexError, ProtocolError):
             return ()
         return (PowerReading(time=now, current=shown.live),)
-
-
-def _frame(now: float, message: CanMessage | None, wire: tuple[int, bytes], *, is_ours: bool) -> Frame:
-    return Frame(time=now, identifier=wire[0], data=wire[1], is_ours=is_ours, message=message)

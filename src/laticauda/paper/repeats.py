@@ -21,7 +21,10 @@ from pathlib import Path
 from laticauda.errors import BadArgument, TrialFileError, finite, nearest, not_negative, one_of, positive
 from laticauda.files import read_text
 from laticauda.gaits import Gait, envelope_of
+from laticauda.operate.files import SeriesFile, load_operation
 
+TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
+"""Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 CONFIGURATIONS = ("nofin", "fin")
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s")
@@ -51,6 +54,13 @@ class Repeat:
         """The same for the power; None if no trial has one [W]."""
         known = [value for value in self.mean_power if value is not None]
         return _mean_and_deviation(known) if known else None
+
+
+def table2_series() -> SeriesFile:
+    """Table 2 as a series to operate."""
+    series = load_operation(TABLE2)
+    assert isinstance(series, SeriesFile)  # it is ours
+    return series
 
 
 def load_repeats(path: str | Path) -> tuple[Repeat, ...]:

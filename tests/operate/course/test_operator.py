@@ -12,10 +12,9 @@ from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 import laticauda as lc
 from laticauda.estimation import ReferenceSample
 from laticauda.gaits import Generator
-from laticauda.operate.capture_volume import CaptureVolume
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.safety.rules import BY_EVENT
-from laticauda.operate.settings import Calibration, Connection, Following, Limits, Operation, Placement
+from laticauda.operate.safety.transitions import BY_EVENT
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation, Placement
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))

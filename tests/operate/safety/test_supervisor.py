@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 
 from laticauda.operate.safety.limits import LimitMonitor, Reports
 from laticauda.operate.safety.modules import no_reports
-from laticauda.operate.safety.rules import ACTIONS, BY_EVENT, RULES
 from laticauda.operate.safety.supervisor import Supervisor, SupervisorState, safety_table
-from laticauda.operate.safety.transitions import REQUESTS, STATES
+from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, STATES
 from laticauda.operate.settings import Limits
 from laticauda.protocol import Heartbeat, NodeState
 

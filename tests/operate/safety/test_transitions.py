@@ -2,8 +2,15 @@
 
 from pathlib import Path
 
-from laticauda.operate.safety.rules import BY_EVENT
-from laticauda.operate.safety.transitions import PHASES, REQUESTS, STATES, TRANSITIONS, phase_with, state_diagram
+from laticauda.operate.safety.transitions import (
+    BY_EVENT,
+    PHASES,
+    REQUESTS,
+    STATES,
+    TRANSITIONS,
+    phase_with,
+    state_diagram,
+)
 
 
 def test_the_rows_name_phases_and_states_and_no_two_contradict_each_other():

@@ -20,9 +20,8 @@ from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepa
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import LimitMonitor, Reports
 from laticauda.operate.safety.modules import no_reports
-from laticauda.operate.safety.rules import BY_EVENT, cause_of
 from laticauda.operate.safety.supervisor import Entry, Supervisor
-from laticauda.operate.safety.transitions import phase_after, phase_with
+from laticauda.operate.safety.transitions import BY_EVENT, cause_of, phase_after, phase_with
 from laticauda.operate.settings import Operation
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
 from laticauda.robot import Robot
@@ -226,7 +225,7 @@ class Operator:
             return replace(state, reference=source.straighten(reference, now, way))
         try:
             if state.estimate is not None:
-                reference = source.decide(reference, now, state.estimate.observation())
+                reference = source.decide(reference, now, state.estimate)
             return replace(state, reference=source.follow(reference, now))
         except Exception as error:  # the next tick stops the robot; until then it holds
             return replace(state, error=f"controller: {error}")

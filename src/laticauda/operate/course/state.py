@@ -124,8 +124,3 @@ class OperatorState:
     def is_done(self) -> bool:
         """Whether nothing is left to do."""
         return self.phase == "done"
-
-    @property
-    def idle_current(self) -> float | None:
-        """I_0 [A]; None where it was not measured."""
-        return self.idle.mean

@@ -36,6 +36,11 @@ class Frame:
     """What it says; None if it is none of our protocol."""
 
 
+def framed(time: float, wire: tuple[int, bytes], message: CanMessage | None, *, is_ours: bool) -> Frame:
+    """A frame, from its identifier and its bytes on the `wire`; see `Frame`."""
+    return Frame(time=time, identifier=wire[0], data=wire[1], is_ours=is_ours, message=message)
+
+
 class CanDriver(Worker[Frame]):
     """The bus that the modules are on.
 
@@ -80,15 +85,8 @@ class CanDriver(Worker[Frame]):
         self._is_off = False
         if not from_node(frame.arbitration_id):
             return  # our own, which udp_multicast brings back
-        self._found.append(
-            Frame(
-                time=self._clock.now(),
-                identifier=frame.arbitration_id,
-                data=bytes(frame.data),
-                is_ours=False,
-                message=from_frame(frame),
-            )
-        )
+        wire = frame.arbitration_id, bytes(frame.data)
+        self._found.append(framed(self._clock.now(), wire, from_frame(frame), is_ours=False))
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
         """Send messages, in this order.
@@ -108,8 +106,7 @@ class CanDriver(Worker[Frame]):
             except Exception as error:  # the supervisor gets it, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
-            identifier, data = frame.arbitration_id, bytes(frame.data)
-            sent.append(Frame(time=self._clock.now(), identifier=identifier, data=data, is_ours=True, message=message))
+            sent.append(framed(self._clock.now(), (frame.arbitration_id, bytes(frame.data)), message, is_ours=True))
         self._send_trouble = trouble
         return tuple(sent)
 

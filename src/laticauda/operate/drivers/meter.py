@@ -49,7 +49,7 @@ class MeterDriver(Worker[PowerReading]):
         try:
             self.identity = decode_identity(self._query(IDENTITY))
         except (OSError, ProtocolError, ValueError) as error:
-            self._drop()
+            self.release()
             raise DeviceFailed(
                 f"The power meter at {port} does not answer ({error}): check that it is on, that it shows A DC, and "
                 "the name of the port."
@@ -69,7 +69,7 @@ class MeterDriver(Worker[PowerReading]):
                 self._restart.clear()
             shown = decode_displayed(self._query(DISPLAYED))
         except Exception:
-            self._drop()  # and open it again at the next try
+            self.release()  # and open it again at the next try
             raise
         self._found.append(
             PowerReading(
@@ -98,12 +98,9 @@ class MeterDriver(Worker[PowerReading]):
                 raise ProtocolError(f"it refuses {word} with {lines[0]!r:.40}")
         return lines[1] if has_data else ""
 
-    def _drop(self) -> None:
+    def release(self) -> None:
+        """Close the port; the next query opens it again."""
         if self._line is not None:
             with contextlib.suppress(Exception):
                 self._line.close()
             self._line = None
-
-    def release(self) -> None:
-        """Close the port."""
-        self._drop()

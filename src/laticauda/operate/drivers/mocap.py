@@ -65,7 +65,15 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
 
     def work(self) -> None:
         """One connection, from its begin to its end."""
-        asyncio.run(self._connected())
+        try:
+            asyncio.run(self._connected())
+        except Exception as error:
+            if not self._ready.is_set():  # the first error is for who made this driver
+                known = isinstance(error, DeviceFailed)
+                where = f"{self._address[0]}:{self._address[1]}"
+                self._first = error if known else DeviceFailed(f"The motion capture at {where} fails: {error!r}.")
+                self._ready.set()
+            raise
 
     async def _connected(self) -> None:
         host, port = self._address
@@ -74,18 +82,14 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         def left(_: object) -> None:
             gone.set()
 
-        try:
-            link: Any = await asyncio.wait_for(
-                self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME), CONNECT_TIME
+        link: Any = await asyncio.wait_for(
+            self._qtm.connect(host, port, on_disconnect=left, timeout=CONNECT_TIME), CONNECT_TIME
+        )
+        if link is None:
+            raise DeviceFailed(
+                f"The motion capture at {host}:{port} cannot be reached: check that QTM runs there, and that its "
+                "real-time server has this port."
             )
-            if link is None:
-                raise DeviceFailed(
-                    f"The motion capture at {host}:{port} cannot be reached: check that QTM runs there, and that its "
-                    "real-time server has this port."
-                )
-        except Exception as error:
-            self._failed(error)
-            raise
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are no error of the connection.
@@ -97,9 +101,6 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
             self._ready.set()
             while not (self._ended.is_set() or gone.is_set()):
                 await asyncio.sleep(0.05)
-        except Exception as error:
-            self._failed(error)
-            raise
         finally:
             if link.has_transport():
                 link.disconnect()
@@ -111,22 +112,12 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
         """The place of the body in the list."""
         text: Any = await link.get_parameters(["6d"])
         names = [(name.text or "").strip() for name in ElementTree.fromstring(text).findall("*/Body/Name")]
+        listed = ", ".join(names) or "none"
         if self._body and self._body not in names:
-            listed = ", ".join(names) or "none"
             raise DeviceFailed(f"The motion capture has no body {self._body!r}; its bodies are: {listed}.")
         if not self._body and len(names) != 1:
-            listed = ", ".join(names) or "none"
             raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
         self._index = names.index(self._body) if self._body else 0
-
-    def _failed(self, error: Exception) -> None:
-        """Keep the first error for who made this driver."""
-        if self._ready.is_set():
-            return
-        host, port = self._address
-        known = isinstance(error, DeviceFailed)
-        self._first = error if known else DeviceFailed(f"The motion capture at {host}:{port} fails: {error!r}.")
-        self._ready.set()
 
     def _on_packet(self, packet: Any) -> None:
         """One packet, in the thread of the event loop."""
@@ -140,9 +131,6 @@ class MocapDriver(Worker[tuple[float, PoseSample]]):
             self._trouble = f"a packet of the motion capture makes no sense: {error}"
             return
         self._found.append((arrival, pose_sample(stamp, pose)))
-
-    def release(self) -> None:
-        """Nothing is held: the connection ends with the thread."""
 
 
 def _ignore_result(begun: "asyncio.Future[Any]") -> None:

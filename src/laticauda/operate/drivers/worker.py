@@ -1,9 +1,7 @@
 """A thread that never dies of an exception, and always ends when it is to."""
 
 import threading
-from abc import ABC, abstractmethod
 from collections import deque
-from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
 from laticauda.errors import LaticaudaError
@@ -34,7 +32,7 @@ def hardware(package: str, module: str) -> Any:
     return optional_import("Operating a robot", package, "hardware", module)
 
 
-class Worker(ABC, Generic[T]):
+class Worker(Generic[T]):
     """Runs `work` again and again in a thread of its own.
 
     What it finds goes into a queue; what goes wrong becomes a sentence in `trouble`, and it tries again.
@@ -49,13 +47,12 @@ class Worker(ABC, Generic[T]):
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"laticauda-{name}", daemon=True)
 
-    @abstractmethod
     def work(self) -> None:
         """One piece of work, which must come back within some tenths of a second."""
+        raise NotImplementedError
 
-    @abstractmethod
     def release(self) -> None:
-        """Give back what the device holds; called once, after the thread has ended."""
+        """Give back what the device holds, if it holds anything; called after the thread has ended."""
 
     @property
     def trouble(self) -> str:
@@ -94,8 +91,6 @@ class Worker(ABC, Generic[T]):
         """Itself."""
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Close it."""
         self.close()

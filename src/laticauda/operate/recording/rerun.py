@@ -82,7 +82,7 @@ def rerun_controller(
     for decision in recorded:
         if decision.time not in known:
             raise BadArgument("estimates", f"must have one at every control instant, got none at {decision.time} s")
-        state, command = chosen.step(state, known[decision.time].observation())
+        state, command = chosen.step(state, known[decision.time])
         instance("command", command, Command)
         again.append(Decision(time=decision.time, command=command, signals={}))
     return Rerun(recorded=tuple(recorded), again=tuple(again))

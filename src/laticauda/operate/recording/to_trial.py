@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -10,10 +11,13 @@ from jaxtyping import Float
 from laticauda.errors import TrialFileError, not_negative
 from laticauda.estimation import Estimate, JointSample, ReferenceSample
 from laticauda.estimation.samples import yaw_joints
+from laticauda.interfaces import Observation
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.trial import Trial
 
+SEEN = tuple(name for name in Observation.__dataclass_fields__ if name not in ("time", "pitch"))
+"""What a trial has of every estimate as it is."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
 
@@ -64,33 +68,26 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     """
     run = run_of(log, estimates)
     time = np.array([estimate.time for estimate in run])
-    rate = np.stack([estimate.joint_rate for estimate in run])
+    seen: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in SEEN}
     torque, reference = _torque(log, time), _references(log, time)
     electrical, power_source = electrical_work(log, time)
     missing = () if torque is not None else ("joint_torque", "work")
     missing = (*missing, *(() if reference is not None else ("joint_angle_ref",)))
-    torque = np.zeros_like(rate) if torque is None else torque
-    header = log.header
+    torque = np.zeros_like(seen["joint_rate"]) if torque is None else torque
     end = _ending(log)
     return Trial(
         time=time - time[0],
-        center_of_mass=np.stack([estimate.center_of_mass for estimate in run]),
-        center_of_mass_velocity=np.stack([estimate.center_of_mass_velocity for estimate in run]),
-        heading=np.array([estimate.heading for estimate in run]),
-        heading_rate=np.array([estimate.heading_rate for estimate in run]),
-        link_angle=np.stack([estimate.link_angle for estimate in run]),
-        joint_angle=np.stack([estimate.joint_angle for estimate in run]),
-        joint_rate=rate,
-        joint_angle_ref=np.zeros_like(rate) if reference is None else reference,
+        **seen,
+        joint_angle_ref=np.zeros_like(torque) if reference is None else reference,
         joint_torque=torque,
-        work=_work(time, torque, rate),
+        work=_work(time, torque, seen["joint_rate"]),
         electrical_work=electrical,
         not_measured=missing,
         signals=_signals(log, time, run),
-        scenario=replace(header.run, notes={"source": "recording", **power_source, **header.run.notes}),
+        scenario=replace(log.header.run, notes={"source": "recording", **power_source, **log.header.run.notes}),
         version=log.version,
         status=end.message if end is not None else "The recording reached its end.",
-        succeeded=_succeeded(log, end),
+        succeeded=end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True and not log.lost,
     )
 
 
@@ -147,23 +144,17 @@ def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
 
 
 def _torque(log: OperationLog, time: Column) -> Table | None:
-    """Torques of the yaw joints at some times; None if they are not reported."""
-    samples = [sample for sample in log.of(JointSample) if sample.torque is not None]
+    """Torques of the yaw joints at some times, straight between samples but for what is nan; None if not reported."""
+    samples = sorted((one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time)
     if not samples:
         return None
-    return _at_times(time, samples, [yaw_joints(log.header.run.robot, "torque", sample.torque) for sample in samples])
-
-
-def _at_times(time: Column, samples: list[JointSample], values: list[Column]) -> Table:
-    """Values of samples at other times, straight between them; those that are nan are left out."""
-    when, table = np.array([sample.time for sample in samples]), np.stack(values)
-    order = np.argsort(when, kind="stable")
-    when, table = when[order], table[order]
-    columns: list[Column] = []
-    for i in range(table.shape[1]):
-        column = table[:, i]
-        known = np.isfinite(column)
-        columns.append(np.interp(time, when[known], column[known]) if known.any() else np.zeros(time.size))
+    when = np.array([sample.time for sample in samples])
+    table = np.stack([yaw_joints(log.header.run.robot, "torque", sample.torque) for sample in samples])
+    known = np.isfinite(table)
+    columns: list[Column] = [
+        np.interp(time, when[is_known], column[is_known]) if is_known.any() else np.zeros(time.size)
+        for column, is_known in zip(table.T, known.T, strict=True)
+    ]
     return np.stack(columns, axis=1)
 
 
@@ -207,7 +198,3 @@ def _ending(log: OperationLog) -> Event | None:
     """The event that ended the run."""
     begin, end = run_span(log)
     return next((e for e in log.of(Event) if e.kind in ("stop", "fault") and begin <= e.time <= end), None)
-
-
-def _succeeded(log: OperationLog, end: Event | None) -> bool:
-    return end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True and not log.lost

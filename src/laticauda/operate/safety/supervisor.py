@@ -1,8 +1,8 @@
 """The safety supervisor: which event leads to which action, within which time, and what is remembered of it.
 
 It is a value and a pure step: no clock, no bus, no threads. Every tick it gets the time, everything that is wrong at
-that moment, and what the robot reports; it answers with the state that follows. `rules` has the events and actions,
-`transitions` the states.
+that moment, and what the robot reports; it answers with the state that follows. `transitions` has the
+tables of events and actions, and of states.
 
 The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go limp after
 `LIMP_AFTER`. So to stop sending references is a way to stop that needs no bus, and every time stated here rests on it.
@@ -12,8 +12,7 @@ from collections.abc import Set
 from dataclasses import dataclass, replace
 
 from laticauda.errors import nearest
-from laticauda.operate.safety.rules import ACTIONS, BY_EVENT, RULES, Rule
-from laticauda.operate.safety.transitions import REQUESTS, granted
+from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, Rule, granted
 from laticauda.quantities import quantity, value
 
 HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # what a module does by itself without references [s]

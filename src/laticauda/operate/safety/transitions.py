@@ -1,4 +1,4 @@
-"""Phases of an operation and states of its supervisor: one table of what leads from where to where.
+"""The tables that an operation keeps to, and that the documentation prints: what leads where, and what is done when.
 
 The supervisor's state says whether the joints may move, the phase says what for:
 
@@ -9,6 +9,7 @@ The supervisor's state says whether the joints may move, the phase says what for
     fault     limp, and it stays so until somebody acknowledges and nothing is wrong any more
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 STATES = ("idle", "ready", "running", "stopping", "fault")
@@ -59,7 +60,62 @@ TRANSITIONS: tuple[Transition, ...] = (
 """`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: one that has to be
 acknowledged. `settled`: the modules say that they are limp, or have had the time for it."""
 
-_BY_EVENT = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
+
+# ---- what goes wrong ------------------------------------------------------------------------------------------------
+
+ACTIONS = ("none", "finish", "straighten", "limp", "emergency_stop")
+"""Each is graver than the one before it."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What one event leads to."""
+
+    event: str
+    """Its name."""
+    says: str
+    """What happened, in words."""
+    action: str
+    """One of `ACTIONS`."""
+    is_fault: bool = True
+    """Whether somebody has to acknowledge it before the robot moves again."""
+
+
+RULES: tuple[Rule, ...] = (
+    Rule("emergency_key", "the operator hit the emergency stop", "emergency_stop"),
+    Rule("leak", "a module reports water inside", "emergency_stop"),
+    Rule("bus_off", "the computer is off the CAN bus", "emergency_stop"),
+    Rule("over_temperature", "a module is too hot", "limp"),
+    Rule("over_current", "a motor draws too much", "limp"),
+    Rule("joint_error", "a joint does not follow its reference", "limp"),
+    Rule("module_fault", "a module reports a fault of its own", "straighten"),
+    Rule("low_voltage", "the supply's voltage is too low", "straighten"),
+    Rule("lost_heartbeat", "a module is not heard any more", "straighten"),
+    Rule("lost_joints", "a module does not report its angle any more", "straighten"),
+    Rule("lost_mocap", "the motion capture does not see the robot", "straighten"),
+    Rule("late_loop", "the computer was late", "straighten"),
+    Rule("recorder_failed", "nothing is recorded any more", "straighten"),
+    Rule("program_error", "the operator's program has an error", "straighten"),
+    Rule("operator_key", "the operator stopped the run", "straighten", is_fault=False),
+    Rule("edge", "the robot comes to the end of the tank or of the measuring volume", "straighten", is_fault=False),
+    Rule("lost_meter", "the power meter is silent; the run goes on, and has no power", "finish", is_fault=False),
+)
+"""The gravest come first."""
+BY_EVENT = {rule.event: rule for rule in RULES}
+
+
+def cause_of(event: str) -> str:
+    """What happened, in words; the event itself if there is no rule for it.
+
+    Args:
+        event: Of `RULES`, or another one.
+    """
+    return BY_EVENT[event].says if event in BY_EVENT else event
+
+
+# ---- reading the tables ---------------------------------------------------------------------------------------------
+
+_NEXT_PHASE = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
 _BY_STATES = {(row.phase, row.state, row.next_state): row.next_phase for row in TRANSITIONS}
 _GRANTED = {(row.state, row.event): row.next_state for row in TRANSITIONS if row.event in REQUESTS}
 
@@ -71,7 +127,7 @@ def phase_after(phase: str, event: str) -> str:
         phase: Before.
         event: One that the table has for this phase.
     """
-    return _BY_EVENT[phase, event]
+    return _NEXT_PHASE[phase, event]
 
 
 def phase_with(phase: str, state: str, next_state: str) -> str:
