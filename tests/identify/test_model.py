@@ -6,8 +6,7 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, speeds, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_trial
-from laticauda.identify.measurement_model import interpolated
-from laticauda.identify.model import predict
+from laticauda.identify.model import interpolated, predict
 from laticauda.identify.problem import make_problem
 
 SERIES = {"center_of_mass": 0.01, "heading": 0.01}

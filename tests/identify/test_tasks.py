@@ -34,10 +34,11 @@ def test_the_preset_is_where_its_file_leads():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "key `kind`: must be"),
+        ("", "key `kind`: is missing; it must be"),
+        (f"format = 9\n{HEAD}", "key `format`: must be 1 to"),
         (HEAD, "key `trials`: is missing"),
         (f"{HEAD}table1 = true\nbounds = 1\n", "key `bounds`: is not known"),
-        (f"{HEAD}[table1]\nsigma = -1.0\n", "key `table1`: `sigma` must be"),
+        (f"{HEAD}[table1]\nsigma = -1.0\n", "key `table1.sigma`: must be"),
         (f"{HEAD}[[trials]]\nfile = 1\n", r"key `trials\[0\].file`: must be a text"),
         (f"{HEAD}[[trials]]\nname = 'x'\n", r"key `trials\[0\].file`: is missing"),
         (f"{HEAD}[[trials]]\nfile = 'x.nc'\nseries = 3\n", r"key `trials\[0\].series`: must be a table"),
@@ -46,7 +47,7 @@ def test_the_preset_is_where_its_file_leads():
         ('kind = "identification"\nparameters = []\ntable1 = true\n', "key `parameters`: must name at least one"),
         (
             'kind = "identification"\nparameters = [{name = "water.normal_drag", prior = 1}]\ntable1 = true\n',
-            r"key `parameters\[0\].prior`: must be a mean and a standard deviation",
+            r"key `parameters\[0\].prior`: must be two numbers, got 1",
         ),
         (
             'kind = "identification"\nparameters = [{name = "water.normal_drag", lower = 3, upper = 2}]\n[table1]\n',

@@ -37,14 +37,14 @@ def test_a_range_ends_where_the_field_ends():
 @pytest.mark.parametrize(
     "fields, words",
     [
-        ({"name": ""}, "`parameters` must be names or `Unknown`s"),
+        ({"name": ""}, "`name` must be a text on one line that is not blank"),
         ({"lower": 2.0, "upper": 1.0}, "`lower` of `water.normal_drag` must be < its `upper` of 1, got 2"),
         ({"start": 3.0, "upper": 2.0}, "`start` of `water.normal_drag` must be between -inf and 2, got 3"),
-        ({"scale": "cubic"}, "`scale` of `water.normal_drag` must be one of"),
+        ({"scale": "cubic"}, "`scale` must be one of"),
         ({"scale": "log", "lower": 0.0}, "`lower` of `water.normal_drag` must be > 0 on a log scale"),
         ({"prior": (1.0, 0.0)}, "`sd of the prior` of `water.normal_drag` must be > 0"),
-        ({"start": math.nan}, "`start` of `water.normal_drag` must be a finite number"),
-        ({"size": -1.0}, "`size` of `water.normal_drag` must be > 0"),
+        ({"start": math.nan}, "`start` must be a finite number"),
+        ({"size": -1.0}, "`size` must be > 0"),
     ],
 )
 def test_bad_unknowns_are_refused_by_name(fields, words):

@@ -36,6 +36,7 @@ def fit_of(problem: Problem, method: Method, best: Minimum, searches: Sequence[t
     names = problem.names
     return Fit(
         problem=problem,
+        method=method,
         estimates=tuple(_estimate(problem, k, values, by_data, by_all, quantile) for k in range(len(names))),
         covariance=covariance,
         correlations=correlations,
@@ -43,9 +44,6 @@ def fit_of(problem: Problem, method: Method, best: Minimum, searches: Sequence[t
         predictions=predicted,
         chi2=chi2,
         noise_factor=math.sqrt(chi2 / degrees) if degrees > 0.0 else math.nan,
-        noise=method.noise,
-        loss=method.loss,
-        confidence=method.confidence,
         degrees_of_freedom=degrees,
         searches=tuple(
             LocalSearch(

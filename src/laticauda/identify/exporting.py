@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.extensions import name_of
-from laticauda.gaits import Gait
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolution import with_tied
-from laticauda.robot import Environment, Parameters, Robot, Water
+from laticauda.quantities import quantities_of
+from laticauda.robot import Parameters, Water
 from laticauda.robot.adjustments import OF_ROBOT
 from laticauda.robot.parameters import GAITS
 from laticauda.scenarios import Scenario
@@ -20,7 +20,6 @@ from laticauda.simulate.numbers import changed, parameters
 Changes = dict[str, dict[str, Any]]
 Values = Mapping[str, float]
 
-_STILL = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.0)
 _TABLES = {
     "robot.joint.actuator": "actuator",
     "robot.joint": "joint",
@@ -30,23 +29,19 @@ _TABLES = {
 }
 
 
-def applied(
-    problem: Problem, values: Values, robot: Robot, environment: Environment, gait_kind: str
-) -> tuple[Robot, Environment]:
-    """A robot and an environment with what was identified for a kind of gait.
+def applied(problem: Problem, values: Values, scenario: Scenario, gait_kind: str) -> Scenario:
+    """A scenario with what was identified for a kind of gait.
 
     Args:
         problem: What was fitted.
         values: What was found, by the names of the unknowns.
-        robot: What to change; numbers of what it does not have are left out.
-        environment: What to change, likewise.
+        scenario: What to change; numbers of what it does not have are left out.
         gait_kind: Whose own numbers win over the general ones; "": the general ones only.
     """
-    scenario = Scenario(robot=robot, motion=_STILL, environment=environment)
     known = parameters(scenario, each=True)
-    wanted = {name: value for name, value in _for_gait(problem, values, gait_kind).items() if name in known}
-    after = changed(scenario, wanted)
-    return after.robot, after.environment
+    return changed(
+        scenario, {name: value for name, value in _for_gait(problem, values, gait_kind).items() if name in known}
+    )
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Parameters:
@@ -56,24 +51,24 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> Pa
         raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
     first = problem.scenarios[0].environment
     first = first if isinstance(first, Water) else next(iter(bases.values()))
-    common = _water(problem, values, first, "")
-    own = {kind: _water(problem, values, bases.get(kind, first), kind) for kind in GAITS}
+    base = problem.scenarios[0]
+
+    def water(of: Water, kind: str) -> Water:
+        return cast(Water, applied(problem, values, replace(base, environment=of), kind).environment)
+
+    common = water(first, "")
+    own = {kind: water(bases.get(kind, first), kind) for kind in GAITS}
+    joints = applied(problem, values, base, "").model.joints
     changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
     return Parameters(
         name=name,
         title=title,
-        joints=name_of(type(problem.model.joints)),
+        joints=joints if quantities_of(type(joints)) else name_of(type(joints)),
         every_gait=common,
         own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
         changes=changes,
         own_changes={kind: mine for kind, mine in own_changes.items() if mine != changes},
     )
-
-
-def _water(problem: Problem, values: Values, water: Water, gait_kind: str) -> Water:
-    environment = applied(problem, values, problem.scenarios[0].robot, water, gait_kind)[1]
-    assert isinstance(environment, Water)
-    return environment
 
 
 def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:

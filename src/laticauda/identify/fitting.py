@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -171,4 +172,4 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
 
 def refitted(found: Fit, problem: Problem) -> Fit:
     """The same unknowns from other measurements, begun where a fit ended."""
-    return solve(problem, found.method, start=found.best)
+    return solve(problem, replace(found.method, n_starts=1), start=found.best)

@@ -12,10 +12,9 @@ from typing import cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.identify.measurement_model import Run as Raw
-from laticauda.identify.measurement_model import interpolated, measured_values, shifted
-from laticauda.identify.measurements import Measurement
-from laticauda.identify.problem import SAMPLE_INTERVAL, Problem
+from laticauda.identify.measurements import Measurement, measured_values
+from laticauda.identify.measurements import Run as Raw
+from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
 from laticauda.identify.resolution import with_tied
 from laticauda.identify.unknowns import NUISANCE
 from laticauda.planar import rows
@@ -244,3 +243,24 @@ def _differences(problem: Problem, values: Values, progress: Progress | None) ->
         if progress is not None:
             progress((3 + 2 * k) / (1 + 2 * len(problem.unknowns)))
     return np.stack(columns, axis=1)
+
+
+def interpolated(time: Float[np.ndarray, " n"], values: np.ndarray, moments: Float[np.ndarray, " m"]) -> np.ndarray:
+    """Samples at other moments: the cubic through the four nearest ones, on an even grid of at least four samples.
+
+    Args:
+        time: Of the samples [s].
+        values: The samples, time first; may be complex.
+        moments: [s].
+    """
+    step = (time[-1] - time[0]) / (time.size - 1)
+    place = (moments - time[0]) / step
+    first = np.clip(np.floor(place).astype(int) - 1, 0, max(time.size - 4, 0))
+    s = place - first
+    n = min(4, time.size)
+    result = 0.0
+    for j in range(n):
+        others = [k for k in range(n) if k != j]
+        weight = np.prod([(s - k) / (j - k) for k in others], axis=0)
+        result = result + weight.reshape(-1, *[1] * (values.ndim - 1)) * values[first + j]
+    return np.asarray(result)

@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import BadArgument, instance
-from laticauda.identify.measurement_model import shifted
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.resolution import dependence, known_numbers, resolve, split_name, with_tied
 from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown, Unknown, as_unknowns
+from laticauda.interfaces import Resumed, Start
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
 from laticauda.simulate.numbers import changed
@@ -20,42 +20,80 @@ from laticauda.simulate.numbers import changed
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
 
 
+class Place(NamedTuple):
+    """Where a measured figure, or a measured series, stands among the data."""
+
+    owner: int
+    """Number of its measurement."""
+    what: str
+    """Name of the figure or series."""
+    is_series: bool
+    """Which of the two."""
+    at: slice
+    """Its numbers."""
+    sigma: float
+    """Standard deviation of the noise of each."""
+
+    @property
+    def size(self) -> int:
+        """How many they are."""
+        return self.at.stop - self.at.start
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Problem:
     """Measurements and unknowns that fit together; made by `make_problem`."""
 
     measurements: tuple[Measurement, ...]
-    """What was measured."""
+    """What was measured; the scenario of each has the model by which all of them are simulated."""
     unknowns: tuple[ResolvedUnknown, ...]
     """What is looked for."""
-    scenarios: tuple[Scenario, ...]
-    """By measurement: what it is simulated with, apart from what is identified."""
-    groups: tuple[str, ...]
-    """By measurement: the name of its group."""
     moves: Bool[np.ndarray, "n_measurements n_unknowns"]
     """Whether a measurement depends on an unknown."""
     threads: int | None
     """How many compute."""
 
     @cached_property
+    def places(self) -> tuple[Place, ...]:
+        """Where every figure and every series stands among the data: measurement by measurement, its figures first."""
+        found: list[Place] = []
+        at = 0
+        for owner, one in enumerate(self.measurements):
+            for is_series, every in enumerate((one.figures, one.series)):
+                for name, (values, sigma) in every.items():
+                    here = slice(at, at + np.size(values))
+                    found.append(Place(owner, name, bool(is_series), here, sigma))
+                    at = here.stop
+        return tuple(found)
+
+    @cached_property
     def observed(self) -> Float[np.ndarray, " n_data"]:
-        """All measured numbers, measurement by measurement: figures, then series; without the bias of selection."""
-        return np.concatenate([_flat(measurement) for measurement in self.measurements])
+        """All measured numbers in the order of `places`; without the bias of selection."""
+        parts: list[Any] = []
+        for one in self.places:
+            m = self.measurements[one.owner]
+            parts.append(m.series[one.what][0].ravel() if one.is_series else [m.without_bias(one.what)])
+        return np.concatenate(parts)
 
     @cached_property
     def sigma(self) -> Float[np.ndarray, " n_data"]:
         """Standard deviation of the noise of each."""
-        parts: list[np.ndarray] = []
-        for measurement in self.measurements:
-            parts.append(np.array([sigma for _, sigma in measurement.figures.values()]))
-            parts += [np.full(values.size, sigma) for values, sigma in measurement.series.values()]
-        return np.concatenate(parts)
+        return np.concatenate([np.full(one.size, one.sigma) for one in self.places])
 
     @cached_property
     def owner(self) -> Int[np.ndarray, " n_data"]:
         """Number of the measurement that each belongs to."""
-        sizes = [_flat(measurement).size for measurement in self.measurements]
-        return np.repeat(np.arange(len(sizes)), sizes)
+        return np.concatenate([np.full(one.size, one.owner) for one in self.places])
+
+    @cached_property
+    def scenarios(self) -> tuple[Scenario, ...]:
+        """By measurement: what it is simulated with, apart from what is identified."""
+        return tuple(one.scenario for one in self.measurements)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """By measurement: the name of its group."""
+        return tuple(one.group for one in self.measurements)
 
     @property
     def model(self) -> Model:
@@ -110,13 +148,7 @@ class Problem:
 
     def part(self, members: Sequence[int]) -> "Problem":
         """The same with some of its measurements only, by number; the unknowns stay, whether seen or not."""
-        return replace(
-            self,
-            measurements=tuple(self.measurements[i] for i in members),
-            scenarios=tuple(self.scenarios[i] for i in members),
-            groups=tuple(self.groups[i] for i in members),
-            moves=self.moves[list(members)],
-        )
+        return replace(self, measurements=tuple(self.measurements[i] for i in members), moves=self.moves[list(members)])
 
     def scenarios_at(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
         """What each measurement is simulated with at these values; what is alike stays one object."""
@@ -134,7 +166,7 @@ class Problem:
             if key not in made:
                 made[key] = changed(scenario, wanted)
             body = made[key]
-            found.append(replace(scenario, robot=body.robot, environment=body.environment, start=start))
+            found.append(replace(body, motion=scenario.motion, start=start, duration=scenario.duration))
         return tuple(found)
 
     def nuisance(self, i: int, values: np.ndarray) -> dict[str, Any]:
@@ -168,9 +200,8 @@ def make_problem(
     """
     given = _checked(measurements)
     _check_one_body(given, robot or given[0].scenario.robot)
-    model = _common_model(given, **changes)
-    scenarios = tuple(replace(m.scenario, model=model, sample_interval=SAMPLE_INTERVAL) for m in given)
-    groups = tuple(m.group for m in given)
+    given = _by_one_model(given, _common_model(given, **changes))
+    scenarios = tuple(one.scenario for one in given)
     known = known_numbers(scenarios)
     scopes = [{m.scenario.gait.kind, m.group, m.name} for m in given]
     asked = as_unknowns(wanted)
@@ -179,8 +210,6 @@ def make_problem(
     return Problem(
         measurements=given,
         unknowns=tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked)),
-        scenarios=scenarios,
-        groups=groups,
         moves=moves,
         threads=threads,
     )
@@ -193,16 +222,34 @@ def other_measurements(problem: Problem, measurements: Sequence[Measurement]) ->
         problem: The unknowns.
         measurements: Whatever their names are; unknowns of single measurements are none of theirs.
     """
-    model = problem.model
-    scenarios = tuple(replace(m.scenario, model=model, sample_interval=SAMPLE_INTERVAL) for m in measurements)
+    renamed = [replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)]
+    others = _by_one_model(renamed, problem.model)
+    scenarios = [one.scenario for one in others]
     names = [(unknown.scope, unknown.parameter.name) for unknown in problem.unknowns]
-    return replace(
-        problem,
-        measurements=tuple(replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)),
-        scenarios=scenarios,
-        groups=("candidates",) * len(scenarios),
-        moves=dependence(names, [{s.gait.kind} for s in scenarios], known_numbers(scenarios)),
-    )
+    moves = dependence(names, [{one.gait.kind} for one in scenarios], known_numbers(scenarios))
+    return replace(problem, measurements=others, moves=moves)
+
+
+def _by_one_model(measurements: Sequence[Measurement], model: Model) -> tuple[Measurement, ...]:
+    how: Any = {"model": model, "sample_interval": SAMPLE_INTERVAL}
+    return tuple(replace(one, scenario=replace(one.scenario, **how)) for one in measurements)
+
+
+def shifted(start: Start | Resumed, name: str, value: float) -> Start:
+    """A start with one number added: identified starts are what is to be added to the stated ones.
+
+    Args:
+        start: As it is stated.
+        name: Of the number: start.x, start.y, start.heading or start.velocity.
+        value: What is added.
+    """
+    assert isinstance(start, Start)  # as measurements check
+    x, y = start.center_of_mass
+    if name == "start.heading":
+        return replace(start, heading=start.heading + value)
+    if name == "start.velocity":
+        return replace(start, velocity=start.velocity + value)
+    return replace(start, center_of_mass=(x + value, y) if name == "start.x" else (x, y + value))
 
 
 def _common_model(measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any) -> Model:
@@ -212,11 +259,6 @@ def _common_model(measurements: Sequence[Measurement], model: Model | str | None
         if one != models[0]:
             raise BadArgument("measurements", f"must be of one model, got another one in `{measurement.name}`")
     return models[0]
-
-
-def _flat(measurement: Measurement) -> np.ndarray:
-    figures = [measurement.without_bias(name) for name in measurement.figures]
-    return np.concatenate([figures, *(values.ravel() for values, _ in measurement.series.values())])
 
 
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:

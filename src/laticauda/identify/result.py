@@ -1,9 +1,9 @@
 """`Fit`: what an identification found, with its uncertainty, and how well it describes the measurements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -85,6 +85,8 @@ class Fit:
 
     problem: Problem
     """Measurements and unknowns."""
+    method: Method
+    """How it was made."""
     estimates: tuple[ParameterEstimate, ...]
     """What is known of every unknown."""
     covariance: Float[np.ndarray, "n_unknowns n_unknowns"]
@@ -99,12 +101,6 @@ class Fit:
     """Sum of squared residuals of the data, in the noise as stated [-]."""
     noise_factor: float
     """How many times the stated noise the residuals are, by the degrees of freedom; nan without any [-]."""
-    noise: str
-    """known or estimated: whether the uncertainties take the noise as stated, or as the residuals have it."""
-    loss: str
-    """How outliers count."""
-    confidence: float
-    """Of the intervals [-]."""
     degrees_of_freedom: float
     """Numbers measured less what is fitted to them [-]."""
     searches: tuple[LocalSearch, ...]
@@ -128,15 +124,9 @@ class Fit:
         return np.array([estimate.value for estimate in self.estimates])
 
     @property
-    def method(self) -> Method:
-        """How it was made, with one start."""
-        limit = self.identifiability.limit
-        return Method(noise=self.noise, loss=self.loss, n_starts=1, confidence=self.confidence, limit=limit)
-
-    @property
     def used_noise_factor(self) -> float:
         """How many times the stated noise the uncertainties take the noise for [-]."""
-        return self.noise_factor if self.noise == "estimated" else 1.0
+        return self.noise_factor if self.method.noise == "estimated" else 1.0
 
     @property
     def x(self) -> Float[np.ndarray, " n_unknowns"]:
@@ -178,23 +168,22 @@ class Fit:
     def residuals(self) -> tuple[Residual, ...]:
         """Every measured figure and series beside its prediction."""
         found: list[Residual] = []
-        p, at = self.problem, 0
-        for i, measurement in enumerate(p.measurements):
-            for name in measurement.figures:
-                measured, predicted = float(p.observed[at]), float(self.predictions[at])
-                off = predicted - measured
-                words = {"measurement": measurement.name, "group": p.groups[i], "what": name, "unit": UNITS[name]}
-                in_sigmas = off / float(p.sigma[at])
-                found.append(
-                    Residual(**words, measured=measured, predicted=predicted, deviation=off, in_sigmas=in_sigmas)
+        p = self.problem
+        for place in p.places:
+            off, group = (self.predictions - p.observed)[place.at], p.groups[place.owner]
+            deviation = float(np.sqrt(np.mean(off**2)) if place.is_series else off[0])
+            found.append(
+                Residual(
+                    measurement=p.measurements[place.owner].name,
+                    group=group,
+                    what=place.what,
+                    unit=(SERIES if place.is_series else UNITS)[place.what],
+                    measured=None if place.is_series else float(p.observed[place.at.start]),
+                    predicted=None if place.is_series else float(self.predictions[place.at.start]),
+                    deviation=deviation,
+                    in_sigmas=deviation / place.sigma,
                 )
-                at += 1
-            for name, (samples, sigma) in measurement.series.items():
-                off = self.predictions[at : at + samples.size] - p.observed[at : at + samples.size]
-                rms = float(np.sqrt(np.mean(off**2)))
-                words = {"measurement": measurement.name, "group": p.groups[i], "what": name, "unit": SERIES[name]}
-                found.append(Residual(**words, measured=None, predicted=None, deviation=rms, in_sigmas=rms / sigma))
-                at += samples.size
+            )
         return tuple(found)
 
     def percentage_error(self, figure: str = "forward_velocity") -> float:
@@ -219,7 +208,7 @@ class Fit:
             robot: What to change; a fin's numbers are left out if it has none.
             gait_kind: For which gait.
         """
-        return applied(self.problem, self.values, robot, self.problem.scenarios[0].environment, gait_kind)[0]
+        return applied(self.problem, self.values, replace(self.problem.scenarios[0], robot=robot), gait_kind).robot
 
     def water(self, water: Water, gait_kind: str) -> Water:
         """A water with what was identified of it.
@@ -228,9 +217,8 @@ class Fit:
             water: What to change.
             gait_kind: For which gait.
         """
-        environment = applied(self.problem, self.values, self.problem.scenarios[0].robot, water, gait_kind)[1]
-        assert isinstance(environment, Water)
-        return environment
+        changed = replace(self.problem.scenarios[0], environment=water)
+        return cast(Water, applied(self.problem, self.values, changed, gait_kind).environment)
 
     def parameters(self, name: str, title: str) -> Parameters:
         """What was identified, as a parameter file has it: `.save(path)` writes it, `--parameters` takes it.

@@ -1,6 +1,7 @@
 """An identification as a task: measurements, unknowns and method together, from a TOML file or from a few trials.
 
     kind = "identification"
+    format = 2                             # of the file; left out: the present one
     name = "tank-2026"                     # of the parameter file that it makes
     title = "identified in the tank"
     robot = "mamba"                        # a preset or a file; left out: the trials say it
@@ -32,26 +33,33 @@ It is read strictly: what is unknown, missing or out of range is refused with it
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from laticauda.codec import BadKey, check_keys, decode, encode, keys_of, table_of
-from laticauda.errors import RobotFileError
+from laticauda.codec import (
+    BadKey,
+    arguments_of,
+    check_keys,
+    decode,
+    keys_of,
+    merged,
+    table_of,
+    take_kind,
+    updated,
+)
+from laticauda.errors import RobotFileError, label
 from laticauda.identify.fitting import fit
-from laticauda.identify.measurements import Measurement, from_table1
+from laticauda.identify.measurements import Measurement
 from laticauda.identify.result import Fit
-from laticauda.identify.trial_files import TrialFile
+from laticauda.identify.trials import TrialFile, from_table1
 from laticauda.identify.unknowns import Unknown
-from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robot
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Parameters, Robot, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
 from laticauda.scenarios import preset_water
 from laticauda.simulate.runner import Progress
 
 KIND = "identification"
-KEYS = (
-    *("kind", "name", "title", "robot", "links", "parameters", "base", "fixed", "trials", "table1"),
-    *("model", "joints", "noise", "loss", "starts", "seed", "confidence"),
-)
 OPTIONS = {
     "model": "model",
     "joints": "joints",
@@ -63,6 +71,21 @@ OPTIONS = {
 }
 """Keys of the method, and the arguments of `fit` that they are."""
 Table = Mapping[str, Any]
+
+
+@value
+class _TaskFile:
+    """What a task's file says besides the method."""
+
+    name: str = option("Of the parameter file that it makes", check=label)
+    title: str = option("What a legend says", check=label)
+    robot: str | None = option("What has to have swum, a preset or a file; None: the trials say it", default=None)
+    links: int | None = quantity("", "Links that every robot has instead of its own", ge=1, default=None)
+    parameters: tuple[Unknown, ...] = option("What is looked for", default=())
+    base: str | None = option("A parameter file, a preset or a path: what is fixed", default=None)
+    fixed: Mapping[str, Any] | None = option("Tables of a parameter file: what is fixed", default=None)
+    trials: tuple[TrialFile, ...] = option("Files of trials, beside this file", default=())
+    table1: Mapping[str, Any] | bool | None = option("Arguments of `from_table1`, or true", default=None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,19 +131,11 @@ class Task:
         Args:
             found: From `run`.
         """
-        kept = found.parameters(self.name, self.title)
-        if self.base is None:
+        kept, base = found.parameters(self.name, self.title), self.base
+        if base is None:
             return kept
-        tables = {name: dict(values) for name, values in self.base.changes.items()}
-        for name, values in kept.changes.items():
-            tables[name] = tables.get(name, {}) | dict(values)
-        own: dict[str, dict[str, dict[str, Any]]] = {}
-        for kind in {*self.base.own_changes, *kept.own_changes}:
-            mine = {name: dict(values) for name, values in self.base.own_changes.get(kind, {}).items()}
-            for name, values in kept.own_changes.get(kind, {}).items():
-                mine[name] = mine.get(name, {}) | dict(values)
-            own[kind] = mine
-        return replace(kept, changes=tables, own_changes=own)
+        changes = merged(dict(base.changes), dict(kept.changes))
+        return replace(kept, changes=changes, own_changes=merged(dict(base.own_changes), dict(kept.own_changes)))
 
 
 def load_task(path: str | Path) -> Task:
@@ -153,28 +168,30 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         RobotFileError: If a robot or parameter file is wrong.
         TrialFileError: If a trial in it cannot be read.
     """
-    check_keys(table, KEYS)
-    if table.get("kind") != KIND:
-        raise BadKey("kind", f'must be "{KIND}" here, got {table.get("kind")!r}')
-    name = _text(table, "name", name)
-    if not table.get("trials") and "table1" not in table:
+    table = {"name": name, **table}
+    take_kind(table, KIND)
+    check_keys(table, (*_TaskFile.__dataclass_fields__, *OPTIONS))
+    options = {OPTIONS[key]: table.pop(key) for key in OPTIONS if key in table}
+    for key, only in (("parameters", "name"), ("trials", "file")):  # a text in the place of a table
+        if isinstance(table.get(key), list):
+            table[key] = [{only: entry} if isinstance(entry, str) else entry for entry in table[key]]
+    said = decode(_TaskFile, {"title": table["name"], **table})
+    if not said.parameters:
+        raise BadKey("parameters", "must name at least one number to identify")
+    if not said.trials and said.table1 is None:
         raise BadKey("trials", "is missing; trials or [table1] are what is identified from")
-    robot = load_robot(_text(table, "robot", "")) if "robot" in table else None
-    links = table.get("links")
-    if robot is not None and links is not None:
-        robot = robot.with_links(links)
-    base = _base(table, name)
-    options: dict[str, Any] = {OPTIONS[key]: table[key] for key in OPTIONS if key in table}
+    base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    trials = [_trial_file(entry, folder, f"trials[{i}]") for i, entry in enumerate(_list(table, "trials"))]
-    measured = [*(fixed(trial.measurement(), None, base) for trial in trials)]
-    measured += [fixed(measurement, links, base) for measurement in _table1(table)]
+    robot = None if said.robot is None else load_robot(said.robot, said.links)
+    trials = [one.beside(folder) for one in said.trials]
+    measured = [fixed(trial.measurement(), None, base) for trial in trials]
+    measured += [fixed(measurement, said.links, base) for measurement in _table1(said.table1)]
     return Task(
-        name=name,
-        title=_text(table, "title", name),
+        name=said.name,
+        title=said.title,
         measurements=tuple(measured),
-        unknowns=(*_unknowns(table), *(start for trial in trials for start in trial.starts)),
+        unknowns=(*said.parameters, *(start for trial in trials for start in trial.starts)),
         robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=options,
@@ -199,61 +216,25 @@ def fixed(measurement: Measurement, links: int | None, base: Parameters | None) 
     return replace(measurement, scenario=scenario)
 
 
-def _trial_file(entry: object, folder: Path, at: str) -> TrialFile:
-    """An entry of a task's list of trials; its files lie beside the task's."""
-    table = {"file": entry} if isinstance(entry, str) else table_of(entry, at)
-    found = decode(TrialFile, table, at)
-    columns = None if found.columns is None else str(folder / found.columns)
-    return replace(found, file=str(folder / found.file), columns=columns)
-
-
-def _base(table: Table, name: str) -> Parameters | None:
+def _base(said: _TaskFile) -> Parameters | None:
     """What is fixed: a parameter file, its tables here, or both."""
-    base = load_parameters(_text(table, "base", "")) if "base" in table else None
-    if "fixed" not in table:
+    base = None if said.base is None else load_parameters(said.base)
+    if said.fixed is None:
         return base
-    given = table_of(table["fixed"], "fixed")
-    check_keys(given, ("water", *NAMES), "fixed")
+    check_keys(said.fixed, ("water", *NAMES), "fixed")
     usual = preset_water("paper-lateral") if base is None else base.every_gait
-    own = table_of(given.get("water", {}), "fixed.water")
-    water = decode(Water, {**encode(usual), **own, "name": usual.name}, "fixed.water")
-    changes = read_adjustments({key: given[key] for key in NAMES if key in given}, "fixed")
+    water = updated(usual, said.fixed.get("water", {}), "fixed.water")
+    changes = read_adjustments({key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed")
     if base is None:
-        return Parameters(name=name, title=name, every_gait=water, changes=changes)
-    merged = {key: {**base.changes.get(key, {}), **changes.get(key, {})} for key in {*base.changes, *changes}}
-    return replace(base, every_gait=water, changes=merged)
+        return Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
+    return replace(base, every_gait=water, changes=merged(dict(base.changes), changes))
 
 
-def _unknowns(table: Table) -> list[Unknown]:
-    found = [
-        decode(Unknown, {"name": entry} if isinstance(entry, str) else entry, f"parameters[{i}]")
-        for i, entry in enumerate(_list(table, "parameters"))
-    ]
-    if not found:
-        raise BadKey("parameters", "must name at least one number to identify")
-    return found
-
-
-def _table1(table: Table) -> tuple[Measurement, ...]:
-    if "table1" not in table:
+def _table1(given: Mapping[str, Any] | bool | None) -> tuple[Measurement, ...]:
+    """The paper's Table 1, if it is among what is identified from."""
+    if given is None or given is False:
         return ()
-    asked = {} if table["table1"] is True else table_of(table["table1"], "table1")
-    check_keys(asked, ("figure", "sigma", "selected_from"), "table1")
-    try:
-        return from_table1(**asked)
-    except ValueError as error:
-        raise BadKey("table1", str(error)) from None
-
-
-def _text(table: Table, key: str, otherwise: str) -> str:
-    value = table.get(key, otherwise)
-    if not isinstance(value, str) or not value.strip():
-        raise BadKey(key, f"must be a text that is not empty, got {value!r}")
-    return value
-
-
-def _list(table: Table, key: str) -> list[Any]:
-    value = table.get(key, [])
-    if not isinstance(value, list):
-        raise BadKey(key, f"must be a list, got {value!r}")
-    return cast("list[Any]", value)
+    arguments = {} if given is True else table_of(given, "table1")
+    check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
+    with arguments_of("table1"):
+        return from_table1(**arguments)

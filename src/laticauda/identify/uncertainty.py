@@ -57,8 +57,8 @@ def profile(found: Fit, name: str) -> Profile:
 def _end(found: Fit, k: int, sign: float) -> float | None:
     """One end of the interval."""
     x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
-    degrees = found.degrees_of_freedom if found.noise == "estimated" else math.inf
-    quantile = quantile_of(found.confidence, degrees)
+    degrees = found.degrees_of_freedom if found.method.noise == "estimated" else math.inf
+    quantile = quantile_of(found.method.confidence, degrees)
     free = np.array([j for j in range(x.size) if j != k], dtype=int)
     deviation = math.sqrt(found.covariance[k, k])
     end = unknown.lower if sign < 0.0 else unknown.upper
@@ -70,7 +70,7 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
         step = min(step, most)
         moved = at.copy()
         moved[k] = x[k] + sign * step
-        at = minimize(found.problem, moved, loss=found.loss, factor=factor, free=free).x if free.size else moved
+        at = minimize(found.problem, moved, loss=found.method.loss, factor=factor, free=free).x if free.size else moved
         cost = _cost(found, at)
         height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
         if abs(height - quantile) <= _CLOSE * quantile:
@@ -99,7 +99,7 @@ def _cost(found: Fit, x: np.ndarray) -> float:
     """The sum of squares of data and priors."""
     residuals = all_residuals(found.problem, found.problem.values_of(x), found.used_noise_factor)
     n_data = found.problem.observed.size
-    return cost_of(residuals[:n_data], found.loss) + cost_of(residuals[n_data:], found.loss)
+    return cost_of(residuals[:n_data], found.method.loss) + cost_of(residuals[n_data:], found.method.loss)
 
 
 def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from typing import Any, Literal, cast
 
-from laticauda.errors import BadArgument, finite, one_of, positive, shown
+from laticauda.errors import BadArgument, finite, instance, label, positive, shown
+from laticauda.quantities import Check, option, quantity, value
 from laticauda.simulate.numbers import Parameter
 
-SCALES = ("log", "linear")
 NUISANCE: dict[str, Parameter] = {
     parameter.name: parameter
     for parameter in (
@@ -27,7 +27,23 @@ NUISANCE: dict[str, Parameter] = {
 _SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
 
 
-@dataclass(frozen=True, kw_only=True)
+def numbers_by_name(what: str) -> Check:
+    """The check of a table of numbers.
+
+    Args:
+        what: What each of them is, for messages.
+    """
+
+    def check(name: str, given: Any) -> dict[str, float]:
+        if not isinstance(given, Mapping):
+            raise BadArgument(name, f"must be a table of name = {what}, got {shown(given)}")
+        table = cast("Mapping[str, object]", given)
+        return {key: finite(f"{name}.{key}", number) for key, number in table.items()}
+
+    return check
+
+
+@value
 class Unknown:
     """A number to be identified.
 
@@ -39,44 +55,35 @@ class Unknown:
         ValueError: If a field is out of its range, or they contradict each other.
     """
 
-    name: str
-    """As in a sweep, `water.normal_drag`, or of `NUISANCE`; before it, with a dot, the kind of gait, the group or the
-    measurement that it is for, if it is not for all: `eel_like.water.tangential_friction`."""
-    start: float | None = None
-    """Where the search begins."""
-    lower: float | None = None
-    """Least value."""
-    upper: float | None = None
-    """Greatest value."""
-    prior: tuple[float, float] | None = None
-    """Mean and standard deviation of what is known of it without these measurements; None: nothing."""
-    scale: str | None = None
-    """log: errors and steps are shares of it; linear."""
-    size: float | None = None
-    """What is a large change of it on a linear scale; None: what it is, or a tenth of a meter, radian or m/s."""
-    tied: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Other numbers that follow it, by name without the scope, each with a power p: where this one is k times what the
-    measurements have, that one is k^p times. -1 keeps the product of two: a gear's torque and speed."""
+    name: str = option(
+        "As in a sweep, `water.normal_drag`, or of `NUISANCE`; before it, with a dot, the kind of gait, the group or "
+        "the measurement that it is for, if it is not for all: `eel_like.water.tangential_friction`",
+        check=label,
+    )
+    start: float | None = quantity("", "Where the search begins", default=None)
+    lower: float | None = quantity("", "Least value", default=None)
+    upper: float | None = quantity("", "Greatest value", default=None)
+    prior: tuple[float, float] | None = quantity(
+        "", "Mean and standard deviation of what is known of it without these measurements; None: nothing", default=None
+    )
+    scale: Literal["log", "linear"] | None = option("log: errors and steps are shares of it; linear", default=None)
+    size: float | None = quantity(
+        "",
+        "What is a large change of it on a linear scale; None: what it is, or a tenth of a meter, radian or m/s",
+        default=None,
+        gt=0.0,
+    )
+    tied: Mapping[str, float] = option(
+        "Other numbers that follow it, by name without the scope, each with a power p: where this one is k times what "
+        "the measurements have, that one is k^p times. -1 keeps the product of two: a gear's torque and speed",
+        default_factory=dict[str, float],
+        check=numbers_by_name("power"),
+    )
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise BadArgument("parameters", f"must be names or `Unknown`s, got {self.name!r}")
-        for end in ("start", "lower", "upper"):
-            if getattr(self, end) is not None:
-                object.__setattr__(self, end, finite(f"{end}` of `{self.name}", getattr(self, end)))
-        powers = {name: finite(f"tied` of `{self.name}", power) for name, power in self.tied.items()}
-        object.__setattr__(self, "tied", MappingProxyType(powers))
+        """Check what goes together."""
         if self.prior is not None:
-            if not isinstance(self.prior, Sequence) or len(self.prior) != 2:  # pyright: ignore[reportUnnecessaryIsInstance, reportUnnecessaryComparison]
-                raise BadArgument("prior", f"must be a mean and a standard deviation, got {shown(self.prior)}")
-            mean, sd = self.prior
-            pair = finite(f"prior` of `{self.name}", mean), positive(f"sd of the prior` of `{self.name}", sd)
-            object.__setattr__(self, "prior", pair)
-        if self.scale is not None:
-            one_of(f"scale` of `{self.name}", self.scale, SCALES)
-        if self.size is not None:
-            object.__setattr__(self, "size", positive(f"size` of `{self.name}", self.size))
+            positive(f"sd of the prior` of `{self.name}", self.prior[1])
         low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
         if low >= high:
             raise BadArgument(f"lower` of `{self.name}", f"must be < its `upper` of {high:g}, got {low:g}")
@@ -138,6 +145,8 @@ def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float
     if isinstance(parameters, Mapping):
         found = [Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()]
     else:
+        for item in parameters:
+            instance("parameters", item, str, Unknown)
         found = [item if isinstance(item, Unknown) else Unknown(name=item) for item in parameters]
     if not found:
         raise BadArgument("parameters", "must name at least one number to identify, got none")

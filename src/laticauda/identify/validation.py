@@ -162,11 +162,7 @@ def figure_places(found: Fit, figure: str) -> np.ndarray:
     Raises:
         ValueError: If no measurement has it.
     """
-    problem = found.problem
-    places: list[int] = []
-    for i, measurement in enumerate(problem.measurements):
-        if figure in measurement.figures:
-            places.append(int(np.argmax(problem.owner == i)) + list(measurement.figures).index(figure))
+    places = [one.at.start for one in found.problem.places if one.what == figure and not one.is_series]
     if not places:
         raise BadArgument("figure", f"must be one that was measured, got {figure!r}")
     return np.array(places)
@@ -255,7 +251,7 @@ def validate(
 def _suffices(found: Fit, names: Sequence[str]) -> bool:
     """Whether something is left to fit to, and enough of it, if what goes by any one of these names is left out."""
     problem = found.problem
-    n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.noise == "estimated")
+    n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.method.noise == "estimated")
     sizes = np.bincount(problem.owner, minlength=len(names))
     most = max(sum(size for size, other in zip(sizes, names, strict=True) if other == name) for name in names)
     return len(set(names)) > 1 and problem.observed.size - int(most) >= n_free

@@ -84,8 +84,8 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         ],
         "chi2": found.chi2,
         "noise_factor": finite(found.noise_factor),
-        "noise": found.noise,
-        "confidence": found.confidence,
+        "noise": found.method.noise,
+        "confidence": found.method.confidence,
         "errors_percent": {
             "fitted": done.error(found.predictions),
             "left_out": done.error(done.left_out),

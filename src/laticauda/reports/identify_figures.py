@@ -8,7 +8,6 @@ import numpy as np
 from laticauda.figures import identification as draw
 from laticauda.figures import new_figure, style
 from laticauda.identify.measurements import SERIES
-from laticauda.reports.identify_tables import places
 from laticauda.simulate.sensitivities import UNITS
 
 if TYPE_CHECKING:
@@ -81,7 +80,8 @@ def _parity(found: "Fit") -> "Figure":
 def _by_what(found: "Fit") -> dict[str, dict[str, np.ndarray]]:
     """Measured and predicted numbers by figure or series, then by group."""
     pieces: dict[str, dict[str, np.ndarray]] = {}
-    for _, group, name, here in places(found.problem):
+    for place in found.problem.places:
+        group, name, here = found.problem.groups[place.owner], place.what, place.at
         both = np.stack((found.problem.observed[here], found.predictions[here]))
         groups = pieces.setdefault(name, {})
         groups[group] = np.concatenate((groups[group], both), axis=1) if group in groups else both
@@ -118,7 +118,7 @@ def _intervals(done: "Validation") -> "Figure":
         plain, profile = estimate.interval if best >= 0.0 else None, profiles.get(estimate.name)
         rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
-    ax = draw.intervals(rows, figure.subplots(), confidence=found.confidence)
+    ax = draw.intervals(rows, figure.subplots(), confidence=found.method.confidence)
     style.outside_legend(figure, ax, "outside lower left")
     return figure
 

@@ -1,13 +1,10 @@
 """Tables of an identification's report."""
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.identify.measurements import Measurement
-from laticauda.identify.problem import Problem
 from laticauda.identify.validation import Validation
 from laticauda.reports.texts import in_digits
 
@@ -40,20 +37,6 @@ def identification_tables(done: Validation) -> "dict[str, DataFrame]":
     return {name: DataFrame(found) for name, found in rows.items() if found}
 
 
-def places(problem: Problem) -> Iterator[tuple[Measurement, str, str, slice]]:
-    """Where each figure and each series stands among the data: measurement, its group, name, and place.
-
-    Args:
-        problem: Measurements and unknowns.
-    """
-    at = 0
-    for measurement, group in zip(problem.measurements, problem.groups, strict=True):
-        sizes = {name: values.size for name, (values, _) in measurement.series.items()}
-        for name, size in (dict.fromkeys(measurement.figures, 1) | sizes).items():
-            yield measurement, group, name, slice(at, at + size)
-            at += size
-
-
 def _parameters(done: Validation) -> list[Row]:
     """Values, uncertainties and what is to be known about them."""
     found, profiles = done.found, {one.name: one for one in done.profiles}
@@ -68,7 +51,7 @@ def _parameters(done: Validation) -> list[Row]:
             "value": estimate.value if estimate.is_identified else None,
             "unit": estimate.unit or "-",
             "standard deviation": estimate.sigma,
-            f"{100 * found.confidence:g} % interval, low": low,
+            f"{100 * found.method.confidence:g} % interval, low": low,
             "high": high,
         }
         if profiles:
@@ -116,7 +99,7 @@ def _directions(done: Validation) -> list[Row]:
 def _residuals(done: Validation) -> list[Row]:
     """Every measurement beside its prediction, by this fit and by the others."""
     problem = done.found.problem
-    left_out = {(measurement.name, what): done.left_out[here] for measurement, _, what, here in places(problem)}
+    left_out = {(problem.measurements[one.owner].name, one.what): done.left_out[one.at] for one in problem.places}
     return [
         {
             "group": one.group,

@@ -80,7 +80,9 @@ class Parameters:
 
     name: str = option("What files and stored trials call them; the waters are called after them", check=label)
     title: str = option("What a legend says", check=label)
-    joints: str | None = option("The joint law that they go with; None: any", default=None)
+    joints: JointLaw | str | None = option(
+        "The joint law that they go with, a name or a law with its numbers; None: any", default=None
+    )
     every_gait: Water = option("For the gaits that have no water of their own")
     own: Mapping[str, Water] = option("By kind of gait: its own water", default_factory=dict[str, Water])
     changes: Adjustments = option(
@@ -95,7 +97,7 @@ class Parameters:
     )
 
     def __post_init__(self) -> None:
-        if self.joints is not None:
+        if isinstance(self.joints, str):
             one_of("joints", self.joints, JointLaw.names())
         for gait, water in self.own.items():
             one_of("own", gait, GAITS)
@@ -134,7 +136,7 @@ class Parameters:
 
         table: Table = stamped(KIND, {"name": self.name, "title": self.title})
         if self.joints is not None:
-            table["joints"] = self.joints
+            table["joints"] = encode(self.joints, JointLaw)
         water = {key: value for key, value in encode(self.every_gait).items() if key != "name"}
         table |= {"water": water, **write_adjustments(self.changes)}
         for gait in GAITS:
@@ -192,7 +194,7 @@ def _parameters(table: Table) -> Parameters:
     for key in ("name", "title", "water"):
         if key not in table:
             raise BadKey(key, "is missing; every parameter file needs it")
-    common = _water_table(table["water"], "water")
+    joints, common = table.get("joints"), _water_table(table["water"], "water")
     every_gait = decode(Water, common, "water")
     own: dict[str, Water] = {}
     own_changes: dict[str, Adjustments] = {}
@@ -207,7 +209,7 @@ def _parameters(table: Table) -> Parameters:
         return Parameters(
             name=table["name"],
             title=table["title"],
-            joints=table.get("joints"),
+            joints=joints if joints is None or isinstance(joints, str) else decode(JointLaw, joints, "joints"),
             every_gait=every_gait,
             own=own,
             changes=read_adjustments({key: table[key] for key in NAMES if key in table}),

@@ -149,8 +149,8 @@ def _changed(run: Run, number: Number, by: float) -> _Entry:
     plant = run.plant
     after, before = number.change(number.value + by), number.scenario
     start = run.start if number.start is None else number.start(number.value + by)
-    if after.robot is not before.robot or after.environment is not before.environment:
-        plant = replace(plant, robot=after.robot, environment=after.environment)
+    if any(getattr(after, name) is not getattr(before, name) for name in ("robot", "environment", "model")):
+        plant = replace(plant, robot=after.robot, environment=after.environment, joints=after.model.joints)
     return _Entry(
         rows=replace(run, plant=plant, command=Command(gait=after.gait), start=start).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),

@@ -1,9 +1,9 @@
-"""What can be swept: every number in the robot, the gait and the environment, by a dotted name.
+"""What can be swept: every number in the robot, the gait, the environment and the joint law, by a dotted name.
 
 A name is the way to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. What a robot has
 several of goes by its singular and means all of them alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A
-pair of numbers is two: `water.current_x`, `water.current_y`. `robot.n_links` is the number of links. Units are those of
-the fields: SI and radians.
+pair of numbers is two: `water.current_x`, `water.current_y`. `robot.n_links` is the number of links; `joints` has the
+numbers of a joint law of one's own. Units are those of the fields: SI and radians.
 """
 
 import difflib
@@ -55,6 +55,7 @@ def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter
     """
     robot, environment = scenario.robot, scenario.environment
     found = [*_numbers(scenario.gait, "gait"), *_numbers(environment, place(environment))]
+    found += _numbers(scenario.model.joints, "joints")
     found.append(Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True))
     found += _numbers(robot, "robot")
     if each:
@@ -117,6 +118,7 @@ def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
         robot=_applied(robot, body),
         motion=_applied(scenario.gait, wanted["gait"]) if "gait" in wanted else scenario.motion,
         environment=_applied(environment, wanted.get(place(environment), {})),
+        model=_applied(scenario.model, {"joints": wanted["joints"]}) if "joints" in wanted else scenario.model,
     )
 
 
@@ -221,7 +223,8 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     """
     root, *way = name.split(".")
     environment = scenario.environment
-    things: list[Any] = [{"robot": scenario.robot, "gait": scenario.gait}.get(root, environment)]
+    roots = {"robot": scenario.robot, "gait": scenario.gait, "joints": scenario.model.joints}
+    things: list[Any] = [roots.get(root, environment)]
     for step in way:
         things = [part for thing in things for part in _parts(thing, step)]
     # A module's or fin's own coefficient that is None is the water's.
