@@ -150,7 +150,8 @@ def _changed(run: Run, number: Number, by: float) -> _Entry:
     after, before = number.change(number.value + by), number.scenario
     start = run.start if number.start is None else number.start(number.value + by)
     if any(getattr(after, name) is not getattr(before, name) for name in ("robot", "environment", "model")):
-        plant = replace(plant, robot=after.robot, environment=after.environment, joints=after.model.joints)
+        settings = replace(plant.settings, joints=after.model.joints)
+        plant = replace(plant, robot=after.robot, environment=after.environment, settings=settings)
     return _Entry(
         rows=replace(run, plant=plant, command=Command(gait=after.gait), start=start).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
