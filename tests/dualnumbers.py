@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from laticauda.actuation import laws as joint_laws
+from laticauda.dynamics import stages
 from laticauda.fluid import laws
 from laticauda.planar import rows
 
@@ -105,12 +106,14 @@ def python_kernels(law=None):
         "expm1": _expm1,
         "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
         "in_rows": _by_numbers,
-        "rows_from": lambda first, count: lambda S: tuple(S[first : first + count]),
+        "rows_from": lambda first, count: lambda S, b=0: tuple(S[b + first : b + first + count]),
         "actuator_of": lambda own: _driven,
         "plate": laws.plate,
         "Element": laws.Element,
         "MOTION": laws.MOTION,
         "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
+        "stages": stages,
+        **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
     names = {"WIDTH": 1, "joint_law": None, "law": (law or laws.PolynomialDrag()).formula}

@@ -7,6 +7,7 @@ import pytest
 import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.errors import RobotFileError
+from laticauda.scenarios import run_from_toml
 
 GAIT = """[gait]
 amplitude = 0.5
@@ -76,3 +77,8 @@ def test_a_controller_and_every_number_come_back(tmp_path):
 def test_what_is_wrong_is_refused_with_its_key(said, text, gait, message):
     with pytest.raises(RobotFileError, match=message):
         said(text, gait)
+
+
+def test_a_stored_text_that_is_nested_too_deeply_is_refused_in_a_sentence():
+    with pytest.raises(RobotFileError, match="scenario: is not valid TOML: nested too deeply"):
+        run_from_toml("x = " + 100_000 * "[")

@@ -86,17 +86,17 @@ def reason_of(error: Exception) -> str:
     return next((line for line in lines if line.startswith(telling)), lines[-1])
 
 
-def rows_from(first: int, count: int) -> Callable[[Any], tuple[Any, ...]]:
-    """A kernel function of the rows S: `count` of them from row `first` on, as a tuple."""
+def rows_from(first: int, count: int) -> Callable[..., tuple[Any, ...]]:
+    """A kernel function of the rows S and where a record begins: `count` rows from its row `first` on, as a tuple."""
     if count == 0:
 
-        def none(rows):
+        def none(rows, begin=0):
             return ()
 
         return kernel(no_type_check(none))
     before, last = rows_from(first, count - 1), first + count - 1
 
-    def read(rows):
-        return (*before(rows), rows[last])
+    def read(rows, begin=0):
+        return (*before(rows, begin), rows[begin + last])
 
     return kernel(no_type_check(read))

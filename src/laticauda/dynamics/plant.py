@@ -133,12 +133,9 @@ class ModelPlant(ABC, Generic[ModelType]):
         end, samples = self._run(state, command, n_intervals, every, dt)
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
-            # What the state calls for at once may be out of range; the state itself is kept.
-            return (
-                state,
-                self._log(samples if len(samples) else self._sample_of(state, command)),
-                self.what_went_wrong(when),
-            )
+            if not len(samples):  # what the state calls for at once is out of range; the state itself is kept
+                samples = self._sample_of(state, command)
+            return state, self._log(samples), self.what_went_wrong(when)
         log = self._log(samples)
         if link_forces:
             force = self._link_forces(state, command, samples, every, dt)

@@ -13,8 +13,9 @@ from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.formulas import rows_from
-from laticauda.compiling.lanes import any_lane, magnitude
+from laticauda.compiling.lanes import any_lane
 from laticauda.compiling.templates import bindings
+from laticauda.dynamics import stages
 from laticauda.gaits import reference
 from laticauda.planar.functions import expm1, sincos
 from laticauda.planar.rows import *
@@ -28,8 +29,12 @@ body_wave = rows_from(PHASE, len(reference.WaveState._fields))
 body_target = rows_from(AMPLITUDE, 4)
 fin_values = rows_from(FIN_PHASE, 5)
 motor_power = compiled(laws.motor_power)
+implicit_inertia = compiled(stages.implicit_inertia)
+second_torque = compiled(stages.second_torque)
+joint_powers = compiled(stages.joint_powers)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
+drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
 law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
@@ -128,7 +133,7 @@ def joint_torques(S, n, law, gamma_dt):
             S[b + TORQUE] = torque
             S[b + SLOPE_P] = slope_p
             S[b + SLOPE_D] = slope_d
-            S[b + IMPLICIT] = gamma_dt * (slope_d + gamma_dt * slope_p)
+            S[b + IMPLICIT] = implicit_inertia(slope_p, slope_d, gamma_dt)
             total = torque - skin(S, b) - gamma_dt * slope_p * S[b + RATE]
             S[b + TOTAL_TORQUE] = total
 
@@ -141,10 +146,11 @@ def second_torques(S, n, law, gamma_dt):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
             torque, _, _ = actuator(S, b, law[i])
-            slope_p = S[b + SLOPE_P]
-            rest = S[b + RATE] - 2.0 * S[b + SLOPE_ANGLE]
-            implicit = 2.0 * S[b + IMPLICIT] * S[b + SLOPE_RATE]
-            S[b + TOTAL_TORQUE] = torque - skin(S, b) - gamma_dt * slope_p * rest + implicit
+            torque -= skin(S, b)
+            inertia, first_rate, first = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
+            S[b + TOTAL_TORQUE] = second_torque(
+                torque, S[b + SLOPE_P], inertia, S[b + RATE], first_rate, first, gamma_dt
+            )
 
 
 @kernel
@@ -159,16 +165,7 @@ def skin(S, b):
 def actuator(S, b, law):
     """Torque of the joint's actuator, and its slopes."""
     motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
-    drive = (
-        S[b + PROPORTIONAL_GAIN],
-        S[b + DERIVATIVE_GAIN],
-        S[b + SERVO_GAIN],
-        S[b + STALL_TORQUE],
-        S[b + NO_LOAD_SPEED],
-        S[b + FRICTION_TORQUE],
-        S[b + VISCOUS_FRICTION],
-    )
-    return by_law(law, motion, drive, law_numbers(S))
+    return by_law(law, motion, drive_of(S, b), law_numbers(S))
 
 
 @kernel
@@ -197,12 +194,12 @@ def count_work(S, n, law, dt):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] < FIRST_FREE:
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
-        power = S[b + TORQUE] * S[b + RATE]
+        size, signed, given = joint_powers(S[b + TORQUE], S[b + RATE])
         if any_lane(S[b + STALL_POWER].real > 0.0):
             electrical += electrical_power(S, b)
-        absolute += magnitude(power)
-        net += power
-        positive += 0.5 * (power + magnitude(power))
+        absolute += size
+        net += signed
+        positive += given
     half = 0.5 * dt
     S[WORK_ABSOLUTE] += half * (S[POWER_ABSOLUTE] + absolute)
     S[WORK_NET] += half * (S[POWER_NET] + net)

@@ -3,9 +3,7 @@
 - Prescribed joints: Butcher's Runge-Kutta of order 5 for the three degrees of freedom that are left. Its six stages
   stand at quarters of the step, so the reference is needed four times per step only; at an error of 1e-6 it takes
   three quarters of the evaluations of the classic one of order 4.
-- Any free joint (pd, servo, hinge): ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a
-  Rosenbrock W-method of order 2 with gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is the joint law's own,
-  so all that an implicit step adds to the recursion is gamma h K_d + (gamma h)^2 K_p on each joint's own inertia.
+- Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit (`laticauda.dynamics.stages`).
 
 A template (see `specialize`); its entry points are what Python calls.
 """
@@ -15,9 +13,11 @@ A template (see `specialize`); its entry points are what Python calls.
 
 from typing import no_type_check
 
-from laticauda.compiling import entry, kernel, lane_types
+from laticauda.compiling import compiled, entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.compiling.templates import bindings
+from laticauda.dynamics import stages
+from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.planar.rows import *
 
 _names = bindings(__name__)
@@ -33,7 +33,7 @@ joint_torques = _drives.joint_torques
 second_torques = _drives.second_torques
 count_work = _drives.count_work
 
-GAMMA = 1.0 - 0.5**0.5
+combined = compiled(stages.combined)
 BASE_ROWS = 6  # HEADING ... VY are contiguous
 # What the slopes count for where the next stage looks, and at the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964).
 WEIGHTS = (
@@ -181,20 +181,17 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
     second_torques(S, n, law, gamma_dt)
     accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras)
     for r in range(3):
-        rate = S[HEADING_RATE + r]
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
-        second = S[HEADING_ACCELERATION + r] - 2.0 * first
-        second_rate = rate - 2.0 * first_rate + gamma_dt * second
-        S[HEADING + r] = S[SAVED + r] + dt * (1.5 * first_rate + 0.5 * second_rate)
-        S[HEADING_RATE + r] = S[SAVED_3 + r] + dt * (1.5 * first + 0.5 * second)
+        slope = combined(S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt)
+        S[HEADING + r] = S[SAVED + r] + dt * slope[0]
+        S[HEADING_RATE + r] = S[SAVED_3 + r] + dt * slope[1]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
             first_rate, first = S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
-            second = S[b + ACCELERATION] - 2.0 * first
-            second_rate = S[b + RATE] - 2.0 * first_rate + gamma_dt * second
-            S[b + ANGLE] = S[b + SAVED_ANGLE] + dt * (1.5 * first_rate + 0.5 * second_rate)
-            S[b + RATE] = S[b + SAVED_RATE] + dt * (1.5 * first + 0.5 * second)
+            slope = combined(S[b + RATE], S[b + ACCELERATION], first_rate, first, gamma_dt)
+            S[b + ANGLE] = S[b + SAVED_ANGLE] + dt * slope[0]
+            S[b + RATE] = S[b + SAVED_RATE] + dt * slope[1]
 
 
 @kernel
@@ -255,10 +252,10 @@ def read_sample(S, n, sample):
 @no_type_check
 def finite(S, n):
     """Whether positions, rates, joint rates and torques are still numbers that a swimming robot can have."""
-    well = magnitude(S[HEADING]).real < 1e6
+    well = magnitude(S[HEADING]).real < FARTHEST
     for r in range(1, BASE_ROWS):
-        well = well & (magnitude(S[HEADING + r]).real < 1e6)
+        well = well & (magnitude(S[HEADING + r]).real < FARTHEST)
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
-        well = well & (magnitude(S[b + RATE]).real < 1e6) & (magnitude(S[b + TORQUE]).real < 1e12)
+        well = well & (magnitude(S[b + RATE]).real < FARTHEST) & (magnitude(S[b + TORQUE]).real < STRONGEST)
     return well

@@ -4,12 +4,12 @@ What a text names and nobody here defines, a law or a controller, is kept as a s
 running it again is refused. Nothing that a text names is imported.
 """
 
-import tomllib
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, cast
 
+from laticauda import files
 from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, keeping_unknown, stamped, take_kind
 from laticauda.errors import RobotFileError
 from laticauda.extensions import Unknown, name_of
@@ -53,10 +53,9 @@ def run_from_toml(text: str) -> Scenario | Experiment:
 
     Raises:
         BadKey: If a key is unknown, missing or out of range.
-        RobotFileError: If robot or environment is wrong.
-        ValueError: If it is no TOML.
+        RobotFileError: If robot or environment is wrong, or it is no TOML, or nested too deeply.
     """
-    return run_from_table(tomllib.loads(text))
+    return run_from_table(files.parse_toml(text, "scenario", RobotFileError))
 
 
 def run_from_table(table: Table) -> Scenario | Experiment:

@@ -11,12 +11,12 @@ from typing import no_type_check
 
 import numpy as np
 
-from laticauda import scalars
 from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.templates import bindings
+from laticauda.dynamics import stages
 from laticauda.gaits import reference
 from laticauda.spatial.rows import *
 
@@ -27,7 +27,7 @@ wave_motion = compiled(reference.wave_motion)
 wave_reference = compiled(reference.wave_reference)
 wave_of = rows_from(PHASE, len(reference.WaveState._fields))
 target_of = rows_from(AMPLITUDE, 4)
-magnitude = compiled(scalars.magnitude)
+joint_powers = compiled(stages.joint_powers)
 motor_power = compiled(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
@@ -87,10 +87,10 @@ def count_work(N, X, C, J, U, P, qvel, dt):
     absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
     for i in range(J.shape[0]):
         rate = qvel[nv + i]
-        power = U[i] * rate
-        absolute += magnitude(power)
-        net += power
-        positive += 0.5 * (power + magnitude(power))
+        size, signed, given = joint_powers(U[i], rate)
+        absolute += size
+        net += signed
+        positive += given
         if J[i, STALL_POWER] > 0.0:
             motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
             electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])

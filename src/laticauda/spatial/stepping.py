@@ -6,7 +6,7 @@ those of the planar model, so that both bodies share their orders:
 - All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly where the reference is.
   Each of them is held by an inertia so large (HOLD) that it accelerates as the reference says, whatever acts on it;
   what it would have been off by, times that inertia, is the joint's torque.
-- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `planar.stepping`): linearly implicit in the
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`): linearly implicit in the
   joint law, in M + A.
 
 What stands where in the arrays is in `rows`; what moves the joints in `drives`; what is logged in `sampling`. A
@@ -21,10 +21,12 @@ from typing import Any, no_type_check
 import numpy as np
 from numba import njit
 
-from laticauda.compiling import kernel
+from laticauda.compiling import compiled, kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.sources import named_after
 from laticauda.compiling.templates import bindings
+from laticauda.dynamics import stages
+from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.mujoco_water.native import forward_skip, integrate_positions
 from laticauda.mujoco_water.vectors import field
 from laticauda.spatial.rows import *
@@ -34,7 +36,9 @@ _drives = bindings(__name__)["drives"]
 actuator, count_work = _drives.actuator, _drives.count_work
 advance_reference, set_reference = _drives.advance_reference, _drives.set_reference
 
-GAMMA = 1.0 - 0.5**0.5
+implicit_inertia = compiled(stages.implicit_inertia)
+second_torque = compiled(stages.second_torque)
+W_1, W_2 = stages.WEIGHTS
 HOLD = 1e8  # kg m^2
 
 
@@ -92,7 +96,7 @@ def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
         torque, slope_p, slope_d = actuator(C, J, i, qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
-        U[i], K[0, i], K[1, i] = torque, slope_p, gamma_dt * (slope_d + gamma_dt * slope_p)
+        U[i], K[0, i], K[1, i] = torque, slope_p, implicit_inertia(slope_p, slope_d, gamma_dt)
         hold[nv + i] = K[1, i]
         hold[total + nv + i] = torque - gamma_dt * slope_p * rate
 
@@ -107,8 +111,8 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
         if J[i, LAW] == PRESCRIBED:
             continue
         torque, _, _ = actuator(C, J, i, qpos[nq + i], qvel[nv + i], R)
-        rest = qvel[nv + i] - 2.0 * slope[nv + i]
-        hold[total + nv + i] = torque - gamma_dt * K[0, i] * rest + 2.0 * K[1, i] * first[nv + i]
+        k = nv + i
+        hold[total + k] = second_torque(torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt)
 
 
 @kernel
@@ -170,10 +174,11 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt)
     evaluate(N)
     for i in range(n):
+        # As `stages.combined`; a call of it is contracted in another way here, and changes the last digit.
         second = qacc[i] - 2.0 * first[i]
         second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
-        total[i] = 1.5 * slope[i] + 0.5 * second_slope
-        v0[i] += dt * (1.5 * first[i] + 0.5 * second)
+        total[i] = W_1 * slope[i] + W_2 * second_slope
+        v0[i] += dt * (W_1 * first[i] + W_2 * second)
     move(N, qpos, q0, total, dt)
     for i in range(n):
         qvel[i] = v0[i]
@@ -185,13 +190,13 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
 def all_finite(N, qpos, qvel, U):
     """Whether positions, rates and torques are still numbers that a swimming robot can have."""
     for i in range(N[N_QPOS]):
-        if not abs(qpos[i]) < 1e6:
+        if not abs(qpos[i]) < FARTHEST:
             return False
     for i in range(N[N_QVEL]):
-        if not abs(qvel[i]) < 1e6:
+        if not abs(qvel[i]) < FARTHEST:
             return False
     for i in range(U.size):
-        if not abs(U[i]) < 1e12:
+        if not abs(U[i]) < STRONGEST:
             return False
     return True
 
