@@ -8,7 +8,7 @@ from identify.trials import FRICTION, speeds
 from laticauda.identify import Unknown
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import validate
-from laticauda.reports.identify import as_dict, write_identification
+from laticauda.reports.identify import as_dict, identification_chapter, write_identification
 from laticauda.reports.identify_figures import short_names
 from laticauda.reports.identify_tables import identification_tables
 
@@ -42,6 +42,21 @@ def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
     assert text.count("data:image/png;base64,") == 4
     assert "http" not in text.replace("http-equiv", "")
     assert "`" not in text.split("<style>")[0] + text.split("</style>")[1].split("base64")[0]
+
+
+def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
+    text = identification_chapter(done).html({})
+    assert "The data do not see robot.joint.actuator.servo_gain." in text
+    assert "predicted by the linearized model, without refits, each group by a refit to the other groups;" in text
+    assert f"estimated from the residuals, {done.found.noise_factor:.2g} times what the measurements state." in text
+    found = replace(done.found, noise="known", warnings=("Look at `this`.",))
+    other = identification_chapter(replace(done, found=found, is_linearized=False, by_group=None)).html({})
+    assert "predicted by a refit to all others; beside it" in other
+    assert "the noise is taken as stated." in other
+    assert "<li>Look at this.</li>" in other
+    assert "Command:" not in other
+    table = identification_tables(done)["directions"]
+    assert [bool(seen) for seen in table["seen"]] == [one.is_seen for one in done.found.identifiability.directions]
 
 
 def test_what_is_not_identified_is_no_number_in_table_and_json(done):
