@@ -10,6 +10,7 @@ from laticauda.cockpit.changes import measured
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, cross_track_error
+from laticauda.reports.texts import in_digits
 from laticauda.trial import metrics
 
 STEP = 4  # every how many-th sample is drawn
@@ -91,7 +92,7 @@ def numbers_text(live: Live) -> str:
 
 
 def _number(value: float, unit: str, digits: int) -> str:
-    return "–" if not math.isfinite(value) else f"{round(value, digits) + 0.0:.{digits}f} {unit}".strip()  # noqa: RUF001
+    return f"{in_digits(value, f'.{digits}f')} {unit}".strip() if math.isfinite(value) else "\N{EN DASH}"
 
 
 class Plots:

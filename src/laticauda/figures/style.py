@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 
 from laticauda.files import write
 
-SINGLE_COLUMN = 3.5  # width [in]
 DOUBLE_COLUMN = 7.16  # width [in]
 LABEL = 9  # size of labels [pt]
 TICK = 8  # size of tick labels and legends [pt]
