@@ -61,6 +61,17 @@ def test_the_help_lists_every_command(run):
     assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
 
 
+@pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
+def test_the_help_of_every_command_fits_a_terminal(run, monkeypatch, words):
+    monkeypatch.setenv("COLUMNS", "120")
+    assert max(map(len, run(f"{' '.join(words)} --help").out.splitlines())) <= 120
+
+
+def test_the_help_names_groups_by_what_they_are_and_lists_single_numbers_last(run):
+    groups = re.findall(r"╭─ (.+?) options ─", run("sweep --help").out)
+    assert groups == ["names", "scenario", "gait", "water", "polynomial-drag", "planar", "start"]
+
+
 EEL = "--gait eel-like --amplitude-deg 50 --frequency-deg-s 110 --phase-shift-deg 40"
 SERVERS = (("lab",), ("serve",), ("cockpit",))
 

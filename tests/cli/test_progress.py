@@ -46,3 +46,10 @@ def test_nothing_is_shown_where_nobody_looks(monkeypatch):
     clock(monkeypatch, 3.0)
     progress.run_bar(30.0)(10.0)
     assert terminal.getvalue() == ""
+
+
+def test_a_stopped_study_says_how_many_trials_are_stored_and_how_to_go_on():
+    with pytest.raises(KeyboardInterrupt, match=r"^stopped; 3 of 9 trials are stored in a\. Run the same"):
+        with progress.stored_trials("a") as show:
+            show(3, 9)
+            raise KeyboardInterrupt

@@ -5,13 +5,14 @@ Exit status: 0 success, 1 a run that failed, 2 bad input, 130 stopped by the use
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Annotated, Any, Union
 
 import tyro
 
-from laticauda.cli.flags import BadFlag, read, spelled
+from laticauda.cli.command import Command
+from laticauda.cli.flags import BadFlag, spelled, wrapped
 from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed
 
 PROGRAM = "laticauda"
@@ -64,8 +65,6 @@ GROUPS = {
     "trial": "Show, compare and convert stored trials.",
 }
 
-Command = Callable[[], int]
-
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the program.
@@ -116,11 +115,9 @@ def _read(words: list[str]) -> Command:
         place = COMMANDS.get(tuple(words[:length]))
         if len(words) >= length and place is not None:
             module, name = place[0].split(":")
-            command: type[Any] = getattr(import_module(f".{module}", "laticauda.cli"), name)
+            command: type[Command] = getattr(import_module(f".{module}", "laticauda.cli"), name)
             prog = " ".join([PROGRAM, *words[:length]])
-            if hasattr(command, "read"):  # what names stand for has to be known first
-                return command.read(words[length:], prog)
-            return read(command, words[length:], prog)
+            return command.read(words[length:], prog)
     if words and words[0] in GROUPS:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands((words[0],)), words[1:])
     return _choose(PROGRAM, DESCRIPTION, _commands(()) | GROUPS, words)
@@ -138,7 +135,7 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
         for name, text in choices.items()
     ]
     any_of_them: Any = Union[tuple(subcommands)]  # noqa: UP007  # made while it runs
-    tyro.cli(any_of_them, prog=prog, description=description, args=words)
+    tyro.cli(any_of_them, prog=prog, description=wrapped(description), args=words)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 

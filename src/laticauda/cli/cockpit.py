@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from laticauda.cli.command import LOCAL, until_stopped
-from laticauda.cli.flags import File, Maybe, Text, read, was_typed
+from laticauda.cli.flags import File, read, was_typed
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -32,11 +32,11 @@ class Tank:
         "The same, with robot, connections and marker body as in this trial file of `laticauda operate` (.toml)",
         default=None,
     )
-    can: Maybe = option(
+    can: str | None = option(
         "Its CAN bus, udp_multicast:GROUP:PORT or socketcan:can0; that of the trial file, or of the lab, if left out",
         default=None,
     )
-    mocap: Maybe = option("Its motion capture, HOST:PORT; likewise", default=None)
+    mocap: str | None = option("Its motion capture, HOST:PORT; likewise", default=None)
 
     @property
     def is_asked_for(self) -> bool:
@@ -87,10 +87,10 @@ class CockpitCommand(OfScenario):
     """
 
     tank: Tank = option("A robot that somebody else operates", default=Tank())
-    load: Maybe = option(
+    load: str | None = option(
         "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None
     )
-    host: Text = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    host: str = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
 
     @classmethod

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from laticauda.cli.flags import Written, is_declared
+from laticauda.cli.flags import Written, is_declared, read
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 
@@ -36,6 +36,16 @@ class Command:
     """A command: a value whose fields are its flags."""
 
     json: bool = option("Print one JSON object in SI units instead of text", default=False)
+
+    @classmethod
+    def read(cls, words: Sequence[str], prog: str) -> Any:
+        """The command that was typed.
+
+        Args:
+            words: Behind its name.
+            prog: What the help calls it.
+        """
+        return read(cls, words, prog)
 
     def run(self) -> Outcome | None:
         """Do the work; None if all has been said already."""

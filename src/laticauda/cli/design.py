@@ -7,7 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Maybe, MaybeName, Picture, Text, Words
+from laticauda.cli.flags import File, Picture, Words
 from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
@@ -40,24 +40,12 @@ class Unknowns:
         "or with what is known of it before",
         default=(),
     )
-    criterion: Text = option(
+    criterion: str = option(
         "What is to be small: D, the volume of what is possible; A, the mean variance; or the name of one parameter, "
         "its deviation",
         default="D",
     )
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
-
-
-@value
-class Body:
-    """What would swim."""
-
-    robot: MaybeName = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
-    base: MaybeName = option(
-        "A parameter file with the numbers that are not identified, and a joint law; the paper's if left out",
-        default=None,
-    )
-    joints: Maybe = option("How the joints follow the gait; the base's law, or prescribed, if left out", default=None)
 
 
 @value
@@ -97,7 +85,14 @@ class DesignExperiment(Command):
     """
 
     unknowns: Unknowns = option("What is to be identified, and what is known of it", default=Unknowns())
-    robot: Body = option("What would swim", default=Body())
+    robot: str | None = option("A preset or a TOML file; the file's, or mamba, if left out", default=None)
+    base: str | None = option(
+        "A parameter file with the numbers that are not identified, and a joint law; the paper's if left out",
+        default=None,
+    )
+    joints: str | None = option(
+        "How the joints follow the gait; the base's law, or prescribed, if left out", default=None
+    )
     candidates: Candidates = option("Trials that could be done", default=Candidates())
     output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
 
@@ -132,8 +127,7 @@ class DesignExperiment(Command):
             values = fit.best[keep]
             return put, {"values": values, "information": marginal(known_from(fit), keep)}
         if not self.unknowns.parameters:
-            rule = "must name at least one number to identify, as water.normal_drag, got none"
-            raise BadArgument("parameters", rule)
+            raise BadArgument("parameters", "must name at least one number to identify, as water.normal_drag, got none")
         swims = self._swims()
         problem = make_problem(
             [one.measurement for one in swims],
@@ -147,7 +141,7 @@ class DesignExperiment(Command):
     def _names(self) -> "Choice":
         from laticauda.scenarios import Choice
 
-        return Choice(robot=self.robot.robot or "mamba", parameters=self.robot.base, joints=self.robot.joints)
+        return Choice(robot=self.robot or "mamba", parameters=self.base, joints=self.joints)
 
     def _swims(self, fitted: "Sequence[Scenario]" = ()) -> "list[Candidate]":
         """A candidate per gait and robot: those of a fit, or what the names stand for."""
@@ -156,13 +150,13 @@ class DesignExperiment(Command):
         from laticauda.identify.candidates import swims
         from laticauda.robot import load_robot
 
-        flags, names = self.candidates, self.robot
+        flags = self.candidates
         kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
-        robots = {one.robot.name: one.robot for one in fitted if names.robot is None}
+        robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
         found: list[Candidate] = []
         for a, f, p, kind in product(flags.amplitudes, flags.frequencies, flags.phase_shifts, kinds):
             gait = Gait(envelope=Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p)
-            waters = [one.environment for one in fitted if one.gait.kind == gait.kind and names.base is None]
+            waters = [one.environment for one in fitted if one.gait.kind == gait.kind and self.base is None]
             for robot in robots.values() or (load_robot(self._names.robot),):
                 chosen = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
                 where = waters[0] if waters else chosen.environment

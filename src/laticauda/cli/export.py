@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import BadFlag, Files, MaybeName, Name, Output, Written
+from laticauda.cli.flags import BadFlag, Files, Output, Written
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -24,7 +24,7 @@ class Urdf(Command):
     """
 
     output: Annotated[Output, Written((".urdf",))] = option(OUTPUT)
-    robot: Name = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
+    robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity(
         "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
     )
@@ -58,10 +58,10 @@ class Mjcf(Urdf):
     """
 
     output: Annotated[Output, Written((".xml",))] = option(OUTPUT)
-    water: MaybeName = option(
+    water: str | None = option(
         "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
     )
-    ground: MaybeName = option("A preset or a TOML file: put the robot on land instead", default=None)
+    ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
     tank: bool = option("The tank of the experiments around it: 40 m x 6.45 m, 1.5 m deep", default=False)
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
     actuators: Literal["none", "servo"] = option(

@@ -22,8 +22,8 @@ from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, tex
 
 Command = TypeVar("Command")
 
-NOT_FLAGS = ("name", "robot", "values", "waypoints")
-"""Fields of nested values that are said by names (`laticauda.cli.scene`), and not by flags of their own."""
+NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_phase_shift")
+"""Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
     **{"measurements": "files", "trials": "files", "kind": "gait"},
@@ -31,8 +31,8 @@ CALLED = {
 """Arguments of the calls behind a command that its options call otherwise."""
 SPELLED = {"center_of_mass": "position", "interval": "control_interval"}
 """Fields of nested values, and what their flags are called."""
-WAVES = {"pitch": "a second wave, of the pitch joints", "fin": "a driven fin's own wave"}
-"""Fields of a gait that it may lack."""
+PRESETS = ("robot", "water", "ground", "parameters", "base")
+"""Fields that a preset's name or the path of a file says."""
 LAST = "scenario"
 """The field whose numbers, the many that specialists change, the help lists last."""
 WIDTH = 110
@@ -82,20 +82,17 @@ def _shown(value: Any) -> list[str]:
     return ["none" if value is None else str(value)]
 
 
-Text = Annotated[str, _texts(1, "TEXT")]
-Name = Annotated[str, _texts(1, "NAME|PATH")]
 File = Annotated[str | None, _texts(1, "FILE")]
 NetCdf = Annotated[File, Written((".nc",))]
 Picture = Annotated[File, Written((".png", ".pdf"))]
 Film = Annotated[File, Written((".mp4",))]
 Toml = Annotated[File, Written((".toml",))]
 Folder = Annotated[str, _texts(1, "DIR")]
-Maybe = Annotated[str | None, _texts(1, "TEXT")]
-MaybeName = Annotated[str | None, _texts(1, "NAME|PATH")]
 Words = Annotated[tuple[str, ...], _texts("*", "NAME=VALUES ...")]
 Files = Annotated[tuple[str, ...], _texts("*", "FILE ...")]
 Input = Annotated[str, tyro.conf.Positional, _texts(1, "FILE")]
 Output = Annotated[str, tyro.conf.Positional, _texts(1, "OUTPUT")]
+Preset = Annotated[str | None, tyro.conf.Positional, _texts(1, "NAME|PATH")]
 ScenarioFile = Annotated[str | None, tyro.conf.Positional, _texts(1, "FILE")]
 Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _texts("*", "FILES ...")]
 
@@ -116,13 +113,10 @@ def read(
         BadFlag: If a flag cannot be used.
         SystemExit: If the help was asked for, or a flag is unknown.
     """
-    parts = (command.__doc__ or "").split("\n\nFields:")[0].split("\n\n")
-    how: Any = {"width": WIDTH, "break_on_hyphens": False, "subsequent_indent": "  "}  # tyro joins lines without indent
-    text = "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in parts)
     found: Any = tyro.cli(
         command,
         prog=prog,
-        description=text,
+        description=wrapped((command.__doc__ or "").split("\n\nFields:")[0]),
         args=words,
         default=default,
         registry=_registry,
@@ -131,6 +125,12 @@ def read(
         add_help=not first,
     )
     return found[0] if first else found
+
+
+def wrapped(text: str) -> str:
+    """A text in lines for which a terminal has room; tyro would join those that are not indented."""
+    how: Any = {"width": WIDTH, "break_on_hyphens": False, "subsequent_indent": "  "}
+    return "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in text.split("\n\n"))
 
 
 def options_of(command: object) -> dict[str, Any]:
@@ -193,9 +193,10 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
     hints = typing.get_type_hints(kind, include_extras=True)
     specs: list[StructFieldSpec] = []
     of_flag: dict[str, str] = {}
+    waves = _waves_of(kind)
     for field in sorted(fields(kind), key=lambda field: field.name == LAST):
-        if field.name in WAVES and default is not None:
-            specs += _wave_flags(field.name, getattr(default, field.name))
+        if field.name in waves and default is not None:
+            specs += [spec for _, spec in _wave_flags(field.name, default)]
             continue
         usual: Any = getattr(default, field.name) if default is not None else _default_of(field)
         declared = quantities_of(kind).get(field.name)
@@ -212,40 +213,45 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
         values = {of_flag[name]: one for name, one in given.items() if name in of_flag}
         try:
             made = kind(**values) if default is None else replace(default, **values)
-            return _with_waves(made, given) if len(given) > len(values) else made
+            for wave in waves:
+                made = _with_wave(made, wave, given)
+            return made
         except BadArgument as error:
             raise BadFlag(f"{_named(error.name, of_flag)} {error.rule}.") from None
 
     return StructConstructorSpec(instantiate=make, fields=tuple(specs))
 
 
-def _wave_flags(wave: str, usual: Any) -> list[StructFieldSpec]:
-    """The flags of a second wave of a gait, which it has if one of them is typed."""
+def _waves_of(kind: type[Any]) -> list[str]:
+    """The second waves that a value may have or lack: of a gait its pitch joints' and its fin's."""
     from laticauda.gaits import Wave
 
-    specs: list[StructFieldSpec] = []
+    return [name for name, hint in hints_of(kind).items() if hint == Wave | None]
+
+
+def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
+    """The flags of a second wave, which the gait has if one of them is typed, by the wave's field."""
+    from laticauda.gaits import Wave
+
+    usual, text = getattr(gait, wave), texts_of(gait.__class__)[wave].partition(";")[0]
+    found: list[tuple[str, StructFieldSpec]] = []
     for name, declared in quantities_of(Wave).items():
-        if (wave == "pitch" and name == "frequency") or (wave == "fin" and name == "phase_shift"):
-            continue  # those of the body, and none: a fin has one joint
         option: Any = Annotated[Any, _numbers(declared, float | None, f"{wave}_{name}")]
-        spelled = f"{wave}_{name}{DEGREES[declared.unit]}"
-        text = f"Of {WAVES[wave]}: {declared.text}."
-        specs.append(StructFieldSpec(name=spelled, type=option, default=getattr(usual, name, None), helptext=text))
-    return specs
+        spelled, help = f"{wave}_{name}{DEGREES[declared.unit]}", f"{text}: {declared.text}."
+        if f"{wave}_{name}" not in NOT_FLAGS:
+            spec = StructFieldSpec(name=spelled, type=option, default=getattr(usual, name, None), helptext=help)
+            found.append((name, spec))
+    return found
 
 
-def _with_waves(gait: Any, given: dict[str, Any]) -> Any:
-    """A gait with the waves that were typed; what was left out is the gait's own, or nothing."""
+def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
+    """A gait with a second wave if one was typed; what was left out is the gait's own, or nothing."""
     from laticauda.gaits import Wave
 
-    for wave in WAVES:
-        named = {name: f"{wave}_{name}{DEGREES[one.unit]}" for name, one in quantities_of(Wave).items()}
-        typed = {name: given[option] for name, option in named.items() if given.get(option) is not None}
-        if typed:
-            own = {"amplitude": 0.0, "frequency": gait.frequency}
-            own |= {"phase_shift": gait.phase_shift} if wave == "pitch" else {}
-            gait = replace(gait, **{wave: Wave(**(own | typed))})
-    return gait
+    names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
+    typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
+    own = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in {"frequency", *names}}
+    return replace(gait, **{wave: Wave(**{"amplitude": 0.0, **own, **typed})}) if typed else gait
 
 
 def _default_of(field: Any) -> Any:
@@ -272,7 +278,7 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
     inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
     if len(inner) == 1 and get_origin(inner[0]) is Literal:
         return Annotated[Any, _choices(get_args(inner[0]))]
-    return Annotated[Any, _texts(1, "TEXT")] if inner == [str] else None
+    return Annotated[Any, _texts(1, "NAME|PATH" if name in PRESETS else "TEXT")] if inner == [str] else None
 
 
 def _choices(names: tuple[str, ...]) -> Any:

@@ -12,12 +12,9 @@ from laticauda.cli.flags import (
     File,
     Folder,
     Inputs,
-    Maybe,
-    MaybeName,
     Words,
     flag,
     options_of,
-    read,
     was_typed,
 )
 from laticauda.cli.progress import SHARE, progress
@@ -56,14 +53,16 @@ class What:
 class Fixed:
     """What stays as it is."""
 
-    robot: MaybeName = option(
+    robot: str | None = option(
         "What has to have swum, a preset or a TOML file: trials of another one are refused", default=None
     )
-    base: MaybeName = option(
+    base: str | None = option(
         "A parameter file with the numbers that are not identified, and a joint law; what the trials say if left out",
         default=None,
     )
-    joints: Maybe = option("How the joints follow the gait; the base's law, or prescribed, if left out", default=None)
+    joints: str | None = option(
+        "How the joints follow the gait; the base's law, or prescribed, if left out", default=None
+    )
     model: Literal["planar", "spatial"] = option(
         "The model of the body; the one in MuJoCo takes long", default="planar"
     )
@@ -85,16 +84,6 @@ class Method:
 
 
 @value
-class Results:
-    """What becomes of it."""
-
-    name: Maybe = option("Of the parameter file; the task file's, or identified, if left out", default=None)
-    output: Folder = option(
-        "The folder; made if need be, files of the same names are replaced", default="identification"
-    )
-
-
-@value
 class Identify(Command):
     """Identify physical parameters with their uncertainty from measured trials.
 
@@ -112,18 +101,16 @@ class Identify(Command):
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How", default=Method())
-    result: Results = option("What becomes of it", default=Results())
+    name: str | None = option("Of the parameter file; the task file's, or identified, if left out", default=None)
+    output: Folder = option(
+        "The folder; made if need be, files of the same names are replaced", default="identification"
+    )
     words: Any = option("What was typed, for the report", default=())
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "Identify":
-        """The command that was typed.
-
-        Args:
-            words: Behind its name.
-            prog: What the help calls it.
-        """
-        return replace(read(cls, words, prog), words=tuple(words))
+        """The command that was typed; see `Command.read`."""
+        return replace(super().read(words, prog), words=tuple(words))
 
     def run(self) -> Outcome:
         """Identify and write."""
@@ -132,7 +119,7 @@ class Identify(Command):
         from laticauda.reports.identify import as_dict, write_identification
 
         task = self._task()
-        folder, bar = Path(self.result.output), progress(SHARE)
+        folder, bar = Path(self.output), progress(SHARE)
         command = shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
         writable_folder(folder)
         templates()  # what the report needs is asked for before the search
@@ -158,14 +145,14 @@ class Identify(Command):
 
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
-                return task_from_table(self._table(), self.result.name or "identified", Path())
+                return task_from_table(self._table(), self.name or "identified", Path())
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
                 raise BadFlag(f"{flag(name)} must not be given beside a file that says everything, got {given!r}.")
         task = load_task(self.files[0])
         names = {"starts": "n_starts", "seed": "seed", "noise": "noise"}
         typed = {names[name]: getattr(self.method, name) for name in names if was_typed(name, self.words)}
-        return replace(task, options={**task.options, **typed}, name=self.result.name or task.name)
+        return replace(task, options={**task.options, **typed}, name=self.name or task.name)
 
     def _table(self) -> dict[str, Any]:
         """What the flags say, as a file would."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from laticauda.cli.command import LOCAL, Command, until_stopped
-from laticauda.cli.flags import File, Name, NetCdf, Text, read
+from laticauda.cli.flags import File, NetCdf, read
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 class Body:
     """What swims, where."""
 
-    robot: Name = option(
+    robot: str = option(
         "A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer", default="mamba-modules"
     )
-    water: Name = option("A preset or a TOML file", default="paper-lateral")
+    water: str = option("A preset or a TOML file", default="paper-lateral")
     model: Literal["planar", "spatial"] = option(
         "The model of the body; the joints are servos in either", default="planar"
     )
@@ -35,10 +35,10 @@ class Body:
 class Wires:
     """How it is reached."""
 
-    bus: Text = option(
+    bus: str = option(
         "The CAN bus: udp_multicast[:GROUP[:PORT]] between processes, or socketcan[:NAME]", default="udp_multicast"
     )
-    host: Text = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    host: str = option("Where the cameras' server listens; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=22223)
     hops: int = quantity(
         "", "Routers that CAN frames of udp_multicast may pass; 0: none, 1: this network", ge=0, default=0
@@ -77,12 +77,7 @@ class LabCommand(Command):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
-        """The command that was typed.
-
-        Args:
-            words: Behind its name.
-            prog: What the help calls it.
-        """
+        """The command that was typed; see `Command.read`."""
         body: Body = read(Body, words, prog, first=True)
         return read(cls, words, prog, cls(body=body, coefficients=load_water(body.water)))
 

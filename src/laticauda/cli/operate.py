@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import Folder, Input, Maybe
+from laticauda.cli.flags import Folder, Input
 from laticauda.quantities import option, quantity, value
 
 if TYPE_CHECKING:
@@ -33,14 +33,14 @@ class Operate(Command):
     )
     speed: float = quantity("", "Multiple of real time, for a virtual tank that runs at the same", gt=0.0, default=1.0)
     repeats: int | None = quantity("", "Of every setting of a series; the file's if left out", ge=1, default=None)
-    meter: Maybe = option("Serial port of the power meter; the file's if left out", default=None)
+    meter: str | None = option("Serial port of the power meter; the file's if left out", default=None)
     supply_voltage: float | None = quantity(
         "V", "Of the supply behind the power meter; the file's if left out", gt=0.0, default=None
     )
-    can: Maybe = option(
+    can: str | None = option(
         "CAN bus: udp_multicast:GROUP:PORT, virtual:NAME or socketcan:can0; the file's if left out", default=None
     )
-    mocap: Maybe = option("Motion capture: HOST:PORT; the file's if left out", default=None)
+    mocap: str | None = option("Motion capture: HOST:PORT; the file's if left out", default=None)
 
     def run(self) -> Outcome:
         """Operate."""

@@ -2,34 +2,15 @@
 
 import tomllib
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Any
 
-import tyro
-
+from laticauda import robot
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import MaybeName
+from laticauda.cli.flags import Preset
 from laticauda.cli.tables import table
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
-from laticauda.robot import (
-    Ground,
-    Parameters,
-    Robot,
-    Water,
-    describe,
-    from_toml,
-    ground_names,
-    load_ground,
-    load_parameters,
-    load_robot,
-    load_water,
-    parameter_names,
-    summary,
-    summary_rows,
-    summary_table,
-    to_toml,
-    water_names,
-)
+from laticauda.robot import Ground, Parameters, Robot, Water
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import KIND
 
@@ -44,9 +25,7 @@ class Robots(Command):
     For example: laticauda robots mamba --toml
     """
 
-    name: Annotated[MaybeName, tyro.conf.Positional] = option(
-        "A preset of any kind, or a TOML file; all if left out", default=None
-    )
+    name: Preset = option("A preset of any kind, or a TOML file; all if left out", default=None)
     toml: bool = option("Print its TOML file, to change and to swim with", default=False)
 
     def run(self) -> Outcome:
@@ -58,42 +37,42 @@ class Robots(Command):
                 raise BadArgument("toml", "must be given with the NAME of a robot, water, ground or parameters")
             return Outcome(facts=_all(), text="" if self.json else _lists())
         thing = _named(self.name)
-        toml = thing.to_toml() if isinstance(thing, Parameters) else to_toml(thing)
-        facts = summary(thing) if isinstance(thing, Robot) else {}
+        toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
+        facts = robot.summary(thing) if isinstance(thing, Robot) else {}
         return Outcome(
             facts={**tomllib.loads(toml), **facts},  # all fields, as its TOML file has them, under the main facts
-            text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else describe(thing),
+            text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else robot.describe(thing),
         )
 
 
 def _named(name: str) -> Robot | Water | Ground | Parameters:
     """The preset of that name, of whatever kind, or what a file holds."""
-    if name in water_names():
-        return load_water(name)
-    if name in ground_names():
-        return load_ground(name)
-    if name in parameter_names():
-        return load_parameters(name)
+    if name in robot.water_names():
+        return robot.load_water(name)
+    if name in robot.ground_names():
+        return robot.load_ground(name)
+    if name in robot.parameter_names():
+        return robot.load_parameters(name)
     if name.endswith(".toml"):
         from pathlib import Path
 
         if read_table(Path(name)).get("kind") == KIND:
-            return load_parameters(name)
-        return from_toml(Path(name))
-    return load_robot(name)
+            return robot.load_parameters(name)
+        return robot.from_toml(Path(name))
+    return robot.load_robot(name)
 
 
 def _all() -> dict[str, Any]:
-    names = {"waters": water_names(), "grounds": ground_names(), "parameters": parameter_names()}
-    return {"robots": summary_rows(), **{kind: list(found) for kind, found in names.items()}}
+    names = {"waters": robot.water_names(), "grounds": robot.ground_names(), "parameters": robot.parameter_names()}
+    return {"robots": robot.summary_rows(), **{kind: list(found) for kind, found in names.items()}}
 
 
 def _lists() -> str:
-    waters = {name: describe(load_water(name)) for name in water_names()}
-    grounds = {name: describe(load_ground(name)) for name in ground_names()}
-    titles = [{"parameters": name, "title": load_parameters(name).title} for name in parameter_names()]
+    waters = {name: robot.describe(robot.load_water(name)) for name in robot.water_names()}
+    grounds = {name: robot.describe(robot.load_ground(name)) for name in robot.ground_names()}
+    titles = [{"parameters": name, "title": robot.load_parameters(name).title} for name in robot.parameter_names()]
     return "\n\n".join([
-        summary_table(),
+        robot.summary_table(),
         table(_rows("water", waters, WATER_FACTS)),
         table(_rows("ground", grounds, GROUND_FACTS)),
         table(titles),

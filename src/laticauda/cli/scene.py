@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any, Self, TypeVar, cast
 
 from laticauda.cli.command import Command
-from laticauda.cli.flags import Maybe, MaybeName, Name, Text, read, was_typed
+from laticauda.cli.flags import read, was_typed
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.gaits import Gait
@@ -24,21 +24,14 @@ Kind = TypeVar("Kind", bound=Extensible)
 class Names(Choice):
     """What swims, how and where, by name. The other flags change single numbers of it."""
 
-    robot: Name = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    water: MaybeName = option("A preset or a TOML file; if left out the paper's for the gait", default=None)
-    ground: MaybeName = option("A preset or a TOML file: crawl on land instead", default=None)
-    parameters: MaybeName = option(
-        "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
-        "robot's (not with a water)",
-        default=None,
-    )
-    gait: Text = option(
+    water: str | None = option("A preset or a TOML file; if left out the paper's for the gait", default=None)
+    gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
         "(1), eel-like ((n-i)/(n+1)), custom, or MODULE:CLASS of one's own",
         default="lateral-undulation",
     )
     envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)
-    law: Maybe = option("The drag law by its name, or MODULE:CLASS of one's own, which is imported", default=None)
+    law: str | None = option("The drag law by its name, or MODULE:CLASS of one's own, which is imported", default=None)
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Self:
@@ -182,12 +175,7 @@ class OfScenario(Command):
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
-        """The command that was typed.
-
-        Args:
-            words: Behind its name.
-            prog: What the help calls it.
-        """
+        """The command that was typed, its names first; see `Command.read`."""
         return cls.of(Names.read(words, prog), words, prog)
 
     @classmethod

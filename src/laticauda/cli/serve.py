@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from laticauda.cli.command import LOCAL, Command, until_stopped
-from laticauda.cli.flags import Files, Text
+from laticauda.cli.flags import Files
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -21,7 +21,7 @@ class Serve(Command):
     For example: laticauda serve --port 5055 --max-clients 4
     """
 
-    host: Text = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
+    host: str = option("Where to listen; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=5055)
     max_clients: int = quantity("", "How many may be connected at a time", ge=1, default=16)
     robots: Files = option(

@@ -6,7 +6,7 @@ import tyro
 
 from laticauda.cli import vary
 from laticauda.cli.command import Outcome
-from laticauda.cli.flags import File, Folder, Maybe, Words
+from laticauda.cli.flags import File, Folder, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.vary import Known, Study
@@ -41,7 +41,7 @@ class SweepCommand(Study):
     )
     seed: int | None = quantity("", "Of the samples; another one gives other points", ge=0, default=None)
     list: File = option("Take the points of this CSV file instead, with such names in its first line", default=None)
-    scheduler: Maybe = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
+    scheduler: str | None = option("Run on the Dask cluster whose scheduler is there: tcp://host:8786", default=None)
     output: Folder = option(
         "The folder of the results; a sweep that was stopped goes on there when the same command is run again",
         default="sweep",

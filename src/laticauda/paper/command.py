@@ -4,7 +4,7 @@ import os
 from typing import TYPE_CHECKING, Literal
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Folder, Maybe, MaybeName
+from laticauda.cli.flags import File, Folder
 from laticauda.cli.progress import progress
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.paper.printed import as_text, facts_of
@@ -29,8 +29,8 @@ class Reproduce(Command):
     model: Literal["planar", "spatial"] = option(
         "The model of the body; the one in MuJoCo takes minutes, and is compared with the planar one", default="planar"
     )
-    joints: Maybe = option("The joint law; the parameters', or prescribed, if left out", default=None)
-    parameters: MaybeName = option(
+    joints: str | None = option("The joint law; the parameters', or prescribed, if left out", default=None)
+    parameters: str | None = option(
         "A preset or a parameter file (TOML): its numbers for water and robots instead of the paper's, which stay "
         "beside them for efficiency, and its joint law unless --joints is given",
         default=None,
