@@ -245,13 +245,14 @@ def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
 
 
 def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
-    """A gait with a second wave if one was typed; what was left out is the gait's own, or nothing."""
+    """A gait with a second wave if one was typed; what was left out is the wave's or the gait's own, or nothing."""
     from laticauda.gaits import Wave
 
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
     typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
-    own = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in {"frequency", *names}}
-    return replace(gait, **{wave: Wave(**{"amplitude": 0.0, **own, **typed})}) if typed else gait
+    of_gait = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in {"frequency", *names}}
+    own: dict[str, Any] = {"amplitude": 0.0, **of_gait} if getattr(gait, wave) is None else vars(getattr(gait, wave))
+    return replace(gait, **{wave: Wave(**{**own, **typed})}) if typed else gait
 
 
 def _default_of(field: Any) -> Any:
