@@ -4,6 +4,7 @@ import pytest
 
 from laticauda.cli.flags import BadFlag, flag, options_of, read, spelled
 from laticauda.fluid.laws import PolynomialDrag
+from laticauda.gaits import Gait, Wave, lateral_undulation
 from laticauda.quantities import option, quantity, texts_of, value
 from laticauda.robot import Water, load_water
 
@@ -68,6 +69,24 @@ def test_an_argument_is_told_by_its_option():
     assert spelled("at[1]", Draw()) == "--at"
     assert spelled("sigma", Draw()) == "`sigma`"
     assert set(options_of(Draw())) == {"angle", "sides", "is_open", "at", "label"}
+
+
+@value
+class Wiggle:
+    """Wiggle."""
+
+    gait: Gait = option("How")
+
+
+def test_a_second_wave_is_there_once_a_number_of_it_is_typed_and_keeps_what_was_not():
+    plain = lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    wave = Wave(amplitude=0.1, frequency=3.0, phase_shift=0.2, phase=0.4)
+    assert read(Wiggle, [], "wiggle", Wiggle(gait=plain)).gait == plain
+    added = read(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=plain)).gait
+    assert added.pitch == Wave(amplitude=0.0, frequency=2.0, phase_shift=0.7)
+    changed = read(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=replace(plain, pitch=wave))).gait
+    assert changed.pitch is not None and changed.pitch.frequency == 3.0
+    assert changed.pitch.phase == pytest.approx(0.4, rel=1e-9)
 
 
 def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):

@@ -251,8 +251,8 @@ def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
     typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
     of_gait = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in {"frequency", *names}}
-    own: dict[str, Any] = {"amplitude": 0.0, **of_gait} if getattr(gait, wave) is None else vars(getattr(gait, wave))
-    return replace(gait, **{wave: Wave(**{**own, **typed})}) if typed else gait
+    usual = getattr(gait, wave) or Wave(**{"amplitude": 0.0, **of_gait})
+    return replace(gait, **{wave: replace(usual, **typed)}) if typed else gait
 
 
 def _default_of(field: Any) -> Any:
