@@ -40,10 +40,15 @@ class Checkpoint:
     """Number of parameters."""
     folder: Path | None = None
     """Where the file is; None keeps nothing."""
-    points: list[Table] = field(default_factory=list[Table])
-    """By generation, as the search asked for them."""
-    found: list[dict[str, Column]] = field(default_factory=list[dict[str, Column]])
-    """By generation, what they came to."""
+    points: Table = field(init=False)
+    """As the search asked for them."""
+    found: dict[str, Column] = field(init=False)
+    """What they came to, by name."""
+
+    def __post_init__(self) -> None:
+        """Begin with none."""
+        self.points = np.empty((0, self.n_names))
+        self.found = {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
 
     def load(self) -> None:
         """Take over what is stored, if anything.
@@ -63,25 +68,15 @@ class Checkpoint:
         check_same(self.folder, JOB, stored, self.definition)
         if points.ndim != 2 or any(len(column) != len(points) for column in columns.values()):
             raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
-        self.points, self.found = [points], [columns]
+        self.points, self.found = points, columns
 
-    @property
-    def n_points(self) -> int:
-        """How many points there are."""
-        return sum(len(points) for points in self.points)
-
-    def all(self, most: int | None = None) -> tuple[Table, dict[str, Column]]:
-        """All points and figures as one table each.
+    def first(self, count: int) -> tuple[Table, dict[str, Column]]:
+        """The points that were tried first, and what they came to.
 
         Args:
-            most: How many of them, from the first; None for all.
+            count: How many of them.
         """
-        if len(self.points) != 1:
-            empty = {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
-            parts = [empty, *self.found]
-            self.found = [{name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}]
-            self.points = [np.concatenate([np.empty((0, self.n_names)), *self.points])]
-        return self.points[0][:most], {name: column[:most] for name, column in self.found[0].items()}
+        return self.points[:count], {name: column[:count] for name, column in self.found.items()}
 
     def add(self, points: Table, found: dict[str, Column]) -> None:
         """Take a generation in, and store it.
@@ -93,12 +88,11 @@ class Checkpoint:
         Raises:
             StorageFailed: If the file cannot be written; the older one stays.
         """
-        before = self.n_points
-        self.points.append(points)
-        self.found.append({name: found[name] for name in COLUMNS})
+        before = len(self.points)
+        self.points = np.concatenate((self.points, points))
+        self.found = {name: np.concatenate((column, found[name])) for name, column in self.found.items()}
         if self.folder is None:
             return
-        table, columns = self.all()
-        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: table, **columns}
+        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: self.points, **self.found}
         with storage(self.folder, f"{before} trials are stored"):
             write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))

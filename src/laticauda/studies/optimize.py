@@ -70,7 +70,7 @@ def optimize(
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
         _search(optimization, search, memory, budget, progress or silent, threads)
-    sought, found = memory.all(budget)
+    sought, found = memory.first(budget)
     return _front(optimization, optimization.points(sought), found, seed)
 
 
@@ -78,7 +78,7 @@ def _search(
     optimization: Optimization, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
 ) -> None:
     """Let the search try points until the budget is spent; those that are remembered do not swim again."""
-    remembered, figures_before = memory.all()
+    remembered, figures_before = memory.points, memory.found
     n_done = 0
     progress(min(len(remembered), budget), budget)
     while n_done < budget:
@@ -99,7 +99,7 @@ def _search(
             fresh = evaluate(optimization, optimization.points(new), threads)
             memory.add(new, fresh)
             figures = {name: np.concatenate((column, fresh[name])) for name, column in figures.items()}
-            progress(memory.n_points, budget)
+            progress(len(memory.points), budget)
         n_done += n_points
         if n_done < budget:
             search.tell(losses(optimization.objectives, figures), figures[VIOLATION])
