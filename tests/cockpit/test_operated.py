@@ -6,7 +6,7 @@ import pytest
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
 from laticauda.estimation import Estimate
-from laticauda.operate.listening import Sight
+from laticauda.operate.observer import Sight
 from laticauda.operate.settings import Connection
 
 pytest.importorskip("viser")
@@ -40,7 +40,7 @@ class Told:
 
 @pytest.fixture
 def cockpit(monkeypatch):
-    monkeypatch.setattr("laticauda.operate.listening.Listener", Told)
+    monkeypatch.setattr("laticauda.operate.observer.Listener", Told)
     served = Cockpit(Live(lc.scenario(ROBOT, GAIT)), port=0)
     yield served
     served.close()

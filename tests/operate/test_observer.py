@@ -8,8 +8,7 @@ from lab_parts import Operator, make_tank
 import laticauda as lc
 from laticauda.lab import Lab
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.listening import Listener
-from laticauda.operate.observer import PassiveObserver
+from laticauda.operate.observer import Listener, PassiveObserver
 from laticauda.operate.settings import Connection
 from laticauda.protocol import Heartbeat, NodeCommand, Order, Sync, bus_address, open_bus, references, to_frame
 
@@ -94,7 +93,7 @@ def test_a_listener_sends_nothing_and_waits_for_a_lab_that_comes_goes_and_comes_
         "send",
         lambda bus, *args, **settings: (senders.append(bus), send(bus, *args, **settings))[1],
     )
-    monkeypatch.setattr("laticauda.operate.listening.RETRY", 0.1)
+    monkeypatch.setattr("laticauda.operate.observer.RETRY", 0.1)
     address = bus_address("virtual:test_observer")
     lab = Lab(make_tank(), bus=address, port=0)
     port = lab.open().mocap_port

@@ -17,7 +17,7 @@ from laticauda.series import Log
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
-    from laticauda.operate.listening import Listener
+    from laticauda.operate.observer import Listener
 
 TRAIL: Color = (250, 120, 80)
 SPAN = 5.0  # over which its speed is taken [s]
@@ -73,7 +73,7 @@ class OperatedRobot:
             ValueError: If the robot has no module for the markers.
             MissingExtra: If a library is not installed.
         """
-        from laticauda.operate.listening import Listener
+        from laticauda.operate.observer import Listener
 
         listener = Listener(connection, robot, **mount)
         self.disconnect()
