@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.operate.safety.limits import LimitMonitor, Reports
+from laticauda.operate.safety.limits import Reports, compare, within_limits
 from laticauda.operate.safety.modules import no_reports
 from laticauda.operate.safety.supervisor import Supervisor, SupervisorState, safety_table
 from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, STATES
@@ -209,26 +209,26 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
 )
 def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, name, limit, lasts, says, sign):
     limits = Limits()
-    watch, patience, value = LimitMonitor(limits=limits), getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
+    patience, value = getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
     assert abs(value) > getattr(limits, limit)
-    state, found = watch.step(watch.init(2), seen_at(10.0, **{name: sign * value}))
+    state, found = compare(limits, within_limits(2), seen_at(10.0, **{name: sign * value}))
     assert found == {}
-    held, found = watch.step(state, seen_at(10.0 + patience, **{name: sign * value}))
+    held, found = compare(limits, state, seen_at(10.0 + patience, **{name: sign * value}))
     assert found == {}
-    _, found = watch.step(held, seen_at(10.1 + patience, **{name: sign * value}))
+    _, found = compare(limits, held, seen_at(10.1 + patience, **{name: sign * value}))
     assert found == {event: says[0] if sign > 0 else says[1]}
     # One moment within the limit, and the time begins anew.
-    back, _ = watch.step(held, seen_at(10.05 + patience))
-    _, found = watch.step(back, seen_at(10.1 + patience, **{name: sign * value}))
+    back, _ = compare(limits, held, seen_at(10.05 + patience))
+    _, found = compare(limits, back, seen_at(10.1 + patience, **{name: sign * value}))
     assert found == {}
 
 
 def test_what_a_module_says_of_itself_is_told_before_what_it_does():
-    watch = LimitMonitor(limits=Limits())
+    limits = Limits()
     beats = (WELL, Heartbeat(node=2, state=NodeState.FAULT, stuck=True))
     seen = seen_at(10.0, *beats)
-    state, found = watch.step(replace(watch.init(2), sending=0.0), seen)
+    state, found = compare(limits, replace(within_limits(2), sending=0.0), seen)
     assert found == {"module_fault": "module 2: stuck"}
     limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
-    _, found = watch.step(state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))
+    _, found = compare(limits, state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))
     assert found == {"module_fault": "module 2 does not move: limp"}

@@ -1,6 +1,6 @@
 """What came in at a tick, made into samples on our clock and in the path frame, and into the estimate."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,63 +9,60 @@ from laticauda.operate.course.calibration import ClockOffset
 from laticauda.operate.course.state import Inputs, OperatorState
 from laticauda.operate.recording.entries import Measurement
 from laticauda.operate.safety.modules import Modules, updated
-from laticauda.operate.settings import Operation
+from laticauda.operate.settings import CaptureVolume, Operation
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Intake:
-    """From devices to the state estimation."""
+def step(
+    operation: Operation, estimator: StateEstimator, state: OperatorState, now: float, inputs: Inputs
+) -> tuple[OperatorState, tuple[Measurement, ...]]:
+    """The latest of everything, and the estimate.
 
-    operation: Operation
-    """Whose tank and calibration they are."""
-    estimator: StateEstimator
-    """The state estimation."""
+    Args:
+        operation: Whose tank and calibration they are.
+        estimator: The state estimation.
+        state: Before.
+        now: [s].
+        inputs: What came in since the last tick.
 
-    def step(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, tuple[Measurement, ...]]:
-        """The latest of everything, and the estimate.
+    Returns:
+        The state, and what the estimator got, in that order; then the power meter's readings.
+    """
+    modules = updated(state.modules, inputs.messages)
+    samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
+    for arrival, frame in inputs.frames:
+        clock = ClockOffset().step(state.clock, arrival, frame.time)
+        pose = _pose(operation.tank, frame, clock.offset, state.prepared.marker_turned)
+        samples.append(pose)
+        state = replace(state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival)
+    rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)
+    if state.phase == "calibrating":
+        rotations = (*state.prepared.rotation, *rotations)
+    state = replace(state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations))
+    for reading in inputs.readings:
+        idle = state.idle.step(reading.current) if state.phase == "idle_current" else state.idle
+        drawn = state.drawn.step(reading.current) if state.phase == "running" else state.drawn
+        state = replace(state, reading=reading, idle=idle, drawn=drawn)
+    return _estimated(estimator, state, now, samples), (*samples, *inputs.readings)
 
-        Args:
-            state: Before.
-            now: [s].
-            inputs: What came in since the last tick.
 
-        Returns:
-            The state, and what the estimator got, in that order; then the power meter's readings.
-        """
-        modules = updated(state.modules, inputs.messages)
-        samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
-        for arrival, frame in inputs.frames:
-            clock = ClockOffset().step(state.clock, arrival, frame.time)
-            pose = self._pose(frame, clock.offset, state.prepared.marker_turned)
-            samples.append(pose)
-            state = replace(state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival)
-        rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)
-        if state.phase == "calibrating":
-            rotations = (*state.prepared.rotation, *rotations)
-        state = replace(state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations))
-        for reading in inputs.readings:
-            idle = state.idle.step(reading.current) if state.phase == "idle_current" else state.idle
-            drawn = state.drawn.step(reading.current) if state.phase == "running" else state.drawn
-            state = replace(state, reading=reading, idle=idle, drawn=drawn)
-        return self._estimated(state, now, samples), (*samples, *inputs.readings)
+def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) -> PoseSample:
+    """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
+    rotation = frame.rotation
+    if rotation is not None:
+        rotation = _about_z(-tank.path_heading) @ rotation @ _about_z(-turned)
+    position = tank.to_path(frame.position)
+    return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
 
-    def _pose(self, frame: PoseSample, offset: float, turned: float) -> PoseSample:
-        """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
-        tank, rotation = self.operation.tank, frame.rotation
-        if rotation is not None:
-            rotation = _about_z(-tank.path_heading) @ rotation @ _about_z(-turned)
-        position = tank.to_path(frame.position)
-        return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
 
-    def _estimated(self, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
-        """The estimate with the samples; an error in it stops the robot, and not the program."""
-        estimator, after = self.estimator, state.estimator
-        try:
-            for sample in samples:
-                after = estimator.step(after, sample)
-            return replace(state, estimator=after, estimate=estimator.estimate(after, now))
-        except Exception as error:
-            return replace(state, estimate=None, error=f"state estimation: {error}")
+def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
+    """The estimate with the samples; an error in it stops the robot, and not the program."""
+    after = state.estimator
+    try:
+        for sample in samples:
+            after = estimator.step(after, sample)
+        return replace(state, estimator=after, estimate=estimator.estimate(after, now))
+    except Exception as error:
+        return replace(state, estimate=None, error=f"state estimation: {error}")
 
 
 def _references(state: OperatorState) -> tuple[ReferenceSample, ...]:

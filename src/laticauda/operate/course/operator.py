@@ -13,12 +13,11 @@ import numpy as np
 
 from laticauda.estimation import Estimator, KinematicEstimator, StateEstimator
 from laticauda.interfaces import Plant
-from laticauda.operate.course import preparing
-from laticauda.operate.course.intake import Intake
+from laticauda.operate.course import intake, preparing
 from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared
 from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety.limits import LimitMonitor, Reports
+from laticauda.operate.safety.limits import Reports, compare, within_limits
 from laticauda.operate.safety.modules import no_reports
 from laticauda.operate.safety.supervisor import Entry, Supervisor
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of, phase_after, phase_with
@@ -58,11 +57,6 @@ class Operator:
         return Supervisor(straighten_time=self.operation.limits.straighten_time)
 
     @cached_property
-    def limits(self) -> LimitMonitor:
-        """What compares with the limits."""
-        return LimitMonitor(limits=self.operation.limits)
-
-    @cached_property
     def reference_source(self) -> ReferenceSource:
         """From observations to references."""
         how = self.operation
@@ -79,17 +73,12 @@ class Operator:
         lost_after = self.operation.limits.mocap_timeout
         return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
 
-    @cached_property
-    def intake(self) -> Intake:
-        """From devices to the state estimation."""
-        return Intake(operation=self.operation, estimator=self.estimator)
-
     def init(self) -> OperatorState:
         """The state before the first tick."""
         n = self.robot.n_joints
         return OperatorState(
             supervisor=self.supervisor.init(),
-            limits=self.limits.init(n),
+            limits=within_limits(n),
             modules=no_reports(n),
             estimator=self.estimator.init(),
             reference=self.reference_source.init(),
@@ -109,7 +98,7 @@ class Operator:
         """
         before = state
         state = state if state.since is not None else replace(state, since=now)
-        state, samples = self.intake.step(state, now, inputs)
+        state, samples = intake.step(self.operation, self.estimator, state, now, inputs)
         state, wrong = self._monitored(state, before, now, inputs)
         state, events = self._prepared(state, now)
         state, requests = self._requested(state, now)
@@ -143,7 +132,7 @@ class Operator:
             meter_age=None if state.reading is None else now - state.reading.time,
             room=room,
         )
-        limits, wrong = self.limits.step(state.limits, reports)
+        limits, wrong = compare(self.operation.limits, state.limits, reports)
         if state.phase in ("connecting", "checking"):
             wrong = {}  # the checks say it better
         if not sent:

@@ -46,55 +46,50 @@ class Reports:
     """Distance to the edge that the robot swims to [m]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LimitMonitor:
-    """Compares what the devices say with the limits."""
+def within_limits(n_joints: int) -> LimitState:
+    """Nothing is wrong yet.
 
-    limits: Limits
-    """What is accepted."""
+    Args:
+        n_joints: Of the robot, all axes.
+    """
+    never = np.full(n_joints, np.inf)
+    return LimitState(current=never, joint_error=never)
 
-    def init(self, n_joints: int) -> LimitState:
-        """Nothing is wrong yet.
 
-        Args:
-            n_joints: Of the robot, all axes.
-        """
-        never = np.full(n_joints, np.inf)
-        return LimitState(current=never, joint_error=never)
+def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitState, dict[str, str]]:
+    """Compare what the devices say with the limits, once a tick.
 
-    def step(self, state: LimitState, reports: Reports) -> tuple[LimitState, dict[str, str]]:
-        """One tick.
+    Args:
+        limits: What is accepted.
+        state: As the last call returned it, or `within_limits`.
+        reports: What the devices say.
 
-        Args:
-            state: As the last call returned it, or `init`.
-            reports: What the devices say.
-
-        Returns:
-            The state now, and what is wrong: events of the supervisor's table with a sentence each.
-        """
-        limits, now, modules = self.limits, reports.now, reports.modules
-        is_high = np.abs(modules.current) > limits.max_current
-        is_off = np.zeros(modules.n, dtype=bool)
-        if reports.references is not None:
-            is_off = np.abs(reports.references - modules.angle) > limits.max_joint_error
-        sending = math.inf if reports.references is None else min(state.sending, now)
-        after = LimitState(
-            current=np.where(is_high, np.minimum(state.current, now), np.inf),
-            joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
-            sending=sending,
-        )
-        # What a module says of itself tells more than what it does.
-        found = {**_of_motors(after, reports, limits), **_of_modules(modules, limits, now)}
-        if reports.lateness > limits.max_lateness:
-            found["late_loop"] = f"a tick came {reports.lateness:.3f} s late"
-        if reports.references is not None:
-            if reports.mocap_age > limits.mocap_timeout:
-                found["lost_mocap"] = f"the robot was seen {reports.mocap_age:.1f} s ago"
-            if reports.room < limits.edge_margin:
-                found["edge"] = f"{max(reports.room, 0.0):.2f} m are left to the edge"
-        if reports.meter_age is not None and reports.meter_age > limits.meter_timeout:
-            found["lost_meter"] = f"the meter was read {reports.meter_age:.1f} s ago"
-        return after, found
+    Returns:
+        The state now, and what is wrong: events of the supervisor's table with a sentence each.
+    """
+    now, modules = reports.now, reports.modules
+    is_high = np.abs(modules.current) > limits.max_current
+    is_off = np.zeros(modules.n, dtype=bool)
+    if reports.references is not None:
+        is_off = np.abs(reports.references - modules.angle) > limits.max_joint_error
+    sending = math.inf if reports.references is None else min(state.sending, now)
+    after = LimitState(
+        current=np.where(is_high, np.minimum(state.current, now), np.inf),
+        joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
+        sending=sending,
+    )
+    # What a module says of itself tells more than what it does.
+    found = {**_of_motors(after, reports, limits), **_of_modules(modules, limits, now)}
+    if reports.lateness > limits.max_lateness:
+        found["late_loop"] = f"a tick came {reports.lateness:.3f} s late"
+    if reports.references is not None:
+        if reports.mocap_age > limits.mocap_timeout:
+            found["lost_mocap"] = f"the robot was seen {reports.mocap_age:.1f} s ago"
+        if reports.room < limits.edge_margin:
+            found["edge"] = f"{max(reports.room, 0.0):.2f} m are left to the edge"
+    if reports.meter_age is not None and reports.meter_age > limits.meter_timeout:
+        found["lost_meter"] = f"the meter was read {reports.meter_age:.1f} s ago"
+    return after, found
 
 
 def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
