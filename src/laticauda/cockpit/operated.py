@@ -153,7 +153,7 @@ class OperatedRobot:
 
 def _sample(estimate: "Estimate") -> Log:
     """An estimate as a sample to draw, which says nothing of the motors."""
-    seen = [name for name in Observation.__dataclass_fields__ if name != "pitch"]
-    known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in seen}
+    names = [name for name in Observation.__dataclass_fields__ if name != "pitch"]
+    known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     nothing = np.zeros_like(estimate.joint_angle)
     return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3))

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState
-from laticauda.operate.drivers.can import Frame, framed
+from laticauda.operate.drivers.can import Frame, frame_of
 from laticauda.operate.drivers.clock import Clock
 from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.loop import Devices, Show, run_loop
@@ -93,15 +93,15 @@ class TankDevices(Devices):
 
     def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
         """See `Devices.receive`."""
-        frames = tuple(framed(now, wire, decode(*wire), is_ours=False) for wire in self._tank.sent())
+        frames = tuple(frame_of(now, wire, decode(*wire), is_ours=False) for wire in self._tank.sent())
         readings: tuple[PowerReading, ...] = ()
         if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
             readings, self._queried = self._readings(now), now
         inputs = Inputs(
             messages=tuple((now, frame.message) for frame in frames if frame.message is not None),
             frames=tuple(
-                (now, pose_sample(seen.timestamp, seen.bodies[0] if seen.bodies else None))
-                for seen in self._tank.captured()
+                (now, pose_sample(frame.timestamp, frame.bodies[0] if frame.bodies else None))
+                for frame in self._tank.captured()
             ),
             readings=readings,
         )
@@ -109,7 +109,7 @@ class TankDevices(Devices):
 
     def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
         """See `Devices.send`."""
-        frames = tuple(framed(now, encode(message), message, is_ours=True) for message in messages)
+        frames = tuple(frame_of(now, encode(message), message, is_ours=True) for message in messages)
         for frame in frames:
             self._tank.receive(frame.identifier, frame.data, now)
         return frames

@@ -36,7 +36,7 @@ class Frame:
     """What it says; None if it is none of our protocol."""
 
 
-def framed(time: float, wire: tuple[int, bytes], message: CanMessage | None, *, is_ours: bool) -> Frame:
+def frame_of(time: float, wire: tuple[int, bytes], message: CanMessage | None, *, is_ours: bool) -> Frame:
     """A frame, from its identifier and its bytes on the `wire`; see `Frame`."""
     return Frame(time=time, identifier=wire[0], data=wire[1], is_ours=is_ours, message=message)
 
@@ -86,7 +86,7 @@ class CanDriver(Worker[Frame]):
         if not from_node(frame.arbitration_id):
             return  # our own, which udp_multicast brings back
         wire = frame.arbitration_id, bytes(frame.data)
-        self._found.append(framed(self._clock.now(), wire, from_frame(frame), is_ours=False))
+        self._found.append(frame_of(self._clock.now(), wire, from_frame(frame), is_ours=False))
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
         """Send messages, in this order.
@@ -106,7 +106,7 @@ class CanDriver(Worker[Frame]):
             except Exception as error:  # the supervisor gets it, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
-            sent.append(framed(self._clock.now(), (frame.arbitration_id, bytes(frame.data)), message, is_ours=True))
+            sent.append(frame_of(self._clock.now(), (frame.arbitration_id, bytes(frame.data)), message, is_ours=True))
         self._send_trouble = trouble
         return tuple(sent)
 

@@ -16,7 +16,7 @@ from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.trial import Trial
 
-SEEN = tuple(name for name in Observation.__dataclass_fields__ if name not in ("time", "pitch"))
+OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name not in ("time", "pitch"))
 """What a trial has of every estimate as it is."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
@@ -68,19 +68,19 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     """
     run = run_of(log, estimates)
     time = np.array([estimate.time for estimate in run])
-    seen: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in SEEN}
+    observed: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED}
     torque, reference = _torque(log, time), _references(log, time)
     electrical, power_source = electrical_work(log, time)
     missing = () if torque is not None else ("joint_torque", "work")
     missing = (*missing, *(() if reference is not None else ("joint_angle_ref",)))
-    torque = np.zeros_like(seen["joint_rate"]) if torque is None else torque
+    torque = np.zeros_like(observed["joint_rate"]) if torque is None else torque
     end = _ending(log)
     return Trial(
         time=time - time[0],
-        **seen,
+        **observed,
         joint_angle_ref=np.zeros_like(torque) if reference is None else reference,
         joint_torque=torque,
-        work=_work(time, torque, seen["joint_rate"]),
+        work=_work(time, torque, observed["joint_rate"]),
         electrical_work=electrical,
         not_measured=missing,
         signals=_signals(log, time, run),
