@@ -12,7 +12,7 @@ from operate.tank import IDLE, ROOT, follower, record
 
 import laticauda as lc
 from laticauda.errors import StorageFailed, TrialFileError
-from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
+from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.logs import open_recording, read_messages
 from laticauda.operate import Event, Header, OperationRecorder, PowerReading, read_operation
 from laticauda.operate.timing import Tick
@@ -163,3 +163,5 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
 def test_settings_that_nobody_knows_are_refused():
     with pytest.raises(ValueError, match="`controller` must be of class Controller or NoneType, got object"):
         Header(run=RUN, controller=object())
+    with pytest.raises(ValueError, match="`estimator` must be of class Estimator or KinematicEstimator or NoneType"):
+        Header(run=RUN, estimator=StateEstimator(robot=RUN.robot))

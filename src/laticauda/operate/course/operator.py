@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.estimation import Estimator, KinematicEstimator, StateEstimator
+from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.interfaces import Plant
 from laticauda.operate.course import intake, preparing
 from laticauda.operate.course.reference_source import ReferenceSource
@@ -65,7 +65,7 @@ class Operator:
         )
 
     @cached_property
-    def estimator(self) -> StateEstimator:
+    def estimator(self) -> Estimator | KinematicEstimator:
         """The state estimation."""
         mount = self.operation.calibration.mount
         if self.operation.estimator == "kinematics":

@@ -13,7 +13,7 @@ import numpy as np
 from laticauda.codec import decode, encode
 from laticauda.control import IntegralLineOfSight, LineOfSight, PathFollowing, Polyline, Spline, StraightLine
 from laticauda.errors import BadArgument, instance
-from laticauda.estimation import Estimator, KinematicEstimator, StateEstimator
+from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.extensions import name_of
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.gaits import Gait
@@ -39,7 +39,7 @@ class Header:
         "what swims, in what, by which gait, as far as it is known; density and current count for the figures"
     )
     controller: Controller[Any] | None = option("what decides the commands, for a replay", default=None)
-    estimator: StateEstimator | None = option(
+    estimator: Estimators | None = option(
         "what says where the robot is, for a replay; the plant of an `Estimator` is kept as `twin`", default=None
     )
     twin: Experiment | None = option("how the estimator's digital twin was made; None without one", default=None)
