@@ -13,12 +13,11 @@ from laticauda.paper import (
     TurningSettings,
     run_beyond,
 )
-from laticauda.paper.curved import curved_run
+from laticauda.paper.beyond import turning_curve
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.drift import drift_laws, drift_run
 from laticauda.paper.runs import Runs
 from laticauda.paper.settings import swimmers
-from laticauda.paper.turning import turning_curve
+from laticauda.paper.steered import curved_run, drift_laws, drift_run
 from laticauda.scenarios import Planar
 
 HOW = (Planar(), Runs(n_runs=1, progress=None))

@@ -3,8 +3,8 @@ import pytest
 
 from laticauda.figures import new_figure
 from laticauda.paper import swimmers
-from laticauda.paper.figures.turning import turning_radii, turning_rates, turning_sheet, turning_speeds
-from laticauda.paper.turning import TurningCurve
+from laticauda.paper.beyond import TurningCurve
+from laticauda.paper.figures.beyond import turning_radii, turning_rates, turning_sheet, turning_speeds
 
 LINES = [
     TurningCurve(

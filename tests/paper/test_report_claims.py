@@ -1,7 +1,7 @@
 from paper.reading import cells, said
 
 from laticauda.paper.claims import claims, misprints
-from laticauda.paper.report.claims import claims_chapter
+from laticauda.paper.report.reproduce import claims_chapter
 
 
 def test_the_tables_hold_every_claim_and_every_misprint(study):

@@ -100,7 +100,7 @@ def test_every_study_has_a_runner_and_a_half_of_the_paper():
 def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
     monkeypatch.setattr(module, "CHAPTERS", {})
-    monkeypatch.setattr(module, "claims_chapter", lambda found: module.Chapter(name="parts", values={}, tables={}))
+    monkeypatch.setattr(module, "claims_chapter", lambda found: module.paper_chapter("words", {}, values={}))
     monkeypatch.setattr(module, "Results", lambda **found: type("Found", (), {"claims": (), "found": found}))
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results.found) == {"path_following", "stability", "beyond"}

@@ -10,16 +10,16 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.paper.beyond import BeyondSettings as BeyondSettings, run_beyond as run_beyond
     from laticauda.paper.claims.judge import Claim as Claim
-    from laticauda.paper.curved import CurvedSettings as CurvedSettings
+    from laticauda.paper.steered import CurvedSettings as CurvedSettings
     from laticauda.paper.datasets import to_dataset as to_dataset
-    from laticauda.paper.drift import DriftSettings as DriftSettings
+    from laticauda.paper.steered import DriftSettings as DriftSettings
     from laticauda.paper.efficiency import (
         EfficiencyStudy as EfficiencyStudy,
         maxima as maxima,
         run_efficiency as run_efficiency,
     )
     from laticauda.paper.figures.convergence import ConvergenceCurve as ConvergenceCurve, convergence as convergence
-    from laticauda.paper.links import LinksSettings as LinksSettings, run_links as run_links
+    from laticauda.paper.side_trials import LinksSettings as LinksSettings, run_links as run_links
     from laticauda.paper.measured import (
         efficiency_trials as efficiency_trials,
         measured_trial as measured_trial,
@@ -60,6 +60,6 @@ if TYPE_CHECKING:
         StabilitySettings as StabilitySettings,
         run_stability as run_stability,
     )
-    from laticauda.paper.turning import TurningSettings as TurningSettings
+    from laticauda.paper.beyond import TurningSettings as TurningSettings
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -139,9 +139,8 @@ def _stability(study: StabilityStudy) -> xarray.Dataset:
         loops = [getattr(found, kind) for found in study.maps]
         for name, words in LOOPS.items():
             variables[f"{name}_{kind}"] = _variable(axes, np.array([getattr(loop, name) for loop in loops]), *words)
-        codes = [[[BEHAVIORS.index(one) for one in row] for row in loop.behaviors] for loop in loops]
-        shape = (len(loops), len(settings.look_ahead_distances), len(gains))
-        variables[f"behavior_{kind}"] = _variable(axes, np.array(codes, dtype=np.int8).reshape(shape), "1")
+        codes = [sum(i * (loop.behaviors == one) for i, one in enumerate(BEHAVIORS)) for loop in loops]
+        variables[f"behavior_{kind}"] = _variable(axes, np.array(codes, dtype=np.int8), "1")
     names = ("duration", "initial_cross_track_error", "control_interval", "max_offset", "tolerance")
     more = {"behaviors": ", ".join(BEHAVIORS), **{name: getattr(settings, name) for name in names}}
     title = "Stability maps of line of sight over look-ahead distance and gain"

@@ -96,20 +96,17 @@ def paper_procedure(
     found = fit([m for m, mine in zip(placed, fitted, strict=True) if mine], parameters=parameters, **options)
     rest = make_problem(placed, parameters, model=found.problem.model)
     predicted = predict(rest, found.best).values
+    members = {name: [i for i, other in enumerate(rest.groups) if other == name] for name in rest.groups}
     groups = [
-        _group(name, [i for i, other in enumerate(rest.groups) if other == name], fitted, rest.observed, predicted)
-        for name in dict.fromkeys(rest.groups)
+        GroupError(
+            group=name,
+            was_fitted=fitted[at[0]],
+            n_measurements=len(at),
+            error=mape(rest.observed[at], predicted[at]),
+        )
+        for name, at in members.items()
     ]
     out = ~np.array(fitted)
     return PaperResult(
         model=model, fit=found, groups=tuple(groups), error_of_the_rest=mape(rest.observed[out], predicted[out])
-    )
-
-
-def _group(
-    name: str, members: Sequence[int], fitted: Sequence[bool], observed: np.ndarray, predicted: np.ndarray
-) -> GroupError:
-    at = list(members)
-    return GroupError(
-        group=name, was_fitted=fitted[at[0]], n_measurements=len(at), error=mape(observed[at], predicted[at])
     )

@@ -14,21 +14,36 @@ electrical power above idle, P_avg_W, may be missing, as a column or in single r
 import csv
 import math
 import statistics
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Literal
 
-from laticauda.errors import BadArgument, TrialFileError, finite, nearest, not_negative, one_of, positive
+from laticauda.errors import BadArgument, TrialFileError, nearest
 from laticauda.files import read_text
 from laticauda.gaits import Gait, envelope_of
 from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.paper.measured import KINDS
+from laticauda.quantities import option, quantity, value
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
 """Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
-KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
-CONFIGURATIONS = ("nofin", "fin")
-COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s")
-POWER = "P_avg_W"
+
+
+@value
+class _Cells:
+    """A row of the file."""
+
+    gait: Literal["LU", "EEL"] = option("Kind of the gait")
+    config: Literal["nofin", "fin"] = option("Configuration of the robot")
+    alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
+    omega_deg_s: float = quantity("deg/s", "Frequency", ge=0.0)
+    delta_deg: float = quantity("deg", "Phase shift")
+    v_m_s: float = quantity("m/s", "Forward velocity", gt=0.0)
+    P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
+
+
+COLUMNS = tuple(_Cells.__dataclass_fields__)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,63 +99,52 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
 
 
 def _grouped(rows: "csv.DictReader[str]") -> tuple[Repeat, ...]:
-    _check_columns(rows.fieldnames or ())
-    trials: dict[tuple[Gait, bool], list[tuple[float, float | None]]] = {}
+    _check_columns([*(rows.fieldnames or ())])
+    trials: dict[tuple[Gait, bool], list[_Cells]] = {}
     for row in rows:
         try:
-            gait, has_fin = _setting(row)
-            figures = positive("v_m_s", _number(row, "v_m_s"), "m/s"), _power(row)
+            if "" in row or None in row.values():
+                raise ValueError("it must have a cell per column.")
+            cells = _Cells(**{name: _cell(name, text.strip()) for name, text in row.items()})
+            alpha, omega, delta = map(math.radians, (cells.alpha_deg, cells.omega_deg_s, cells.delta_deg))
+            envelope = envelope_of(KINDS[cells.gait])
+            gait = Gait(envelope=envelope, amplitude=alpha, frequency=omega, phase_shift=delta)
         except ValueError as error:
             raise ValueError(f"row {rows.line_num}: {error}") from None
-        trials.setdefault((gait, has_fin), []).append(figures)
+        trials.setdefault((gait, cells.config == "fin"), []).append(cells)
     if not trials:
         raise ValueError("it has no trials.")
-    found: list[Repeat] = []
-    for (gait, has_fin), figures in trials.items():
-        velocity, power = zip(*figures, strict=True)
-        found.append(Repeat(gait=gait, has_fin=has_fin, forward_velocity=velocity, mean_power=power))
-    return tuple(found)
+    return tuple(
+        Repeat(
+            gait=gait,
+            has_fin=has_fin,
+            forward_velocity=tuple(one.v_m_s for one in found),
+            mean_power=tuple(one.P_avg_W for one in found),
+        )
+        for (gait, has_fin), found in trials.items()
+    )
 
 
-def _check_columns(names: Iterable[str]) -> None:
-    given = list(names)
-    known = (*COLUMNS, POWER)
+def _check_columns(given: list[str]) -> None:
     for name in given:
-        if name not in known:
-            hint = nearest(name, known) or f"; the columns are {', '.join(known)}"
+        if name not in COLUMNS:
+            hint = nearest(name, COLUMNS) or f"; the columns are {', '.join(COLUMNS)}"
             raise ValueError(f"row 1: column `{name}` is not known{hint}")
         if given.count(name) > 1:
             raise ValueError(f"row 1: column `{name}` must not be given twice.")
-    for name in COLUMNS:
+    for name in COLUMNS[:-1]:
         if name not in given:
             raise ValueError(f"row 1: column `{name}` is missing.")
 
 
-def _setting(row: Mapping[str, str]) -> tuple[Gait, bool]:
-    if "" in row or None in row.values():
-        raise ValueError("it must have a cell per column.")
-    kind = KINDS[one_of("gait", row["gait"].strip(), tuple(KINDS))]
-    has_fin = one_of("config", row["config"].strip(), CONFIGURATIONS) == "fin"
-    alpha, omega, delta = (
-        math.radians(check(name, _number(row, name), unit))
-        for name, check, unit in (
-            ("alpha_deg", not_negative, "deg"),
-            ("omega_deg_s", not_negative, "deg/s"),
-            ("delta_deg", finite, "deg"),
-        )
-    )
-    return Gait(envelope=envelope_of(kind), amplitude=alpha, frequency=omega, phase_shift=delta), has_fin
-
-
-def _power(row: Mapping[str, str]) -> float | None:
-    return positive(POWER, _number(row, POWER), "W") if row.get(POWER, "").strip() else None
-
-
-def _number(row: Mapping[str, str], name: str) -> float:
+def _cell(name: str, text: str) -> Any:
+    """A text, a number, or None for a power that is missing."""
+    if name in ("gait", "config") or not text:
+        return text or None
     try:
-        return float(row[name])
+        return float(text)
     except ValueError:
-        raise BadArgument(name, f"must be a number, got {row[name]!r}") from None
+        raise BadArgument(name, f"must be a number, got {text!r}") from None
 
 
 def _mean_and_deviation(values: Iterable[float]) -> tuple[float, float | None]:

@@ -1,21 +1,27 @@
 """Side trials: the few runs that the paper's claims need beside the studies.
 
-Lateral undulation over the phase shift with the joint law of the published simulations, and how much the speed depends
-on the added inertia and on the depth.
+Lateral undulation over the phase shift with the joint law of the published simulations; how much the speed depends on
+the added inertia and on the depth; and, as the paper sets the gain by the fin beside that of a robot of twice the
+length, what twice as many links bring in speed, and cost in power.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation import JointLaw
-from laticauda.gaits import Gait
+from laticauda.errors import BadArgument, one_of
+from laticauda.gaits import Gait, envelope_of
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import load_robot
 from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
 
@@ -110,3 +116,134 @@ def run_side_trials(
         by_added_inertia=changed_by(added_inertia=0.0),
         by_depth=changed_by(depth=SHALLOW),
     )
+
+
+KEPT = ("phase shift", "number of waves")
+"""What the longer robot has in common with the shorter one, besides amplitude and frequency."""
+
+
+@value
+class LinksSettings:
+    """What the links study runs; amplitude and frequency are those that the paper's sweeps hold."""
+
+    robot: str = option("Whose link is repeated (`load_robot`)", default="mamba")
+    n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
+    gaits: tuple[str, ...] = option("Kinds of gait", default=("lateral_undulation", "eel_like"))
+    amplitude: float = quantity("rad", "alpha", default=math.radians(30.0))
+    frequency: float = quantity("rad/s", "omega", default=math.radians(110.0))
+    phase_shift: float = quantity("rad", "delta of the shorter robot", default=math.radians(40.0))
+    duration: float = quantity("s", "Of every trial", gt=0.0, default=30.0)
+    coefficients: Coefficients = option("The water by gait; by default the paper's", default_factory=paper_coefficients)
+
+    def __post_init__(self) -> None:
+        """Check what has a range."""
+        if self.n_links[0] >= self.n_links[1]:
+            raise BadArgument("n_links", f"must be two rising numbers, got {self.n_links}")
+
+    def gait(self, kind: str, n_links: int, kept: str) -> Gait:
+        """The gait of one run.
+
+        Args:
+            kind: The gait's kind.
+            n_links: Of the robot.
+            kept: One of `KEPT`: with the same number of waves on the body, the phase shift of the longer robot is the
+                smaller, by the ratio of the numbers of links.
+        """
+        one_of("kept", kept, KEPT)
+        share = self.n_links[0] / n_links if kept == "number of waves" else 1.0
+        return Gait(
+            envelope=envelope_of(kind),
+            amplitude=self.amplitude,
+            frequency=self.frequency,
+            phase_shift=share * self.phase_shift,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinksRun:
+    """One run of the links study."""
+
+    gait: Gait
+    """What the joints were asked for."""
+    n_links: int
+    """Of the robot [-]."""
+    length: float
+    """Of the robot [m]."""
+    forward_velocity: float
+    """Equation (5) [m/s]."""
+    mechanical_power: float
+    """Mean of sum |u phi'| [W]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Doubling:
+    """A robot and a longer one with the same gait."""
+
+    kept: str
+    """One of `KEPT`."""
+    shorter: LinksRun
+    """The robot with fewer links."""
+    longer: LinksRun
+    """The one with more."""
+
+    @property
+    def velocity_change(self) -> float:
+        """Of the longer robot against the shorter one [%]."""
+        return percent_change(self.shorter.forward_velocity, self.longer.forward_velocity)
+
+    @property
+    def power_factor(self) -> float:
+        """Mechanical power of the longer robot over that of the shorter one [-]."""
+        return self.longer.mechanical_power / self.shorter.mechanical_power
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinksStudy(Study[LinksSettings]):
+    """What the links study ran, and what came out."""
+
+    doublings: tuple[Doubling, ...]
+    """By gait and, within, by what was kept."""
+
+
+def run_links(
+    settings: LinksSettings | None = None,
+    model: Model | str = "planar",
+    *,
+    progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
+) -> LinksStudy:
+    """Run the links study: every gait with both numbers of links, straight and from rest.
+
+    Args:
+        settings: None takes 10 and 20 of Mamba's links at the setting that the paper's sweeps hold.
+        model: By which model, or its name.
+        progress: Called after every trial with the number of trials done, and of all.
+        changes: What differs from the model's defaults.
+
+    Returns:
+        Speeds and powers.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        SimulationFailed: If a trial blows up; the message says which.
+    """
+    settings = settings or LinksSettings()
+    wanted = [*product(settings.gaits, KEPT)]
+    by, runs = model_of(model, **changes), Runs(n_runs=2 * len(wanted), progress=progress)
+
+    def swum(kind: str, kept: str, n: int) -> LinksRun:
+        gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
+        robot = load_robot(settings.robot, n_links=n)
+        swimmer = settings.coefficients.swimmer(robot, gait, model=by, duration=settings.duration)
+        trial = runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
+        return LinksRun(
+            gait=gait,
+            n_links=n,
+            length=robot.length,
+            forward_velocity=trial.forward_velocity,
+            mechanical_power=trial.mechanical_power,
+        )
+
+    few, many = settings.n_links
+    found = [Doubling(kept=kept, shorter=swum(kind, kept, few), longer=swum(kind, kept, many)) for kind, kept in wanted]
+    return LinksStudy(settings=settings, how=runs.how, doublings=tuple(found))

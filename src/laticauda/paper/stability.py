@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, Unpack
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Shaped
 
 from laticauda.control import LineOfSight, StraightLine
 from laticauda.errors import BadArgument
@@ -24,6 +24,8 @@ from laticauda.trial import Trial
 from laticauda.trial.following import mean_error
 
 Grid = Float[np.ndarray, "n_distances n_gains"]
+Some = Float[np.ndarray, "*loops"]
+Behaviors = Shaped[np.ndarray, "n_distances n_gains"]
 
 SETTLED, SWINGS, COMING = "settled", "limit cycle", "still coming"
 BEHAVIORS = (SETTLED, SWINGS, COMING)
@@ -91,22 +93,18 @@ class Loops:
     """Largest `rms` of a loop that has settled [m]."""
 
     @property
-    def behaviors(self) -> tuple[tuple[str, ...], ...]:
+    def behaviors(self) -> Behaviors:
         """One of `BEHAVIORS` per look-ahead distance and gain; see `behavior`."""
-        pairs = zip(self.rms.tolist(), self.rms_before.tolist(), strict=True)
-        return tuple(
-            tuple(behavior(last, before, self.tolerance) for last, before in zip(*row, strict=True)) for row in pairs
-        )
+        return behavior(self.rms, self.rms_before, self.tolerance)
 
     @property
     def shortest(self) -> tuple[float | None, ...]:
         """By gain, the shortest look-ahead distance that settles and is longer than all that swing; None if none is."""
         found: list[float | None] = []
-        for column in zip(*self.behaviors, strict=True):
-            n_swinging = max((i + 1 for i, one in enumerate(column) if one == SWINGS), default=0)
-            settled = (i for i, one in enumerate(column) if i >= n_swinging and one == SETTLED)
-            at = next(settled, None)
-            found.append(None if at is None else float(self.look_ahead_distances[at]))
+        for column in self.behaviors.T:
+            n_swinging = int(np.max(np.flatnonzero(column == SWINGS), initial=-1)) + 1
+            settled = self.look_ahead_distances[n_swinging:][column[n_swinging:] == SETTLED]
+            found.append(float(settled[0]) if settled.size else None)
         return tuple(found)
 
 
@@ -132,9 +130,9 @@ class StabilityMap:
         return np.hstack((self.cycle_mean.rms, self.raw.rms))
 
     @property
-    def behaviors(self) -> tuple[tuple[str, ...], ...]:
+    def behaviors(self) -> Behaviors:
         """By distance and gain, one of `BEHAVIORS`."""
-        return tuple((*a, *b) for a, b in zip(self.cycle_mean.behaviors, self.raw.behaviors, strict=True))
+        return np.hstack((self.cycle_mean.behaviors, self.raw.behaviors))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,10 +143,10 @@ class StabilityStudy(Study[StabilitySettings]):
     """One per swimmer of the settings."""
 
 
-def behavior(rms: float, rms_before: float, tolerance: float) -> str:
-    """What a loop does, by its cycle-mean cross-track error.
+def behavior(rms: Some, rms_before: Some, tolerance: float) -> Shaped[np.ndarray, "*loops"]:
+    """What loops do, by their cycle-mean cross-track error.
 
-    It has settled if the error's root mean square over the last third of the run is below the tolerance. If not, it
+    One has settled if the error's root mean square over the last third of the run is below the tolerance. If not, it
     swings in a limit cycle, unless the mean square has at least halved since the second third: then it is still coming.
 
     Args:
@@ -157,15 +155,13 @@ def behavior(rms: float, rms_before: float, tolerance: float) -> str:
         tolerance: [m].
 
     Returns:
-        One of `BEHAVIORS`.
+        One of `BEHAVIORS` per loop.
 
     Example:
-        >>> behavior(0.07, 0.08, 0.05), behavior(0.07, 0.2, 0.05), behavior(0.04, 0.04, 0.05)
-        ('limit cycle', 'still coming', 'settled')
+        >>> behavior(np.array([0.07, 0.07, 0.04]), np.array([0.08, 0.2, 0.04]), 0.05).tolist()
+        ['limit cycle', 'still coming', 'settled']
     """
-    if rms < tolerance:
-        return SETTLED
-    return COMING if rms * rms <= 0.5 * rms_before * rms_before else SWINGS
+    return np.where(rms < tolerance, SETTLED, np.where(rms * rms <= 0.5 * rms_before * rms_before, COMING, SWINGS))
 
 
 def run_stability(

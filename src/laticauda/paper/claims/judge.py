@@ -12,12 +12,11 @@ import numpy as np
 
 from laticauda.paper.claims import quantities
 from laticauda.paper.efficiency import EfficiencyStudy
-from laticauda.paper.links import LinksStudy
 from laticauda.paper.measured import PRINTED_TO
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import paper_templates
-from laticauda.paper.side_trials import SideTrials
+from laticauda.paper.side_trials import LinksStudy, SideTrials
 from laticauda.reports.texts import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]

@@ -11,12 +11,11 @@ from jaxtyping import Float
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.efficiency import Case, EfficiencyStudy, maxima
-from laticauda.paper.links import LinksStudy
 from laticauda.paper.measured import path_following_trials, percent_change, printed_changes
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.scores import FinGain, Score, fin_gains, scores
-from laticauda.paper.side_trials import SHALLOW, SideTrials
+from laticauda.paper.side_trials import SHALLOW, LinksStudy, SideTrials
 from laticauda.robot import load_robot, load_water
 from laticauda.trial import following as figures_of_path
 

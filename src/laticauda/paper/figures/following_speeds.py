@@ -3,8 +3,7 @@
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -13,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
+from laticauda.paper.path_following import FollowingCase
 
 ROW_HEIGHT = 0.27  # [in]
 AROUND = 1.35  # height that title, labels and legend take [in]
@@ -49,46 +49,29 @@ MARKS: dict[str, dict[str, Any]] = {
 RANGE: dict[str, Any] = {"color": "#C9DDEA", "linewidth": 5.0, "solid_capstyle": "round", "zorder": 0}
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpeedRow:
-    """One trial; all speeds are averages over the whole run [m/s]."""
-
-    group: str
-    """What it has in common with the rows beside it."""
-    label: str
-    """What tells it from them."""
-    measured: float
-    """In the tank [m/s]."""
-    simulated: Mapping[str, tuple[float, ...]]
-    """By joint law as the legend has it, one or several runs [m/s]."""
-    chosen: float
-    """The one of them that stands for the simulation [m/s]."""
-    cycle_mean: float
-    """The same with the mean heading over the gait cycle [m/s]."""
-    null: float
-    """Predicted without physics [m/s]."""
-
-
-def following_speeds(rows: Sequence[SpeedRow], ax: Axes) -> Axes:
+def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
     """Speeds of trials, one below the other: a mark per way, a line over their range.
 
     Args:
         rows: From top to bottom; those of a group follow each other.
+        null: Predicted without physics, by row [m/s].
         ax: Where to draw.
     """
     places = _places(rows)
-    for row, y in zip(rows, places, strict=True):
-        speeds = [speed for runs in row.simulated.values() for speed in runs]
+    for row, y, predicted in zip(rows, places, null, strict=True):
+        speeds = [run.forward_velocity for run in row.band]
         ax.plot([min(speeds), max(speeds)], [y, y], **RANGE)
-        for (color, marker), runs in zip(LAWS, row.simulated.values(), strict=False):
+        for (color, marker), law in zip(LAWS, _bandwidths(row), strict=False):
+            runs = [run.forward_velocity for run in row.band if run.joints == law]
             ax.plot(runs, [y] * len(runs), color=color, marker=marker, markersize=4.0, linestyle="none", zorder=3)
-        values = {"null": row.null, "mean": row.cycle_mean, "chosen": row.chosen, "measured": row.measured}
+        values = {"null": predicted, "mean": row.cycle_mean.forward_velocity}
+        values |= {"chosen": row.run.forward_velocity, "measured": row.measured.forward_velocity}
         for name, speed in values.items():
             ax.plot([speed], [y], linestyle="none", clip_on=False, **MARKS[name])
-    for row, y in zip(rows, places, strict=True):
-        if row.group not in (other.group for other, place in zip(rows, places, strict=True) if place < y):
-            ax.text(0.001, y - 0.75, row.group, fontsize=style.TICK, color=style.INK, weight="bold", va="center")
-    ax.set_yticks(places, [row.label for row in rows])
+    for i, (row, y) in enumerate(zip(rows, places, strict=True)):
+        if i == 0 or row.group != rows[i - 1].group:
+            ax.text(0.001, y - 0.75, row.group.name, fontsize=style.TICK, color=style.INK, weight="bold", va="center")
+    ax.set_yticks(places, [f"case {row.measured.case}" for row in rows])
     ax.set_ylim(places[-1] + 0.6, places[0] - 1.1)
     ax.set_xlim(left=0.0)
     ax.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
@@ -98,22 +81,26 @@ def following_speeds(rows: Sequence[SpeedRow], ax: Axes) -> Axes:
     return ax
 
 
-def following_speeds_sheet(rows: Sequence[SpeedRow], title: str, *, chosen: str, null: str) -> Figure:
+def following_speeds_sheet(
+    rows: Sequence[FollowingCase], title: str, *, chosen: str, null: tuple[str, Sequence[float]]
+) -> Figure:
     """The speeds of trials with a title and a legend.
 
     Args:
         rows: From top to bottom; those of a group follow each other.
         title: Above the axes.
         chosen: What the legend calls the chosen runs.
-        null: What it calls the prediction without physics.
+        null: What it calls the prediction without physics, and its speeds, by row [m/s].
     """
-    n_groups = len({row.group for row in rows})
+    n_groups = len({row.group.name for row in rows})
     figure = style.new_figure(style.DOUBLE_COLUMN, AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups))
-    following_speeds(rows, figure.subplots())
-    words = {"measured": "measured in the tank", "chosen": chosen, "mean": "the same, cycle-mean heading", "null": null}
+    following_speeds(rows, null[1], figure.subplots())
+    words = {"measured": "measured in the tank", "chosen": chosen, "mean": "the same, cycle-mean heading"}
+    words["null"] = null[0]
     handles = [Line2D([], [], linestyle="none", label=label, **MARKS[name]) for name, label in words.items()]
-    for (color, marker), law in zip(LAWS, rows[0].simulated, strict=False):
-        handles.append(Line2D([], [], linestyle="none", color=color, marker=marker, markersize=4.0, label=law))
+    for (color, marker), (law, found) in zip(LAWS, _bandwidths(rows[0]).items(), strict=False):
+        label = f"{law} joints, {' and '.join(f'{each:g}' for each in found)} rad/s, raw heading"
+        handles.append(Line2D([], [], linestyle="none", color=color, marker=marker, markersize=4.0, label=label))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
     style.legend_below(figure, handles, handlelength=1.4, handletextpad=0.7)
@@ -121,10 +108,18 @@ def following_speeds_sheet(rows: Sequence[SpeedRow], title: str, *, chosen: str,
     return figure
 
 
-def _places(rows: Sequence[SpeedRow]) -> list[float]:
+def _places(rows: Sequence[FollowingCase]) -> list[float]:
     """Heights of the rows, with room before each group."""
     places: list[float] = []
     for i, row in enumerate(rows):
         step = 1.0 if i == 0 or row.group == rows[i - 1].group else 1.0 + GAP
         places.append(places[-1] + step if places else 0.0)
     return places
+
+
+def _bandwidths(case: FollowingCase) -> dict[str, list[float]]:
+    """By joint law, the bandwidths of the band [rad/s]."""
+    found: dict[str, list[float]] = {}
+    for run in case.band:
+        found.setdefault(run.joints, []).append(run.offset_bandwidth)
+    return found

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
 from laticauda.figures import style
-from laticauda.paper.stability import StabilityMap
+from laticauda.paper.stability import COMING, SETTLED, StabilityMap
 
 Edge = tuple[tuple[float, float], tuple[float, float]]
 
@@ -43,8 +43,8 @@ def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> 
     """
     n, gains, distances = panel.cycle_mean.gains.size, panel.gains, panel.cycle_mean.look_ahead_distances
     columns = [j + (GAP if j >= n else 0.0) for j in range(gains.size)]
-    for row, (errors, behaviors) in enumerate(zip(panel.rms, panel.behaviors, strict=True)):
-        for at, error, behavior in zip(columns, errors.tolist(), behaviors, strict=True):
+    for row, (errors, behaviors) in enumerate(zip(panel.rms.tolist(), panel.behaviors.tolist(), strict=True)):
+        for at, error, behavior in zip(columns, errors, behaviors, strict=True):
             _draw_cell(ax, at, row, error, behavior)
     _draw_boundary(panel, ax, columns)
     above = np.flatnonzero(distances >= 2.0 * panel.swimmer.length * (1.0 - 1e-9))
@@ -116,7 +116,7 @@ def _draw_cell(ax: Axes, at: float, row: int, error: float, behavior: str) -> No
     red, green, blue, _ = COLORS(SCALE(max(error, SMALLEST)))
     cell = Rectangle((at - 0.5, row - 0.5), 1.0, 1.0, facecolor=(red, green, blue), edgecolor="white", linewidth=0.8)
     ax.add_patch(cell)
-    if behavior == "still coming":
+    if behavior == COMING:
         over = Rectangle((at - 0.5, row - 0.5), 1.0, 1.0, fill=False, edgecolor="white", linewidth=0.0, hatch=HATCH)
         ax.add_patch(over)
     is_light = 0.30 * red + 0.59 * green + 0.11 * blue > 0.5
@@ -128,7 +128,7 @@ def _draw_cell(ax: Axes, at: float, row: int, error: float, behavior: str) -> No
         va="center_baseline",
         fontsize=NUMBER,
         color=style.INK if is_light else "white",
-        fontweight="bold" if behavior != "settled" else "normal",
+        fontweight="bold" if behavior != SETTLED else "normal",
         path_effects=[withStroke(linewidth=1.6, foreground=(red, green, blue))],
     )
 
@@ -144,12 +144,12 @@ def _draw_boundary(panel: StabilityMap, ax: Axes, columns: Sequence[float]) -> N
     """Lines between cells that settle and cells that do not."""
     edges: list[Edge] = []
     n_rows, n_mean = panel.cycle_mean.look_ahead_distances.size, panel.cycle_mean.gains.size
-    settled = [[behavior == "settled" for behavior in row] for row in panel.behaviors]
+    settled = panel.behaviors == SETTLED
     for row in range(n_rows):
         for j, at in enumerate(columns):
-            if row + 1 < n_rows and settled[row][j] != settled[row + 1][j]:
+            if row + 1 < n_rows and settled[row, j] != settled[row + 1, j]:
                 edges.append(((at - 0.5, row + 0.5), (at + 0.5, row + 0.5)))
-            if j + 1 < len(columns) and j + 1 != n_mean and settled[row][j] != settled[row][j + 1]:
+            if j + 1 < len(columns) and j + 1 != n_mean and settled[row, j] != settled[row, j + 1]:
                 edges.append(((at + 0.5, row - 0.5), (at + 0.5, row + 0.5)))
     ax.add_collection(LineCollection(edges, colors=style.INK, linewidths=BOUNDARY, capstyle="projecting", zorder=3))
 

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.paper.beyond import BeyondStudy
+from laticauda.paper.beyond import BeyondStudy, TurningCurve
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.report.chapter import PaperChapter, degrees
-from laticauda.paper.turning import TurningCurve
+from laticauda.paper.report.chapter import degrees, paper_chapter
 from laticauda.reports.chapter import Chapter
 from laticauda.trial.cycles import CycleMean
 
@@ -25,24 +24,18 @@ def beyond_chapter(study: BeyondStudy) -> Chapter:
     Args:
         study: What `run_beyond` returned.
     """
-    from pandas import DataFrame
-
     settings = study.settings
     tightest = settings.curved.tightest_radius
     needed = {curve.swimmer.name: _offset_for(curve, settings.turning.offsets, tightest) for curve in study.turning}
-    return PaperChapter(
-        name="beyond",
+    return paper_chapter(
+        "beyond",
         values={
             "study": study,
             "settings": settings,
             "needed": {name: offset for name, offset in needed.items() if offset is not None},
             "turns": [_turns(curve, settings.turning.offsets) for curve in study.turning],
         },
-        tables={
-            DRIFT: DataFrame(_drift(study)),
-            CURVED: DataFrame(_curved(study)),
-            TURNING: DataFrame(_turning(study)),
-        },
+        tables={DRIFT: _drift(study), CURVED: _curved(study), TURNING: _turning(study)},
         n_figures=3,
         figures=lambda: beyond_figures(study),
         data={"beyond.nc": lambda: to_dataset(study)},
@@ -143,7 +136,7 @@ def _offset_for(curve: TurningCurve, offsets: tuple[float, ...], radius: float) 
 
 
 def _drift_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.drift import runs_sheet
+    from laticauda.paper.figures.beyond import runs_sheet
 
     settings = study.settings.drift
     title = (
@@ -161,7 +154,7 @@ def _drift_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
 
 
 def _curved_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.drift import runs_sheet
+    from laticauda.paper.figures.beyond import runs_sheet
 
     title = f"A curved path, line of sight with {study.settings.curved.law.name}"
     lines = [(run.swimmer.name, CycleMean(run.along, run.error.value)) for run in study.curved]
@@ -171,7 +164,7 @@ def _curved_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
 
 
 def _turning_figure(study: BeyondStudy) -> tuple[str, "Figure"]:
-    from laticauda.paper.figures.turning import turning_sheet
+    from laticauda.paper.figures.beyond import turning_sheet
 
     title = "Turning with a constant offset of all joints"
     return f"{title}: turning rate, radius and path speed. Simulation only.", turning_sheet(study.turning, title)

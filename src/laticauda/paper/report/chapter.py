@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
@@ -29,8 +29,18 @@ def paper_templates() -> Any:
     return made
 
 
-PaperChapter = partial(Chapter, templates=paper_templates)
-"""A chapter of the paper's report."""
+def paper_chapter(name: str, tables: Mapping[str, Iterable[Row]], **more: Any) -> Chapter:
+    """A chapter of the paper's report.
+
+    Args:
+        name: Of its template.
+        tables: By name, their rows.
+        more: Further fields of the chapter.
+    """
+    from pandas import DataFrame
+
+    frames = {table: DataFrame([*rows]) for table, rows in tables.items()}
+    return Chapter(name=name, tables=frames, templates=paper_templates, **more)
 
 
 def figure_numbers(numbers: Sequence[int]) -> str:

@@ -10,7 +10,7 @@ from laticauda.paper.datasets import to_dataset
 from laticauda.paper.efficiency import EfficiencyStudy, SweepResult, maxima
 from laticauda.paper.measured import percent_change
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report.chapter import PaperChapter, Row, degrees, error_rows, fin_row, misprinted
+from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter
@@ -18,7 +18,6 @@ from laticauda.trial.null_models import group_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from laticauda.paper.figures.efficiency import Panel
 
@@ -32,8 +31,8 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         study: What `run_efficiency` returned.
         repeats: Repeated trials to draw beside the paper's (`load_repeats`).
     """
-    return PaperChapter(
-        name="efficiency",
+    return paper_chapter(
+        "efficiency",
         values={"study": study, "settings": study.settings, "repeats": repeats, **_findings(study, repeats)},
         tables=_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
@@ -62,21 +61,17 @@ def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, An
 # ---- tables --------------------------------------------------------------------------------------------------------
 
 
-def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> "dict[str, DataFrame]":
+def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list[Row]]:
     """All tables of the study, by name."""
-    from pandas import DataFrame
-
     titles = {model.name: f"{model.name}: {model.title}" for model in study.settings.models}
-    rows = {
+    return {
         "table1": _table1(study),
         "table1-maxima": _maxima(study),
         "fin-gain": _fin(study),
         "errors": error_rows(study, "numbers fitted here", titles),
         "sweeps": _sweeps(study),
+        **({"repeats": [_repeat(repeat) for repeat in repeats]} if repeats else {}),
     }
-    if repeats:
-        rows["repeats"] = [_repeat(repeat) for repeat in repeats]
-    return {name: DataFrame(found) for name, found in rows.items()}
 
 
 def _setting(gait: Gait) -> Row:

@@ -5,12 +5,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.beyond import BeyondSettings, BeyondStudy, run_beyond
+from laticauda.paper.beyond import BeyondSettings, BeyondStudy, TurningSettings, run_beyond
 from laticauda.paper.claims.judge import Claim, claims
-from laticauda.paper.curved import CurvedSettings
-from laticauda.paper.drift import DriftSettings
 from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
-from laticauda.paper.links import LinksSettings, LinksStudy, run_links
 from laticauda.paper.parity import ParitySettings, ParityStudy, run_parity
 from laticauda.paper.path_following import PathFollowingStudy, run_path_following
 from laticauda.paper.runs import Coefficients
@@ -21,9 +18,9 @@ from laticauda.paper.settings import (
     path_following_settings,
     swimmers,
 )
-from laticauda.paper.side_trials import SideSettings, SideTrials, run_side_trials
+from laticauda.paper.side_trials import LinksSettings, LinksStudy, SideSettings, SideTrials, run_links, run_side_trials
 from laticauda.paper.stability import StabilitySettings, StabilityStudy, run_stability
-from laticauda.paper.turning import TurningSettings
+from laticauda.paper.steered import CurvedSettings, DriftSettings
 from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from laticauda.paper.parity import ORDERS, ParityStudy
-from laticauda.paper.report.chapter import PaperChapter
+from laticauda.paper.report.chapter import paper_chapter
 from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ def parity_chapter(study: ParityStudy) -> Chapter:
     Args:
         study: What `run_parity` returned.
     """
-    from pandas import DataFrame
-
     rows = [
         {
             "case": row.case,
@@ -35,10 +33,10 @@ def parity_chapter(study: ParityStudy) -> Chapter:
         for row in study.rows
     ]
     dt, path = min(study.worst("path").items())
-    return PaperChapter(
-        name="parity",
+    return paper_chapter(
+        "parity",
         values={"study": study, "dt": dt, "path": path},
-        tables={"parity": DataFrame(rows)},
+        tables={"parity": rows},
         n_figures=1,
         figures=lambda: parity_figures(study),
     )

@@ -9,15 +9,13 @@ from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.datasets import to_dataset
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
-from laticauda.paper.report.chapter import PaperChapter, misprinted
+from laticauda.paper.report.chapter import misprinted, paper_chapter
 from laticauda.paper.report.path_following_tables import path_following_tables
 from laticauda.paper.scores import Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
 from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from laticauda.paper.figures.following_speeds import SpeedRow
 
 SPEEDS, HELD_OUT = "table2-speeds", "held-out"
 
@@ -28,8 +26,8 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
     Args:
         study: What `run_path_following` returned.
     """
-    return PaperChapter(
-        name="path-following",
+    return paper_chapter(
+        "path-following",
         values={
             "study": study,
             "settings": study.settings,
@@ -152,9 +150,9 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
         f"{title}: measured in the tank; simulated with {chosen}, in the other ways of the band, and with the "
         f"cycle-mean heading; and as the null model “{null.name}”, fitted to Table 1, predicts it."
     )
-    rows = [_speed_row(study, case, speed) for case, speed in zip(study.cases, null.speeds, strict=True)]
-    legend = f"null model fitted to Table 1: {null.name}"
-    yield SPEEDS, caption, following_speeds_sheet(rows, title, chosen=f"simulated, {chosen}", null=legend)
+    predicted = (f"null model fitted to Table 1: {null.name}", null.speeds)
+    sheet = following_speeds_sheet(study.cases, title, chosen=f"simulated, {chosen}", null=predicted)
+    yield SPEEDS, caption, sheet
     for case in study.cases:
         title = f"Path following: {case.group.name}, case {case.measured.case}"
         start = _start(case.measured.initial_cross_track_error, case.measured.initial_heading)
@@ -169,27 +167,6 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
 
 def _best_null(study: PathFollowingStudy) -> Score:
     return min(null_predictions(study), key=lambda prediction: prediction.overall)
-
-
-def _speed_row(study: PathFollowingStudy, case: FollowingCase, null: float) -> "SpeedRow":
-    from laticauda.paper.figures.following_speeds import SpeedRow
-
-    laws = dict.fromkeys(run.joints for run in case.band)
-    bandwidths = {law: [run.offset_bandwidth for run in case.band if run.joints == law] for law in laws}
-    return SpeedRow(
-        group=case.group.name,
-        label=f"case {case.measured.case}",
-        measured=case.measured.forward_velocity,
-        simulated={
-            f"{law} joints, {' and '.join(f'{each:g}' for each in bandwidths[law])} rad/s, raw heading": tuple(
-                run.forward_velocity for run in case.band if run.joints == law
-            )
-            for law in laws
-        },
-        chosen=case.run.forward_velocity,
-        cycle_mean=case.cycle_mean.forward_velocity,
-        null=null,
-    )
 
 
 def _start(cross_track_error: float, heading: float) -> str:

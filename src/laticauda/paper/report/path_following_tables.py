@@ -1,8 +1,7 @@
 """The path-following study as tables: Table 2 row by row, every run, what the loop changes, the fin, errors, costs."""
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
@@ -10,20 +9,15 @@ from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFoll
 from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row
 from laticauda.paper.scores import FinGain, fin_gains, meter_costs
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
-
-def path_following_tables(study: PathFollowingStudy) -> "dict[str, DataFrame]":
+def path_following_tables(study: PathFollowingStudy) -> dict[str, Iterable[Row]]:
     """All tables of the study, by name.
 
     Args:
         study: What `run_path_following` returned.
     """
-    from pandas import DataFrame
-
     cases = study.cases
-    rows = {
+    return {
         "following-trials": [
             _case(case) | {"figure": case.figure} | _start(case) | _figures(case.run) for case in cases
         ],
@@ -31,10 +25,9 @@ def path_following_tables(study: PathFollowingStudy) -> "dict[str, DataFrame]":
         "following-loop": [_loop(case) for case in cases],
         "following-errors": error_rows(study, "numbers fitted to Table 1", {}),
         "following-fin": [_fin(gain) for gain in fin_gains(cases)],
-        "following-joules": [*_joules(study)],
-        "following-runs": [*_runs(study)],
+        "following-joules": _joules(study),
+        "following-runs": _runs(study),
     }
-    return {name: DataFrame(found) for name, found in rows.items()}
 
 
 def _case(case: FollowingCase) -> Row:

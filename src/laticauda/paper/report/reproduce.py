@@ -1,27 +1,29 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, NamedTuple, Unpack
 
 from laticauda.errors import one_of, whole
 from laticauda.files import write
 from laticauda.packaging import __version__
+from laticauda.paper.claims import Claim, Misprint, misprints
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
-from laticauda.paper.report.chapter import paper_templates
-from laticauda.paper.report.claims import claims_chapter
+from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.report.efficiency import efficiency_chapter
 from laticauda.paper.report.experiments import HALVES, RUNS, Experiments, Results
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.report.stability import stability_chapter
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
+from laticauda.scenarios import Model, ModelChanges, model_of, settings_of
 
 STUDIES = tuple(HALVES)
 """The halves of the paper."""
@@ -34,6 +36,9 @@ CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "parity": ("Planar against spatial model", parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
+
+VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
+"""The best first."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -50,25 +55,12 @@ class Reproduction:
     """What the studies found."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Job:
-    """One study to run and write down; it can be sent to another process."""
-
-    name: str
-    settings: object
-    model: str
-    joints: str
-    folder: Path
-    repeats: Sequence[Repeat]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Done:
-    """What came of a job."""
+class _Done(NamedTuple):
+    """What came of a study."""
 
     study: Any
-    files: list[str] = field(default_factory=list[str])
-    html: str = ""
+    files: list[str]
+    html: str
 
 
 def reproduce(
@@ -76,11 +68,11 @@ def reproduce(
     settings: Experiments | None = None,
     *,
     only: str | None = None,
-    model: str = "planar",
-    joints: str = "prescribed",
+    model: Model | str = "planar",
     repeats: Sequence[Repeat] = (),
     workers: int = 1,
     progress: Progress | None = None,
+    **changes: Unpack[ModelChanges],
 ) -> Reproduction:
     """Run the paper's studies and write everything into a folder.
 
@@ -88,12 +80,12 @@ def reproduce(
         folder: Made if it does not exist; files of the same names are replaced, others are left alone.
         settings: Of all studies; None takes the paper's. `paper_experiments` makes those for other coefficients.
         only: One of `STUDIES`; None runs all there are.
-        model: See `laticauda.simulate.plant`.
-        joints: See `laticauda.simulate.plant`.
+        model: By which model, or its name; `spatial` is compared with the planar one besides.
         repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
         workers: Processes to spread the studies over. More than 1 needs a script whose main part stands under
             ``if __name__ == "__main__":``, as all of Python's process pools do.
         progress: Called now and then with what is going on, how much of it is done, and how much there is.
+        changes: What differs from the model's defaults.
 
     Returns:
         What was run and written.
@@ -109,12 +101,11 @@ def reproduce(
     folder = writable_folder(folder)
     report = paper_templates().get_template("report.html")
     settings = settings or Experiments()
-    jobs = [
-        _Job(name=name, settings=getattr(settings, name), model=model, joints=joints, folder=folder, repeats=repeats)
-        for name in RUNS
-        if (only is None or name in HALVES[only]) and (name != "parity" or model == "spatial")
-    ]
-    done = _run(jobs, min(workers, len(jobs)), progress or (lambda what, done, total: None))
+    by = model_of(model, **changes)
+    how = settings_of(by)
+    names = [name for name in RUNS if only is None or name in HALVES[only]]
+    do = partial(_do, settings, by, folder, repeats)
+    done = _run(do, [name for name in names if name != "parity" or how["model"] == "spatial"], workers, progress)
     results = Results(**{name: part.study for name, part in done.items()})
     files, judged = write_chapter(claims_chapter(results.claims), folder, lambda n: None)
     found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
@@ -122,8 +113,8 @@ def reproduce(
         title=TITLE,
         coefficients=settings.efficiency.models[0].title,
         version=__version__,
-        model=model,
-        joints=joints,
+        model=how["model"],
+        joints=how["joints"],
         chapters=[("claims", "The paper's claims", judged), *found],
     )
     write(folder / "report.html", text)
@@ -131,37 +122,78 @@ def reproduce(
     return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
 
 
+def claims_chapter(found: Sequence[Claim], wrong: Sequence[Misprint] | None = None) -> Chapter:
+    """What the claims put into the folder and the report.
+
+    Args:
+        found: What `laticauda.paper.claims.claims` returned.
+        wrong: Misprints and contradictions; None takes all that are known.
+    """
+    claims = [
+        {
+            "about": claim.theme,
+            "where": claim.where,
+            "the paper says": claim.paper,
+            "here": claim.found,
+            "rule: it holds if": claim.rule,
+            "verdict": claim.verdict,
+        }
+        for claim in found
+    ]
+    misprinted = [
+        {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
+        for entry in (misprints() if wrong is None else wrong)
+    ]
+    counts = Counter(claim.verdict for claim in found)
+    return paper_chapter(
+        "claims",
+        values={"n_claims": len(found), "counts": {name: counts[name] for name in VERDICTS if counts[name]}},
+        tables={"claims": claims, "misprints": misprinted},
+    )
+
+
 # ---- the studies, one after the other or side by side --------------------------------------------------------------
 
 
-def _run(jobs: Sequence[_Job], workers: int, progress: Progress) -> dict[str, _Done]:
-    """Do all jobs; the first error ends them."""
-    if workers == 1:
-        return {job.name: _do(job, progress) for job in jobs}
+def _run(
+    do: Callable[[str, Progress], _Done], names: Sequence[str], workers: int, progress: Progress | None
+) -> dict[str, _Done]:
+    """Do all studies; the first error ends them."""
+    progress = progress or (lambda what, done, total: None)
+    if min(workers, len(names)) == 1:
+        return {name: do(name, progress) for name in names}
     context = get_context("spawn")  # the only way to start a process that is safe everywhere
     told = context.SimpleQueue()
     listener = Thread(target=_listen, args=(told, progress), daemon=True)
     listener.start()
+    workers = min(workers, len(names))
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_remember, initargs=(told,)) as pool:
-        names = {pool.submit(_do_there, job): job.name for job in jobs}
+        running = {pool.submit(do, name, _tell): name for name in names}
         try:
-            return {names[future]: future.result() for future in as_completed(names)}
+            return {running[future]: future.result() for future in as_completed(running)}
         finally:
             pool.shutdown(cancel_futures=True)
             told.put(None)
             listener.join()
 
 
-def _do(job: _Job, progress: Progress) -> _Done:
+def _do(
+    settings: Experiments,
+    model: Model,
+    folder: Path,
+    repeats: Sequence[Repeat],
+    name: str,
+    progress: Progress,
+) -> _Done:
     """Run one study and write its part of the folder."""
-    what = job.name.replace("_", " ")
-    study = RUNS[job.name](job.settings, model=job.model, joints=job.joints, progress=partial(progress, what))
-    if job.name not in CHAPTERS:
-        return _Done(study=study)
-    more = {"repeats": job.repeats} if job.name == "efficiency" else {}
-    chapter = CHAPTERS[job.name][1](study, **more)
-    files, html = write_chapter(chapter, job.folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
-    return _Done(study=study, files=files, html=html)
+    what = name.replace("_", " ")
+    study = RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
+    if name not in CHAPTERS:
+        return _Done(study, [], "")
+    more = {"repeats": repeats} if name == "efficiency" else {}
+    chapter = CHAPTERS[name][1](study, **more)
+    files, html = write_chapter(chapter, folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
+    return _Done(study, files, html)
 
 
 # ---- in a worker ---------------------------------------------------------------------------------------------------
@@ -175,8 +207,8 @@ def _remember(told: Any) -> None:
     _told = told
 
 
-def _do_there(job: _Job) -> _Done:
-    return _do(job, lambda what, done, total: _told.put((what, done, total)))
+def _tell(what: str, done: int, total: int) -> None:
+    _told.put((what, done, total))
 
 
 def _listen(told: Any, progress: Progress) -> None:

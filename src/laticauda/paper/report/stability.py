@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.paper.datasets import to_dataset
-from laticauda.paper.report.chapter import PaperChapter
+from laticauda.paper.report.chapter import paper_chapter
 from laticauda.paper.stability import SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
 from laticauda.reports.chapter import Chapter
 
@@ -23,10 +23,8 @@ def stability_chapter(study: StabilityStudy) -> Chapter:
     Args:
         study: What `run_stability` returned.
     """
-    from pandas import DataFrame
-
-    return PaperChapter(
-        name="stability",
+    return paper_chapter(
+        "stability",
         values={
             "study": study,
             "settings": study.settings,
@@ -35,7 +33,7 @@ def stability_chapter(study: StabilityStudy) -> Chapter:
             "shortest": _shortest(study),
             "speeds": _speeds(study),
         },
-        tables={"stability-boundary": DataFrame(_boundary(study)), "stability": DataFrame(_points(study))},
+        tables={"stability-boundary": _boundary(study), "stability": _points(study)},
         n_figures=1,
         figures=lambda: stability_figures(study),
         data={"stability.nc": lambda: to_dataset(study)},
@@ -88,7 +86,7 @@ def _points(study: StabilityStudy) -> list[dict[str, Any]]:
             "heading": HEADINGS[kind],
             "look-ahead distance [m]": distance,
             "gain [-]": gain,
-            "behavior": loops.behaviors[i][j],
+            "behavior": str(loops.behaviors[i, j]),
             "rms of the mean error, last third [m]": loops.rms[i, j],
             "rms of the mean error, second third [m]": loops.rms_before[i, j],
             "v [m/s]": loops.forward_velocity[i, j],
@@ -110,44 +108,39 @@ def _all_loops(study: StabilityStudy) -> Iterator[tuple[StabilityMap, str, Loops
 
 def _at_the_papers_gains(study: StabilityStudy) -> dict[str, list[tuple[str, str, float]]]:
     """By heading, what the loop of each swimmer does with the paper's pair, and its error [m]."""
-    distances, (distance, gain) = np.array(study.settings.look_ahead_distances), study.settings.paper
+    distance, gain = study.settings.paper
     said: dict[str, list[tuple[str, str, float]]] = {words: [] for words in HEADINGS.values()}
     for found, kind, loops in _all_loops(study):
-        for i in np.flatnonzero(distances == distance).tolist():
-            for j in np.flatnonzero(np.isclose(loops.gains, gain)).tolist():
-                said[HEADINGS[kind]].append((found.swimmer.name, loops.behaviors[i][j], float(loops.rms[i, j])))
+        here = np.ix_(loops.look_ahead_distances == distance, np.isclose(loops.gains, gain))
+        for name, rms in zip(loops.behaviors[here].flat, loops.rms[here].flat, strict=True):
+            said[HEADINGS[kind]].append((found.swimmer.name, str(name), float(rms)))
     return {words: loops for words, loops in said.items() if loops}
 
 
 def _rule_of_thumb(study: StabilityStudy) -> dict[str, int]:
     """Whether two robot lengths are enough, and whether they are needed: loops with the mean heading, counted."""
-    counts = {"n_above": 0, "swinging_above": 0, "n_below": 0, "settled_below": 0}
+    counts: dict[str, int] = dict.fromkeys(("n_above", "swinging_above", "n_below", "settled_below"), 0)
     for found in study.maps:
-        pairs = zip(study.settings.look_ahead_distances, found.cycle_mean.behaviors, strict=True)
-        for distance, behaviors in pairs:
-            above = distance >= 2.0 * found.swimmer.length * (1.0 - 1e-9)
-            counts["n_above" if above else "n_below"] += len(behaviors)
-            counts["swinging_above"] += behaviors.count(SWINGS) if above else 0
-            counts["settled_below"] += 0 if above else behaviors.count(SETTLED)
+        loops, behaviors = found.cycle_mean, found.cycle_mean.behaviors
+        above = loops.look_ahead_distances >= 2.0 * found.swimmer.length * (1.0 - 1e-9)
+        counts["n_above"] += behaviors[above].size
+        counts["n_below"] += behaviors[~above].size
+        counts["swinging_above"] += int(np.sum(behaviors[above] == SWINGS))
+        counts["settled_below"] += int(np.sum(behaviors[~above] == SETTLED))
     return counts
 
 
 def _shortest(study: StabilityStudy) -> list[tuple[str, float | None]]:
     """By swimmer, the shortest look-ahead distance that settles at the paper's gain with the mean heading [m]."""
-    settings = study.settings
-    return [
-        (found.swimmer.name, found.cycle_mean.shortest[j])
-        for j, gain in enumerate(settings.gains)
-        if math.isclose(gain, settings.paper[1])
-        for found in study.maps
-    ]
+    at = [j for j, gain in enumerate(study.settings.gains) if math.isclose(gain, study.settings.paper[1])]
+    return [(found.swimmer.name, found.cycle_mean.shortest[j]) for j in at for found in study.maps]
 
 
 def _speeds(study: StabilityStudy) -> list[tuple[str, list[float], list[float]]]:
     """By swimmer that has both, the speeds of loops that settle and of those in a limit cycle [m/s]."""
     found: list[tuple[str, list[float], list[float]]] = []
     for one in study.maps:
-        behaviors, speeds = np.array(one.cycle_mean.behaviors), one.cycle_mean.forward_velocity
+        behaviors, speeds = one.cycle_mean.behaviors, one.cycle_mean.forward_velocity
         settled, swinging = (speeds[behaviors == which].tolist() for which in (SETTLED, SWINGS))
         if settled and swinging:
             found.append((one.swimmer.name, settled, swinging))
