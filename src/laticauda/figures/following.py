@@ -27,7 +27,7 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
         ax: Where to draw.
     """
     path_strip(trial, ax)
-    ax.plot(*nearest_points(trial).T, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), zorder=0.5)
+    ax.plot(*nearest_points(trial).T, zorder=0.5, **style.AIM)
     return ax
 
 
@@ -38,7 +38,7 @@ def cross_track_error(trial: Trial, ax: Axes) -> Axes:
         trial: A run with the signals of path following.
         ax: Where to draw.
     """
-    ax.axhline(0.0, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)))
+    ax.axhline(0.0, **style.AIM)
     ax.plot(trial.time, trial.signals["cross_track_error"], color=style.BLUE, linewidth=style.LINE)
     _over_time(trial, ax)
     return style.dress(ax, xlabel="time [s]", ylabel="cross-track error [m]")
@@ -51,17 +51,9 @@ def heading_against_reference(trial: Trial, ax: Axes) -> Axes:
         trial: A run with the signals of path following.
         ax: Where to draw.
     """
-    ax.plot(
-        trial.time, np.degrees(trial.signals["heading_used"]), color=style.BLUE, linewidth=style.THIN, label="heading"
-    )
-    ax.plot(
-        trial.time,
-        np.degrees(trial.signals["heading_ref"]),
-        color=style.ORANGE,
-        linewidth=style.LINE,
-        linestyle=(0, (4, 2)),
-        label="reference",
-    )
+    used, reference = (np.degrees(trial.signals[name]) for name in ("heading_used", "heading_ref"))
+    ax.plot(trial.time, used, color=style.BLUE, linewidth=style.THIN, label="heading")
+    ax.plot(trial.time, reference, label="reference", **style.AIM)
     _over_time(trial, ax)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.35 * (high - low))  # room for the legend

@@ -136,13 +136,8 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
         else:
             _note(ax, "not identified", (1.0, i), xytext=(4, 0), va="center")
         if profile is not None:
-            ax.plot(
-                np.where(np.isnan(profile), (low, high), profile),
-                (i + 0.22, i + 0.22),
-                color=style.ORANGE,
-                linewidth=1.6,
-                solid_capstyle="butt",
-            )
+            shown, at = np.where(np.isnan(profile), (low, high), profile), (i + 0.22, i + 0.22)
+            ax.plot(shown, at, color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
     ax.plot([], [], color=style.BLUE, linewidth=3.0, label=f"{100 * confidence:g} % interval, from the covariance")
     if any(profile is not None for _, profile in rows.values()):
         ax.plot([], [], color=style.ORANGE, linewidth=1.6, label="from the profile likelihood (open ends: to the edge)")

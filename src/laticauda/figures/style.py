@@ -31,6 +31,7 @@ BLUE = "#0072B2"
 ORANGE = "#D55E00"
 AMBER = "#E69F00"
 GRAY = "#8A8A8A"
+AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # what was to be reached, or was measured
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -48,9 +48,7 @@ def speed(trial: Trial, ax: Axes) -> Axes:
     measured = measured_counterpart(trial)
     if measured is not None and measured.forward_velocity is not None:
         label = f"measured, {measured.forward_velocity:.3f} m/s"
-        ax.axhline(
-            measured.forward_velocity, color=style.ORANGE, linewidth=style.LINE, linestyle=(0, (4, 2)), label=label
-        )
+        ax.axhline(measured.forward_velocity, label=label, **style.AIM)
     _from_to(ax, trial.time)
     _add_legend(ax, forward[trial.time.size // 5 :])
     return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")

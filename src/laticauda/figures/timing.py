@@ -11,21 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from laticauda.figures.style import (
-    BLUE,
-    DOUBLE_COLUMN,
-    GRAY,
-    INK,
-    LINE,
-    ORANGE,
-    THIN,
-    TICK,
-    dress,
-    head,
-    new_figure,
-)
+from laticauda.figures import style
 
-KINDS = {"period": BLUE, "latency": ORANGE}
+KINDS = {"period": style.BLUE, "latency": style.ORANGE}
 
 
 def timing_sheet(
@@ -39,13 +27,13 @@ def timing_sheet(
         interval: Between two ticks, as asked for [s].
         note: What else there is to say, behind the ticks and the missed deadlines.
     """
-    figure = new_figure(DOUBLE_COLUMN, 2.6)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
     left, right = figure.subplots(1, 2)
     plot_timing(left, period, interval, "period")
     plot_timing(right, latency, interval, "latency")
     missed = int(np.count_nonzero(latency > interval))
     words = f"{latency.size} ticks, {missed} missed deadlines{'; ' if note else ''}{note}"
-    head(figure, f"Operator's loop at {1.0 / interval:g} Hz", words)
+    style.head(figure, f"Operator's loop at {1.0 / interval:g} Hz", words)
     return figure
 
 
@@ -63,18 +51,20 @@ def plot_timing(
     sorted_ms = 1e3 * np.sort(values)
     n = sorted_ms.size
     beyond = 100.0 * (n - np.arange(n)) / n
-    ax.step(sorted_ms, beyond, where="post", color=KINDS[kind], linewidth=LINE)
-    ax.axvline(1e3 * interval, color=GRAY, linewidth=THIN, linestyle="--")
+    ax.step(sorted_ms, beyond, where="post", color=KINDS[kind], linewidth=style.LINE)
+    ax.axvline(1e3 * interval, color=style.GRAY, linewidth=style.THIN, linestyle="--")
     line = " interval" if kind == "period" else " deadline"
-    ax.text(1e3 * interval, 400.0, line, fontsize=TICK, color=GRAY, va="top")
+    ax.text(1e3 * interval, 400.0, line, fontsize=style.TICK, color=style.GRAY, va="top")
     for name, value, share in (
         ("median", np.median(sorted_ms), 50.0),
         ("99 %", np.percentile(sorted_ms, 99.0), 1.0),
         ("largest", sorted_ms[-1], 100.0 / n),
     ):
         ax.plot(value, share, "o", color=KINDS[kind], markersize=3)
-        said = ax.annotate(f"{name} {value:.2f}", (value, share), (5, 4), textcoords="offset points", fontsize=TICK)
-        said.set(color=INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+        said = ax.annotate(
+            f"{name} {value:.2f}", (value, share), (5, 4), textcoords="offset points", fontsize=style.TICK
+        )
+        said.set(color=style.INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(50.0 / n, 400.0)
@@ -83,4 +73,4 @@ def plot_timing(
     ax.xaxis.set_minor_formatter(NullFormatter())
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    return dress(ax, xlabel=f"{kind} [ms]", ylabel="ticks beyond [%]")
+    return style.dress(ax, xlabel=f"{kind} [ms]", ylabel="ticks beyond [%]")
