@@ -31,6 +31,19 @@ class Count(Command):
         return Outcome(facts={"n": 3}, text="three", problem=problem, succeeded=not self.fails)
 
 
+@value
+class Weigh(Command):
+    """Weigh."""
+
+    robot: str = option("A preset or a TOML file", default="mamba")
+    name: str = option("What to call it", default="it")
+
+
+def test_every_field_of_a_command_from_elsewhere_is_a_flag():
+    found = Weigh.read(["--robot", "chain", "--name", "x"], "weigh")
+    assert (found.robot, found.name) == ("chain", "x")
+
+
 def test_an_outcome_is_text_or_one_json_object_and_a_status(folder: Path, capsys: pytest.CaptureFixture[str]):
     assert Count()() == 0
     assert capsys.readouterr() == ("three\n", "")

@@ -185,7 +185,8 @@ def _declared_values(info: Any) -> StructConstructorSpec | None:
     if not (isinstance(kind, type) and is_dataclass(kind) and any(texts_of(kind).values())):
         return None
     default = info.default if is_declared(info.default) else None
-    return _options(kind, default, nested=not kind.__module__.startswith(__name__.rpartition(".")[0]))
+    is_of_cli = kind.__module__.startswith(__name__.rpartition(".")[0]) or hasattr(kind, "read")  # as commands have
+    return _options(kind, default, nested=not is_of_cli)
 
 
 def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructorSpec:
