@@ -19,8 +19,8 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 from laticauda.trial.arrays import Samples, times
-from laticauda.trial.contents import NOT_NEEDED
 from laticauda.trial.dataset import ELECTRICAL, PLAIN, WORK
+from laticauda.trial.metrics import integral
 
 FASTEST = 5.0  # robot lengths per second; what is faster has another unit
 SLOWEST_SAMPLING = 1.0  # [s]; what is slower has another unit
@@ -55,20 +55,13 @@ def measured_trial(table: Table, given: ColumnMap, source: str) -> Trial:
     chain = given.robot.planar()
     place = place_of(log, chain)
     joints = {name: joints_of(log, name, chain) for name in UNITS if getattr(given, name) is not None}
-    arrays = _arrays(log, chain, place, joints)
-    missing = tuple(name for name in NOT_NEEDED if name not in arrays)
-    n = time.size
-    shapes = {"link_angle": (n, chain.n_links), "work": (n, 3), "heading": (n,), "heading_rate": (n,)}
-    for name in missing:
-        arrays[name] = np.zeros(shapes.get(name, (n, chain.n_joints)))
-    _check_plausible(arrays, chain, missing)
-    return Trial(
-        **arrays,
-        electrical_work=None if given.power is None else _electrical_work(log),
+    arrays = _arrays(log, place, joints)
+    _check_plausible(arrays, chain)
+    return Trial.measured(
+        {**arrays, "electrical_work": None if given.power is None else _electrical_work(log)},
         signals={name: log.whole(column, log.raw(column)) for name, column in given.signals.items()},
         scenario=Experiment(**known, notes={**notes, "filled_samples": int(np.count_nonzero(log.lost))}),
         version=version("laticauda"),
-        not_measured=missing,
         status=_status(log),
     )
 
@@ -118,7 +111,7 @@ def _time(table: Table, given: ColumnMap) -> tuple[Samples, Bool[np.ndarray, " n
 # ---- joints, rates, work -------------------------------------------------------------------------------------------
 
 
-def _arrays(log: Measured, chain: Robot, place: Place, joints: dict[str, Angles]) -> dict[str, Any]:
+def _arrays(log: Measured, place: Place, joints: dict[str, Angles]) -> dict[str, Any]:
     """The arrays of the trial that can be made."""
     time, window = log.time, log.column_map.smoothing
     found: dict[str, Any] = {"time": time, "center_of_mass": place.center, **joints}
@@ -130,10 +123,6 @@ def _arrays(log: Measured, chain: Robot, place: Place, joints: dict[str, Angles]
         found.setdefault("joint_angle", kinematics.joint_angles(place.link_angle))
     if "joint_angle" in found:
         found.setdefault("joint_rate", rate(time, found["joint_angle"], window))
-    if "joint_torque" in found and "joint_rate" in found:
-        power = found["joint_torque"] * found["joint_rate"]
-        kinds = (np.abs(power), power, np.maximum(power, 0.0))
-        found["work"] = np.stack([_integral(time, np.sum(one, axis=1)) for one in kinds], axis=1)
     return found
 
 
@@ -148,11 +137,7 @@ def _electrical_work(log: Measured) -> Samples:
         voltage = log.raw(given.voltage) if isinstance(given.voltage, str) else given.voltage
         power = log.raw(given.current) * voltage
     idle = log.column_map.robot.idle_power if given.idle is None else given.idle
-    return _integral(log.time, log.whole(given.column or given.current or "", power) - idle)
-
-
-def _integral(time: Samples, values: Samples) -> Samples:
-    return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(time) * (values[1:] + values[:-1]))))
+    return integral(log.time, log.whole(given.column or given.current or "", power) - idle)
 
 
 def rate(
@@ -217,7 +202,7 @@ def _slopes(values: Columns, width: int) -> Columns:
 # ---- checks and words ----------------------------------------------------------------------------------------------
 
 
-def _check_plausible(arrays: dict[str, Any], chain: Robot, missing: tuple[str, ...]) -> None:
+def _check_plausible(arrays: dict[str, Any], chain: Robot) -> None:
     """Refuse what only another unit explains."""
     speed = float(np.median(np.linalg.norm(arrays["center_of_mass_velocity"], axis=1)))
     if speed > FASTEST * chain.length:
@@ -226,8 +211,8 @@ def _check_plausible(arrays: dict[str, Any], chain: Robot, missing: tuple[str, .
             "is `length_unit` mm?"
         )
     for name in ("joint_angle", "joint_angle_ref"):
-        largest = float(np.max(np.abs(arrays[name]), initial=0.0))
-        if name not in missing and largest > LARGEST_BEND:
+        largest = float(np.max(np.abs(arrays.get(name, 0.0)), initial=0.0))
+        if largest > LARGEST_BEND:
             raise ValueError(f"`{name}` must be between -pi and pi rad, got {largest:.4g} rad; is its `unit` deg?")
 
 

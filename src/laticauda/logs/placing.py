@@ -93,12 +93,11 @@ def place_of(log: Measured, chain: Robot) -> Place:
     if given.body is not None:
         return _from_body(log, chain, given.body)
     assert given.center_of_mass is not None
-    frame = _axes(given.frame)
-    position = _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit, frame)
+    position = _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit)
     heading = None
     if given.heading is not None:
         yaw = log.angle(given.heading.column, given.heading.unit)
-        heading = _direction(log, given.heading.column, np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1), frame)
+        heading = _direction(log, given.heading.column, np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1))
     link_angle = None
     if heading is not None and given.joint_angle is not None:
         link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=heading)
@@ -110,10 +109,9 @@ def _from_body(log: Measured, chain: Robot, body: Body) -> Place:
         raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
     if body.name is not None:
         body = _of_qtm(log.table, body)
-    frame = _axes(log.column_map.frame)
     assert body.position is not None
-    position = _plane(log, body.position, body.length_unit, frame)
-    angle = _direction(log, body.position[0], _forward(log, body), frame) + math.radians(body.angle_offset_deg)
+    position = _plane(log, body.position, body.length_unit)
+    angle = _direction(log, body.position[0], _forward(log, body)) + math.radians(body.angle_offset_deg)
     link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=angle, link=body.link)
     center = kinematics.center_of_mass(chain, position, link_angle, link=body.link, offset=body.offset)
     return Place(center, kinematics.heading(link_angle), link_angle)
@@ -134,14 +132,11 @@ def _from_ends(log: Measured, chain: Robot) -> Place:
     if len(ends.markers) != chain.n_links + 1:
         need = f"{chain.n_links + 1} names: tail end, {chain.n_joints} joints, head end"
         raise BadArgument("ends.markers", f"must have {need}; got {len(ends.markers)}")
-    frame = _axes(log.column_map.frame)
     place: list[Points] = []
     for marker in ends.markers:
         names = [ends.columns.format(marker=marker, axis=axis) for axis in AXES]
         # Without a Z, the markers are in the plane.
-        place.append(
-            _plane(log, [name for name in names if name in log.table.columns] or names, ends.length_unit, frame)
-        )
+        place.append(_plane(log, [name for name in names if name in log.table.columns] or names, ends.length_unit))
     links = np.diff(np.stack(place, axis=1), axis=1)
     link_angle: Angles = np.unwrap(np.arctan2(links[..., 1], links[..., 0]), axis=0)
     # Which turn a link began in is not seen: within half a turn of its neighbor.
@@ -186,21 +181,22 @@ def _turn(frame: Frame) -> Float[np.ndarray, "2 2"]:
     return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
 
-def _plane(log: Measured, names: Any, unit: str | None, axes: Float[np.ndarray, "2 3"]) -> Points:
+def _plane(log: Measured, names: Any, unit: str | None) -> Points:
     """A place in the trial's axes [m], without gaps."""
-    place = log.lengths(names, unit)
+    place, frame = log.lengths(names, unit), log.column_map.frame
+    axes = _axes(frame)
     place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
     if place.shape[1] == 2:
         if np.any(axes[:, 2]):
             raise BadArgument("frame", "must not name z: the position has no z")
         place = np.hstack((place, np.zeros((len(place), 1))))
-    frame = log.column_map.frame
     return (place @ axes.T - np.array(frame.origin)) @ _turn(frame).T
 
 
-def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3"], axes: Any) -> Samples:
+def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3"]) -> Samples:
     """The angle of a direction to the trial's x axis [rad], unwrapped, without gaps."""
-    ours = forward @ axes.T @ _turn(log.column_map.frame).T
+    frame = log.column_map.frame
+    ours = forward @ _axes(frame).T @ _turn(frame).T
     known = np.all(np.isfinite(ours), axis=1)
     if np.any(np.hypot(*ours[known].T) < 0.1):
         raise ValueError(f"The body of `{name}` must lie flat: its forward axis is almost upright. Is `forward` right?")

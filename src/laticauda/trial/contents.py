@@ -16,21 +16,26 @@ from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, FinJoints, Setting
 
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
-NOT_NEEDED = (
-    "heading",
-    "heading_rate",
-    "link_angle",
-    "joint_angle",
-    "joint_rate",
-    "joint_angle_ref",
-    "joint_torque",
-    "work",
-)
+_NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
+NOT_NEEDED = tuple(name for name in SERIES if name not in _NEEDED)
 """What a measured trial may lack; where the robot was is what every trial has."""
 
 
 def _now() -> str:
     return datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+
+
+def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int, ...]]:
+    """Shapes of the arrays of a trial by name.
+
+    Args:
+        robot: What swims.
+        n_samples: How many samples there are.
+        n_axes: 2 in the plane, 3 in space.
+    """
+    n_links = (robot if n_axes == 3 else robot.planar()).n_links
+    n = {"time": n_samples, "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
+    return {name: tuple(n[of] for of in one.dimensions) for name, one in SERIES.items()}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -125,13 +130,12 @@ class Contents(Log):
         n_axes = center.shape[1]
         if n_axes not in (2, 3):
             raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
-        n_links = (self.robot if n_axes == 3 else self.robot.planar()).n_links
-        n = {"time": len(self.time), "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
-        for name, one in SERIES.items():
+        shapes = shapes_of(self.robot, len(self.time), n_axes)
+        for name, shape in shapes.items():
             if name != "time" and getattr(self, name) is not None:
-                clean[name] = arrays.floats(name, getattr(self, name), tuple(n[of] for of in one.dimensions))
-        clean["link_force"] = arrays.forces(self.link_force, (n["time"], n_links, n_axes))
-        clean["signals"] = arrays.signals(self.signals, n["time"])
+                clean[name] = arrays.floats(name, getattr(self, name), shape)
+        clean["link_force"] = arrays.forces(self.link_force, (*shapes["link_angle"], n_axes))
+        clean["signals"] = arrays.signals(self.signals, len(self.time))
         state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
         return clean

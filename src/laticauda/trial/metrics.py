@@ -15,6 +15,7 @@ from laticauda.robot import Ground, Robot, Water
 from laticauda.trial.contents import Contents
 from laticauda.trial.cycles import (
     CycleMean,
+    Signal,
     SteadyPart,
     Time,
     course_cycle_mean,
@@ -26,6 +27,7 @@ from laticauda.trial.cycles import (
 )
 
 Path = Float[np.ndarray, "n_samples n_axes"]
+Joints = Float[np.ndarray, "n_samples n_joints"]
 
 STANDARD_GRAVITY = 9.81  # [m/s2]
 STILL = 1e-9  # a speed below this is rounding [m/s]
@@ -89,6 +91,30 @@ def mean_power(time: Time, work: Time) -> float:
         ValueError: If the log has fewer than two samples.
     """
     return float(work[-1] - work[0]) / duration(time)
+
+
+def integral(time: Time, values: Signal) -> Signal:
+    """The integral of values so far, from 0 on, by trapezoids.
+
+    Args:
+        time: Of the samples [s].
+        values: At the samples, along the first axis.
+    """
+    pieces = 0.5 * np.diff(time) * (values[1:] + values[:-1]).T
+    return np.concatenate((np.zeros_like(values[:1]), np.cumsum(pieces.T, axis=0)))
+
+
+def joint_work(time: Time, torque: Joints, rate: Joints) -> Float[np.ndarray, "n_samples 3"]:
+    """Work of the joints so far [J]: of sum |u phi'|, of sum u phi', of sum max(u phi', 0).
+
+    Args:
+        time: Of the samples [s].
+        torque: Of every joint [N m].
+        rate: Of every joint [rad/s].
+    """
+    power = torque * rate
+    kinds = np.abs(power), power, np.maximum(power, 0.0)
+    return integral(time, np.stack([one.sum(axis=1) for one in kinds], axis=1))
 
 
 def joules_per_meter(power: float, speed: float) -> float:

@@ -3,12 +3,15 @@
 What is sampled stands in `contents`; the figures of the run are declared here and defined in `metrics`.
 """
 
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
 
 from laticauda.trial import formats, metrics
-from laticauda.trial.contents import Contents
+from laticauda.trial.contents import NOT_NEEDED, Contents, shapes_of
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.dataset import fields_of, to_dataset
 from laticauda.trial.figures import Figure
@@ -163,6 +166,24 @@ class Trial(Contents):
     def to_dataset(self) -> "xarray.Dataset":
         """The trial as an xarray Dataset: dimensions, units and names as in its file."""
         return to_dataset(self)
+
+    @classmethod
+    def measured(cls, series: Mapping[str, Any], **more: Any) -> Self:
+        """A trial of what was measured: it lists in `not_measured` what was not; work may be made of torques and rates.
+
+        Args:
+            series: The arrays by name; left out, or None, where nothing was measured.
+            more: All other fields.
+
+        Raises:
+            ValueError: If what there is makes no trial.
+        """
+        found = {name: values for name, values in series.items() if values is not None}
+        if "work" not in found and "joint_torque" in found and "joint_rate" in found:
+            found["work"] = metrics.joint_work(found["time"], found["joint_torque"], found["joint_rate"])
+        shapes = shapes_of(more["scenario"].robot, *np.shape(found["center_of_mass"]))
+        missing = tuple(name for name in NOT_NEEDED if name not in found)
+        return cls(**found, **{name: np.zeros(shapes[name]) for name in missing}, not_measured=missing, **more)
 
     @classmethod
     def from_dataset(cls, dataset: "xarray.Dataset") -> Self:

@@ -15,6 +15,7 @@ from laticauda.interfaces import Observation
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.trial import Trial
+from laticauda.trial.metrics import joint_work
 
 OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name not in ("time", "pitch"))
 """What a trial has of every estimate as it is."""
@@ -69,20 +70,13 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     run = run_of(log, estimates)
     time = np.array([estimate.time for estimate in run])
     observed: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED}
-    torque, reference = _torque(log, time), _references(log, time)
     electrical, power_source = electrical_work(log, time)
-    missing = () if torque is not None else ("joint_torque", "work")
-    missing = (*missing, *(() if reference is not None else ("joint_angle_ref",)))
-    torque = np.zeros_like(observed["joint_rate"]) if torque is None else torque
+    torque = _torque(log, time)
+    joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time)}
+    work = None if torque is None else joint_work(time, torque, observed["joint_rate"])
     end = _ending(log)
-    return Trial(
-        time=time - time[0],
-        **observed,
-        joint_angle_ref=np.zeros_like(torque) if reference is None else reference,
-        joint_torque=torque,
-        work=_work(time, torque, observed["joint_rate"]),
-        electrical_work=electrical,
-        not_measured=missing,
+    return Trial.measured(
+        {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
         signals=_signals(log, time, run),
         scenario=replace(log.header.run, notes={"source": "recording", **power_source, **log.header.run.notes}),
         version=log.version,
@@ -167,14 +161,6 @@ def _references(log: OperationLog, time: Column) -> Table | None:
     table = np.stack([yaw_joints(log.header.run.robot, "angle", sample.angle) for sample in samples])
     held = np.searchsorted(when, time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
-
-
-def _work(time: Column, torque: Table, rate: Table) -> Table:
-    """Work of the joints so far: of sum |u phi'|, of sum u phi', of sum max(u phi', 0)."""
-    power = torque * rate
-    kinds = np.stack((np.abs(power).sum(1), power.sum(1), np.maximum(power, 0.0).sum(1)), axis=1)
-    steps = 0.5 * np.diff(time)[:, np.newaxis] * (kinds[1:] + kinds[:-1])
-    return np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
 
 
 def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, Column]:
