@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import cache
 from types import CellType, CodeType, FunctionType
 from typing import Any, cast, no_type_check
 
@@ -185,6 +186,7 @@ def _text_of(code: CodeType) -> list[str]:
     return [code.co_code.hex(), repr(constants), repr(code.co_names), *inner]
 
 
+@cache
 def _globals_of(code: CodeType) -> list[str]:
     """The global names that code refers to, once each; those of attributes, as `self.exponent`, are none of them."""
     own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
