@@ -33,6 +33,7 @@ class Sweep:
 
     Example:
         >>> import laticauda as lc
+        >>> from laticauda.studies import Grid
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
         >>> sweep = Sweep(
         ...     scenario=lc.scenario("mamba", gait),
