@@ -1,6 +1,7 @@
 """A law of each kind in a module outside the package, driven through everything that knows laws."""
 
 import importlib.util
+import json
 import sys
 from dataclasses import replace
 
@@ -9,13 +10,16 @@ import pytest
 
 import laticauda as lc
 from laticauda.actuation import JointLaw
+from laticauda.cli import main
 from laticauda.codec import decode, encode
-from laticauda.cosim.fmu.exporting import export_fmu
+from laticauda.cosim import Session, export_fmu
 from laticauda.fluid import DragLaw
-from laticauda.gaits import Envelope, Gait
+from laticauda.gaits import Envelope, Gait, LateralUndulation
+from laticauda.identify import fit, from_trial
 from laticauda.robot import Water, from_toml, to_toml
 from laticauda.scenarios import scenario
 from laticauda.simulate import parameters, sensitivities
+from laticauda.simulate.numbers import changed
 
 pytestmark = pytest.mark.slow
 
@@ -132,16 +136,22 @@ def test_the_model_in_space_agrees_with_that_in_the_plane(ideas, gait, water):
 
 
 def test_sweeps_know_their_numbers(ideas, gait, water):
-    known = parameters(scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring()))
-    assert {"water.drag.wash", "water.drag.floor", "gait.envelope.share"} <= known.keys()
+    own = scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
+    known = parameters(own)
+    assert {"water.drag.wash", "water.drag.floor", "gait.envelope.share", "joints.stiffness"} <= known.keys()
     assert known["water.drag.floor"].unit == "m/s"
+    assert changed(own, {"joints.stiffness": 12.0}).model.joints == ideas.Spring(stiffness=12.0)
 
 
 def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, water):
     how = {"joints": ideas.Spring(), "dt": 0.002}
-    names = ["water.drag.wash", "water.drag.floor"]
+    names = ["water.drag.wash", "water.drag.floor", "joints.stiffness"]
     found = sensitivities(ROBOT, gait, 2.0, environments=water, names=names, **how)
-    for name in names:
+    own = scenario(ROBOT, gait, 2.0, environment=water, **how)
+    ends = [changed(own, {"joints.stiffness": 30.0 + step}) for step in (1e-3, -1e-3)]
+    up, down = lc.swim_many(ends).forward_velocity
+    assert found.of("forward_velocity", "joints.stiffness")[0] == pytest.approx((up - down) / 2e-3, rel=1e-4)
+    for name in names[:2]:
         field, step = name.rsplit(".", 1)[1], 1e-5
         value = getattr(water.drag, field)
         ends = [replace(water, drag=replace(water.drag, **{field: value + s})) for s in (step, -step)]
@@ -149,13 +159,108 @@ def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, 
         assert found.of("forward_velocity", name)[0] == pytest.approx((up - down) / (2.0 * step), rel=1e-5)
 
 
+def test_a_fit_finds_their_numbers_and_its_parameter_file_keeps_them(ideas, gait, water, tmp_path):
+    how = {"joints": ideas.Spring(stiffness=25.0), "dt": 0.002}
+    truth = {"water.drag.wash": 0.3, "water.drag.floor": 0.5, "joints.stiffness": 25.0}
+    trial = lc.swim(ROBOT, gait, 4.0, environment=water, **how)
+    measured = from_trial(trial, name="own", series={"center_of_mass": 0.001, "joint_angle": 0.01}, every=4)
+    elsewhere = replace(water, drag=ideas.WashedDrag(wash=0.2, floor=0.4))
+    measured = replace(measured, scenario=replace(measured.scenario, environment=elsewhere))
+    found = fit([measured], parameters=list(truth), joints=ideas.Spring(), dt=0.002, n_starts=1)
+    assert found.values == pytest.approx(truth, rel=1e-4)
+    found.parameters("own", "our own laws").save(tmp_path / "own.toml")
+    kept = lc.load_parameters(tmp_path / "own.toml")
+    assert kept.every_gait.drag == ideas.WashedDrag(
+        wash=found.values["water.drag.wash"], floor=found.values["water.drag.floor"]
+    )
+    assert kept.joints == ideas.Spring(stiffness=found.values["joints.stiffness"])
+
+
 def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
-    variables = {
-        v.name: v for v in export_fmu(tmp_path / "own.fmu", ROBOT, gait, environment=water, joints=ideas.Spring())
-    }
+    own = scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
+    variables = {v.name: v for v in export_fmu(tmp_path / "own.fmu", own)}
     assert variables["water.drag.wash"].start == 0.3
     assert variables["water.drag.floor"].unit == "m/s"
     assert variables["water.drag.floor"].least == 0.0
+    assert variables["joints.stiffness"].start == 30.0
+    fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
+    numbers = {"water.drag.wash": 0.1, "joints.stiffness": 20.0}
+    seen = fmpy.simulate_fmu(str(tmp_path / "own.fmu"), stop_time=2.0, output_interval=0.05, start_values=numbers)
+    trial = lc.swim(changed(own, numbers))
+    assert seen["center_of_mass.x"][-1] == pytest.approx(trial.center_of_mass[-1, 0], rel=1e-9)
+    assert seen["heading"][-1] == pytest.approx(trial.heading[-1], rel=1e-9)
+
+
+def test_another_program_drives_them_over_tcp(ideas, gait, water):
+    session = Session()
+    own = {
+        "robot": "mamba",
+        "water": "paper-lateral",
+        "gait": {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
+        | {"envelope": {"kind": "carangiform", "share": 0.2}},
+        "joints": {"kind": "spring", "stiffness": 25.0},
+        "coefficients": {"drag": {"kind": "washed-drag", "wash": 0.3, "floor": 0.5}},
+    }
+
+    def ask(request, **fields):
+        return json.loads(session.answer(json.dumps({"do": request, **fields}).encode()))
+
+    trial = lc.swim(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring(stiffness=25.0))
+    assert ask("run", duration=2.0, **own)["figures"] == trial.summary()
+    assert ask("reset", **own)["settings"]["joints"] == "spring"
+    assert ask("step", duration=0.1, gait={"envelope": {"share": 0.3}})["observation"]["time"] == pytest.approx(0.1)
+    assert ask("get")["command"]["gait"]["envelope"] == {"share": 0.3}
+
+
+def test_they_are_learnt_with_in_gymnasium(ideas, gait, water):
+    environments = pytest.importorskip("laticauda.cosim.gym.environments", exc_type=ImportError)
+    who = {"robot": "mamba", "gait": gait, "environment": water, "joints": ideas.Spring(), "duration": 2.0}
+    env = environments.SwimmingEnv("PathFollowing", **who)
+    env.reset(options={"y": 0.0, "heading": 0.0, "current_speed": 0.0})
+    for _ in range(env.task.n_steps):
+        info = env.step(np.zeros(1))[-1]
+    trial = lc.swim(env.task.scenario)
+    assert trial.scenario.model.joints == ideas.Spring()
+    np.testing.assert_allclose([info["x"], info["y"]], trial.center_of_mass[-1], atol=1e-12)
+
+
+def test_the_page_shows_and_chooses_them(ideas, gait, water):
+    pytest.importorskip("viser")
+    from laticauda.cockpit import Cockpit, Live
+
+    own = scenario(ROBOT, gait, environment=water, joints=ideas.Spring(stiffness=25.0))
+    page = Cockpit(Live(replace(own, motion=replace(gait, envelope=LateralUndulation()))), port=0)
+    try:
+        controls = page._controls.by_name
+        assert "carangiform" in controls["kind"].handle.options and "spring" in controls["joints"].handle.options
+        page.live.alter(**controls["kind"].changes("carangiform"))
+        page.live.advance(0.2)
+        assert page.live.scenario.gait.kind == controls["kind"].shown(page.live.scenario) == "carangiform"
+        page.live.alter(**controls["joints"].changes("spring"))
+        page.live.advance(0.2)
+        assert page.live.scenario.model.joints == ideas.Spring()
+        assert page.live.scenario.environment.drag == water.drag
+        assert page.live.simulation.failure is None
+    finally:
+        page.close()
+
+
+LINE = "--robot mamba --gait ideas:Carangiform --law ideas:WashedDrag --joints ideas:Spring --duration 2"
+
+
+def test_the_command_line_drives_stores_and_resumes_them(ideas, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(f"swim {LINE} --stiffness 25 --wash 0.4 --save own.nc --save-scenario own.toml".split()) == 0
+    stored = lc.load_trial("own.nc")
+    assert stored.scenario.environment.drag == ideas.WashedDrag(wash=0.4)
+    assert stored.scenario.model.joints == ideas.Spring(stiffness=25.0)
+    assert stored.gait.kind == "carangiform"
+    np.testing.assert_array_equal(lc.swim(stored.scenario).center_of_mass, stored.center_of_mass)
+    assert lc.load_scenario("own.toml") == stored.scenario
+    assert main("swim --resume own.nc --duration 1 --save on.nc".split()) == 0
+    assert lc.load_trial("on.nc").time[-1] == pytest.approx(3.0)
+    assert main(f"sweep {LINE} --vary water.drag.wash=0:0.4:2 joints.stiffness=20,30 --output swept".split()) == 0
+    assert "4 trials" in capsys.readouterr().out
 
 
 def test_a_run_goes_on_with_its_laws(ideas, gait, water):
