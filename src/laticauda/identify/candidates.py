@@ -6,12 +6,12 @@ speed) and a coast-down (the path of the straight robot that is let go with a sp
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, positive
+from laticauda.errors import BadArgument, not_negative, positive
 from laticauda.gaits import Gait
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Measurement
@@ -20,7 +20,6 @@ from laticauda.identify.problem import Problem, other_measurements
 from laticauda.identify.resolution import with_tied
 from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown
 from laticauda.interfaces import Start
-from laticauda.quantities import quantity, value
 from laticauda.robot import Environment, Robot, Water
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed
@@ -45,37 +44,36 @@ INTERVAL = 0.5
 _DIFFERENCE = 2.0**-12
 
 
-@value
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Tow:
     """The force that pulls the straight robot along itself at a constant speed."""
 
-    speed: float = quantity("m/s", "Through the water", gt=0.0)
-    sigma: float = quantity("N", "Standard deviation of the noise of the force", gt=0.0, default=FORCE_SIGMA)
-    share: float = quantity(
-        "", "The same as a share of the force: speed, alignment and calibration", ge=0.0, default=FORCE_SHARE
-    )
+    speed: float
+    """Through the water [m/s]."""
+    sigma: float = FORCE_SIGMA
+    """Standard deviation of the noise of the force [N]."""
+    share: float = FORCE_SHARE
+    """The same as a share of the force: speed, alignment and calibration [-]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        positive("speed", self.speed, "m/s")
+        positive("sigma", self.sigma, "N")
+        not_negative("share", self.share)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
     """A trial that could be done."""
 
+    name: str
+    """What tables call it."""
+    kind: str
+    """swim, tow or coast-down."""
     measurement: Measurement
     """Robot, water and gait, and what would be measured; the numbers in it do not count."""
     tow: Tow | None = None
     """How it is towed; None: it is not."""
-
-    @property
-    def name(self) -> str:
-        """What tables call it."""
-        return self.measurement.name
-
-    @property
-    def kind(self) -> str:
-        """swim, tow or coast-down."""
-        if self.tow is not None:
-            return "tow"
-        return "coast-down" if cast(Start, self.measurement.scenario.start).velocity > 0.0 else "swim"
 
 
 def swims(
@@ -97,12 +95,21 @@ def swims(
         duration: Of a trial [s].
         interval: Between the samples of series that count [s].
     """
-    measured = _placeholders(robot, sensors, duration, interval)
     found: list[Candidate] = []
     for gait in gaits:
-        scenario = Scenario(robot=robot, motion=gait, environment=environment, duration=duration)
-        one = Measurement(name=f"swim, {_words(robot, gait)}", scenario=scenario, **measured)
-        found.append(Candidate(measurement=one))
+        name = f"swim, {_words(robot, gait)}"
+        measured = _placeholders(robot, sensors, duration, interval)
+        found.append(
+            Candidate(
+                name=name,
+                kind="swim",
+                measurement=Measurement(
+                    name=name,
+                    scenario=Scenario(robot=robot, motion=gait, environment=environment, duration=duration),
+                    **measured,
+                ),
+            )
+        )
     return found
 
 
@@ -118,11 +125,18 @@ def coast_down(
         sigma: Standard deviation of the noise of the path [m].
         duration: [s].
     """
-    start = Start(velocity=positive("speed", speed, "m/s"))
-    scenario = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration)
-    measured = _placeholders(robot, {"path": sigma}, duration, 0.1)
     name = f"coast-down from {speed:g} m/s{_fin(robot)}"
-    return Candidate(measurement=Measurement(name=name, scenario=scenario, **measured))
+    measured = _placeholders(robot, {"path": sigma}, duration, 0.1)
+    start = Start(velocity=positive("speed", speed, "m/s"))
+    return Candidate(
+        name=name,
+        kind="coast-down",
+        measurement=Measurement(
+            name=name,
+            scenario=Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration),
+            **measured,
+        ),
+    )
 
 
 def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
@@ -133,9 +147,10 @@ def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
         environment: Where.
         tow: How.
     """
-    still = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, duration=1.0)
     name = f"straight tow at {tow.speed:g} m/s{_fin(robot)}"
-    return Candidate(measurement=Measurement(name=name, scenario=still, figures={"x": (0.0, 1.0)}), tow=tow)
+    still = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, duration=1.0)
+    at_rest = Measurement(name=name, scenario=still, figures={"x": (0.0, 1.0)})
+    return Candidate(name=name, kind="tow", measurement=at_rest, tow=tow)
 
 
 def information_of(
