@@ -67,7 +67,7 @@ class Machine:
     corners: tuple[tuple[float, float], ...] = quantity("m", "Where", default=())
 
 
-positive = st.floats(1e-9, 1e9)
+positive = st.floats(1e-9, 1e6)
 joints = st.builds(
     Joint, axis=st.sampled_from(["yaw", "pitch"]), limit=st.floats(1e-3, math.pi), rate=st.sampled_from([0.0, 0.1, 2.0])
 )

@@ -1,7 +1,11 @@
 """Declared numbers: what is let through, what is refused and in which words, and what help tells about them."""
 
+import contextlib
+import importlib
 import math
-from dataclasses import FrozenInstanceError, replace
+from collections.abc import Iterator
+from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -9,8 +13,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.errors import label
-from laticauda.quantities import Quantity, hints_of, option, quantities_of, quantity, texts_of, value
+import laticauda
+from laticauda.errors import MissingExtra, label
+from laticauda.lab.settings import LabSettings, NodeSettings
+from laticauda.quantities import LARGEST, LIMITS, Quantity, hints_of, option, quantities_of, quantity, texts_of, value
+from laticauda.robot import Actuator, CaudalFin, Section, Water
 
 
 @value
@@ -43,6 +50,20 @@ class Leg:
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
+SOURCES = Path(laticauda.__file__).parent
+limited = st.floats(-LIMITS[""], LIMITS[""])
+
+MODULES = [
+    path.relative_to(SOURCES.parent).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
+    for path in sorted(SOURCES.rglob("*.py"))
+    if "quantities import" in path.read_text()
+]
+ENDLESS = {
+    ("ModelPredictive", "power_limit"): "the gait may take any power",
+    ("OpenLoop", "interval"): "asked once",
+    ("Fault", "duration"): "to the end",
+}
+"""What may be infinite, where that is the default, and what it means."""
 
 
 @given(finite, finite, finite)
@@ -55,7 +76,7 @@ def test_a_number_in_its_range_stays_what_it_is_and_any_other_is_refused(low: fl
             declared.checked("x", number)
 
 
-@given(finite, finite)
+@given(limited, limited)
 def test_above_is_above(low: float, number: float):
     declared = Quantity(unit="", text="x", gt=low)
     if number > low:
@@ -103,6 +124,76 @@ def test_what_is_refused_is_refused_with_name_rule_unit_and_value(changes, messa
     with pytest.raises(ValueError) as caught:
         Leg(**{"length": 1.0} | changes)
     assert str(caught.value).replace("Hinge(stiffness=1.0)", "Hinge()") == message
+
+
+@given(st.sampled_from(["m", "rad", "", "Pa"]), finite)
+def test_without_a_declared_range_the_limit_of_the_unit_holds(unit: str, number: float):
+    declared, limit = Quantity(unit=unit, text="x"), LIMITS.get(unit, LARGEST)
+    assert declared.ends == (-limit, limit)
+    assert declared.range == ""  # help names what is declared only
+    if abs(number) <= limit:
+        assert declared.checked("x", number) == number
+    else:
+        with pytest.raises(ValueError, match=f"^`x` must be {'<= ' if number > 0.0 else '>= -'}"):
+            declared.checked("x", number)
+
+
+def test_a_side_without_a_bound_is_that_of_the_unit_in_a_value_too():
+    with pytest.raises(ValueError, match=r"^`length` must be <= 1e\+06 m, got 2000000\.0\.$"):
+        Leg(length=2e6)
+    with pytest.raises(ValueError, match=r"^`place\[1\]` must be >= -1e\+06 m, got -2000000\.0\.$"):
+        Leg(length=1.0, place=(0.0, -2e6))
+    assert Leg(length=1e6).lasting == math.inf
+
+
+def values() -> Iterator[type]:
+    """Every public class of the library that declares numbers."""
+    found: dict[type, None] = {}
+    for name in MODULES:
+        with contextlib.suppress(MissingExtra):
+            module = importlib.import_module(name)
+            found |= {one: None for one in vars(module).values() if isinstance(one, type) and is_dataclass(one)}
+    return (one for one in found if one.__module__.startswith("laticauda.") and quantities_of(one))
+
+
+def test_every_number_of_every_value_has_a_finite_range_on_both_sides_or_is_endless_for_a_reason():
+    endless: set[tuple[str, str]] = set()
+    for kind in values():
+        for name, declared in quantities_of(kind).items():
+            low, high = declared.ends
+            assert math.isfinite(low) and math.isfinite(high) and low < high, (kind, name)
+            default = next(field.default for field in fields(kind) if field.name == name)
+            if default == math.inf:
+                endless.add((kind.__name__, name))
+            elif isinstance(default, float | int):
+                assert low <= default <= high, (kind, name)
+    assert endless == ENDLESS.keys()
+
+
+@pytest.mark.parametrize(
+    ("make", "wrong", "right"),
+    [
+        (Water, {"density": 26e3}, {"density": 13.6e3}),
+        (CaudalFin, {"length": 101.0}, {"length": 30.0}),
+        (CaudalFin, {"thickness": 11.0}, {"thickness": 0.5}),
+        (CaudalFin, {"density": 26e3}, {"density": 7850.0}),
+        (CaudalFin, {"n_strips": 1001}, {"n_strips": 200}),
+        (Section, {"half_height": 101.0}, {"half_height": 15.0}),
+        (NodeSettings, {"temperature_limit": -300.0}, {"temperature_limit": 150.0}),
+        (LabSettings, {"water_temperature": 200.0}, {"water_temperature": 30.0}),
+        (Actuator, {"voltage": 1e6}, {"voltage": 400.0}),
+        (Actuator, {"stall_torque": 1e13}, {"stall_torque": 5000.0}),
+    ],
+)
+def test_what_no_robot_has_is_refused_and_what_a_large_one_has_is_not(make, wrong, right):
+    base: dict[str, float] = {
+        Water: {"tangential_friction": 0.1, "normal_drag": 1.0, "added_mass": 1.0},
+        Section: {"half_height": 0.1, "half_width": 0.1},
+    }.get(make, {})
+    for name, number in right.items():
+        assert getattr(make(**base | right), name) == number
+    with pytest.raises(ValueError, match=f"^`{next(iter(wrong))}` must be "):
+        make(**base | wrong)
 
 
 def test_a_hyphen_is_as_good_as_an_underscore():

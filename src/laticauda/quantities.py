@@ -30,10 +30,31 @@ _COUNTS = {2: "two", 3: "three"}
 DEGREES = {"rad": "_deg", "rad/s": "_deg_s"}
 """What a name ends in that gives a quantity of this unit in degrees, at the edges: files, flags and pages."""
 
+LIMITS = {
+    "": 2.0**63,  # whole numbers of 64 bits, of seeds say
+    "A": 1e5,
+    "Hz": 1e6,
+    "K/W": 1e6,
+    "V": 1e5,
+    "deg": 1e8,
+    "deg C": 1e4,
+    "degC": 1e4,
+    "kg/m^3": 25e3,  # osmium has 22 590
+    "m": 1e6,
+    "m/s^2": 1e6,
+    "m^2": 1e6,
+    "m^3": 1e9,
+    "ohm": 1e6,
+    "rad": 1e6,
+}
+"""How large a number of a unit may be where its field declares no bound on that side: beyond it, it is a slip."""
+LARGEST = 1e12
+"""The same for all other units: far beyond any swimmer, and far from where sums and squares of numbers overflow."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A finite number in a unit and a range."""
+    """A finite number in a unit and a range; where no bound is declared, that of its unit holds (`LIMITS`)."""
 
     unit: str
     """Of the number; "" for a pure one."""
@@ -62,16 +83,26 @@ class Quantity:
             raise BadArgument(name, f"must be > {self.gt:g}{unit}, got {shown(value)}")
         if not self.ge <= number <= self.le:
             raise BadArgument(name, f"must be {self.range}{unit}, got {shown(value)}")
+        lowest, highest = self.ends
+        if not lowest <= number <= highest:
+            rule = f"<= {highest:g}" if number > highest else f">= {lowest:g}"
+            raise BadArgument(name, f"must be {rule}{unit}, got {shown(value)}")
         return number
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The smallest and the largest number that will do, both finite."""
+        limit = LIMITS.get(self.unit, LARGEST)
+        return self.least if math.isfinite(self.least) else -limit, self.le if math.isfinite(self.le) else limit
+
+    @property
     def least(self) -> float:
-        """The smallest number that will do; minus infinity if there is none."""
+        """The smallest number that is declared to do; minus infinity if there is none."""
         return max(self.ge, math.nextafter(self.gt, math.inf) if math.isfinite(self.gt) else self.gt)
 
     @property
     def range(self) -> str:
-        """The range in words, "" if any number will do."""
+        """The declared range in words, "" if there is none."""
         low = self.ge if self.ge >= self.gt else self.gt
         if math.isfinite(low) and math.isfinite(self.le):
             return f"between {low:g} and {self.le:g}"
@@ -208,7 +239,6 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
     """By field: within what a float is fine as it is, and what else is asked."""
     hints, numbers = hints_of(kind), quantities_of(kind)
     found: list[tuple[str, float, float, Check | None]] = []
-    most = sys.float_info.max
     for field in dataclasses.fields(kind):
         declared = numbers.get(field.name)
         low, high = math.inf, -math.inf  # nothing is within
@@ -216,7 +246,7 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
         if declared is not None and (
             hint is float or (get_origin(hint) is types.UnionType and float in get_args(hint))
         ):
-            low, high = max(declared.least, -most), min(declared.le, most)
+            low, high = declared.ends
             high = math.inf if field.default == math.inf else high
         own = field.metadata.get("check")
         found.append((field.name, low, high, own or _check_of(hints[field.name], declared)))

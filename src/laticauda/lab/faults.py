@@ -49,7 +49,7 @@ class Fault:
     node: int = quantity("", "Where; 0: everywhere", ge=0, le=N_NODES, default=EVERY_NODE)
     share: float = quantity("", "Of frames that are lost, or corrupted", ge=0.0, le=1.0, default=0.1)
     delay: float = quantity("s", "Of late frames", ge=0.0, default=0.1)
-    temperature: float = quantity("deg C", "Of the motor", default=95.0)
+    temperature: float = quantity("deg C", "Of the motor", ge=-273.15, le=1000.0, default=95.0)
 
     def __post_init__(self) -> None:
         """Check every field once."""

@@ -30,8 +30,10 @@ class NodeSettings:
         "rad", "... while the joint comes no further than this; 1 deg", gt=0.0, default=0.0175
     )
     stuck_time: float = quantity("s", "... for so long in all; longer than a stall", gt=0.0, default=3.0)
-    temperature_limit: float = quantity("deg C", "Of the motor", default=80.0)
-    temperature_again: float = quantity("deg C", "Below it, over-temperature can be cleared", default=70.0)
+    temperature_limit: float = quantity("deg C", "Of the motor", ge=-273.15, le=1000.0, default=80.0)
+    temperature_again: float = quantity(
+        "deg C", "Below it, over-temperature can be cleared", ge=-273.15, le=1000.0, default=70.0
+    )
     thermal_resistance: float = quantity("K/W", "Motor to water", gt=0.0, default=3.0)
     heat_capacity: float = quantity("J/K", "Of the motor", gt=0.0, default=50.0)
     zero_error: float = quantity("rad", "Of the sensor before it is calibrated, to either side", ge=0.0, default=0.05)
@@ -99,5 +101,5 @@ class LabSettings:
     mocap: MocapSettings = option("The cameras", default_factory=MocapSettings)
     supply: SupplySettings = option("The power supply and its meter", default_factory=SupplySettings)
     step: float = quantity("s", "Between two looks of the devices at the world", ge=1e-3, le=0.05, default=0.01)
-    water_temperature: float = quantity("deg C", "An assumption", default=18.0)
+    water_temperature: float = quantity("deg C", "An assumption", ge=-10.0, le=150.0, default=18.0)
     seed: int = quantity("", "Of all that is random", default=0)

@@ -23,12 +23,16 @@ class CaudalFin:
     a `joint` it turns about its root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
     """
 
-    length: float = quantity("m", "Length from the root to the trailing edge, opening included", gt=0.0, default=0.5)
-    height: float = quantity("m", "Height h across the swimming plane", gt=0.0, default=0.09)
+    length: float = quantity(
+        "m", "Length from the root to the trailing edge, opening included", gt=0.0, le=100.0, default=0.5
+    )
+    height: float = quantity("m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09)
     opening_length: float = quantity("m", "Length of the opening, which begins at the root", ge=0.0, default=0.12)
     opening: Literal["open", "closed"] = option("`closed`: the plate reaches to the root", default="open")
-    thickness: float = quantity("m", "Thickness, which counts for the mass only", gt=0.0, default=0.005)
-    n_strips: int = quantity("", "Strips of equal length behind the opening, or where it would be", ge=1, default=8)
+    thickness: float = quantity("m", "Thickness, which counts for the mass only", gt=0.0, le=10.0, default=0.005)
+    n_strips: int = quantity(
+        "", "Strips of equal length behind the opening, or where it would be", ge=1, le=1000, default=8
+    )
     tangential_friction: float | None = quantity("", "C_f,fin, both faces; None for the water's", ge=0.0, default=None)
     normal_drag: float | None = quantity("", "C_D,fin, or None for the water's", ge=0.0, default=None)
     added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)
@@ -111,7 +115,7 @@ class PectoralFin:
     """
 
     link: int = quantity("", "Link that carries it, counted from the tail, from 0", ge=0)
-    area: float = quantity("m^2", "Area of one face", gt=0.0)
+    area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
     lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before the stall", ge=0.0)
     stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=math.pi / 2.0)
     x: float = quantity("m", "Mount along the link from its mid-length, headward positive", default=0.0)

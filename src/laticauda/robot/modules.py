@@ -10,8 +10,8 @@ from laticauda.quantities import option, quantity, value
 class Section:
     """Elliptic cross-section of a module."""
 
-    half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0)
-    half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0)
+    half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0)
+    half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0)
 
     @property
     def area(self) -> float:
@@ -27,7 +27,7 @@ class Module:
     """
 
     counted = ()  # keys that may be lists in an entry of a file with a `count`
-    length: float = quantity("m", "Whole length 2l", gt=0.0)
+    length: float = quantity("m", "Whole length 2l", gt=0.0, le=100.0)
     mass: float = quantity("kg", "Mass m", gt=0.0)
     section: Section = option("Cross-section")
     tangential_friction: float | None = quantity("", "C_f, or None for the water's", ge=0.0, default=None)
