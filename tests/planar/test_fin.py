@@ -16,7 +16,7 @@ from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, load_robot, load_water
-from laticauda.simulate.sensitivities import sensitivities
+from laticauda.simulate.derivatives import sensitivities
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 WAVE = lc.Wave(amplitude=0.4, frequency=2.5, phase=1.0, offset=0.1)

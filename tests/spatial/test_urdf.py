@@ -8,8 +8,8 @@ from robot.strategies import robots
 
 import laticauda as lc
 from laticauda.spatial import mjcf
-from laticauda.spatial.export import write_mjcf, write_urdf
-from laticauda.spatial.urdf import urdf
+from laticauda.spatial.mjcf import write_mjcf
+from laticauda.spatial.urdf import urdf, write_urdf
 
 mujoco = pytest.importorskip("mujoco")
 

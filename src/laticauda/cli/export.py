@@ -45,7 +45,7 @@ class Urdf(Command):
         Args:
             robot: What it is to hold.
         """
-        from laticauda.spatial.export import write_urdf
+        from laticauda.spatial.urdf import write_urdf
 
         write_urdf(self.output, robot, meshes=self.meshes)
 
@@ -73,7 +73,7 @@ class Mjcf(Urdf):
         for name in ("water", "tank"):
             if self.ground is not None and getattr(self, name):
                 raise BadArgument(name, "must not be given with --ground")
-        from laticauda.spatial.export import write_mjcf
+        from laticauda.spatial.mjcf import write_mjcf
 
         place = load_water(self.water or "paper-lateral") if self.ground is None else load_ground(self.ground)
         settings: Any = {name: getattr(self, name) for name in ("tank", "meshes", "root", "actuators")}

@@ -185,7 +185,7 @@ def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
     """Figures and series that count."""
     from laticauda.errors import one_of
     from laticauda.identify.measurements import SERIES
-    from laticauda.simulate.sensitivities import UNITS
+    from laticauda.simulate.numbers import UNITS
 
     found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
     form = "NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01"

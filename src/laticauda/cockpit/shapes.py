@@ -10,8 +10,7 @@ from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import from_quaternion, link_centers, module_poses, to_quaternion, turned_about_vertical
 from laticauda.robot import CaudalFin, Robot
 from laticauda.series import Log
-from laticauda.spatial.appearance import MATERIALS, Box, parts, plate, rods
-from laticauda.spatial.meshes import Mesh, joined
+from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, parts, plate, rods
 
 Color = tuple[int, int, int]
 

@@ -13,7 +13,7 @@ from laticauda.errors import BadArgument, finite, instance, one_of, positive, wh
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.scenarios import Scenario
-from laticauda.simulate.sensitivities import UNITS
+from laticauda.simulate.numbers import UNITS
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""

@@ -22,10 +22,8 @@ from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import collected, runs_of
-from laticauda.simulate.numbers import changed
-from laticauda.simulate.runner import Progress
-from laticauda.simulate.sensitivities import UNITS
-from laticauda.simulate.swimming import swim
+from laticauda.simulate.numbers import UNITS, changed
+from laticauda.simulate.runner import Progress, swim
 from laticauda.trial import Trial, metrics
 
 DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change

@@ -15,7 +15,7 @@ from laticauda.identify.least_squares import Method
 from laticauda.identify.measurements import SERIES
 from laticauda.identify.problem import Problem
 from laticauda.robot import Parameters, Robot, Water
-from laticauda.simulate.sensitivities import UNITS
+from laticauda.simulate.numbers import UNITS
 
 
 @dataclass(frozen=True, kw_only=True)

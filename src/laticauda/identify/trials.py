@@ -16,7 +16,7 @@ from laticauda.logs import load_trial
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
 from laticauda.scenarios import Scenario, scenario
-from laticauda.simulate.sensitivities import UNITS
+from laticauda.simulate.numbers import UNITS
 from laticauda.trial import MeasuredTrials, Trial
 from laticauda.trial.null_models import group_name
 

@@ -8,7 +8,7 @@ import numpy as np
 from laticauda.figures import identification as draw
 from laticauda.figures import new_figure, style
 from laticauda.identify.measurements import SERIES
-from laticauda.simulate.sensitivities import UNITS
+from laticauda.simulate.numbers import UNITS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,15 +1,83 @@
-"""A scenario: everything that decides a run."""
+"""Runs as values: a scenario with its model is everything that decides one, an experiment what is known of another."""
 
+import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal, TypeAlias, cast
 
-from laticauda.errors import instance
-from laticauda.extensions import name_of
+import numpy as np
+
+from laticauda.actuation.laws import JointLaw, Prescribed
+from laticauda.errors import BadArgument, instance
+from laticauda.extensions import Unknown, name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Environment, Robot
-from laticauda.scenarios.models import Model, Planar, settings_of
+from laticauda.robot import Environment, Ground, Robot
+
+
+@value
+class _Model:
+    """What both models have."""
+
+    joints: JointLaw = option("How the joints follow their references", default=Prescribed())
+    dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
+    offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
+    ramp: float | None = quantity(
+        "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
+    )
+
+
+@value
+class Planar(_Model):
+    """The closed-form model in the plane; a robot's pitch joints are held straight.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+
+@value
+class Spatial(_Model):
+    """MuJoCo in space, with our loads of the water; it needs the extra `spatial`.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    root: Literal["free", "planar"] | None = option(
+        "Of the tail module: free, or planar for one whose height and tilt are fixed; None: planar for a robot whose "
+        "joints all turn about the vertical axis, else free",
+        default=None,
+    )
+    gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
+    ballast_depth: float = quantity(
+        "m",
+        "How far the modules' centers of mass lie below their axes, for a free root with gravity: without it nothing "
+        "keeps a robot upright. Mamba's is not known; the default is an assumption",
+        default=0.005,
+    )
+    tank: bool = option("Whether the tank's floor and walls are there", default=False)
+    shore: Ground | None = option(
+        "The ground of a shore that leads down into the water, on which the robot begins; None: there is no land",
+        default=None,
+    )
+
+
+Model: TypeAlias = Planar | Spatial
+MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
+"""The models by what texts call them."""
+
+
+def settings_of(model: Model) -> dict[str, str | float | bool | None]:
+    """A model in texts and numbers, for people.
+
+    Args:
+        model: Any.
+    """
+    plain = {name: one for name, one in vars(model).items() if not isinstance(one, JointLaw | Ground)}
+    joints = model.joints.kind if isinstance(model.joints, Unknown) else name_of(type(model.joints))
+    shore = {} if isinstance(model, Planar) or model.shore is None else {"ground": "ramp", "shore": model.shore.name}
+    return {"model": name_of(type(model)), "joints": joints, **plain, **shore}
 
 
 @value
@@ -62,3 +130,48 @@ class Scenario:
                 if name != "gait":
                     found[name] = one if isinstance(one, str | float | int) else repr(one)
         return {**found, **settings_of(self.model)}
+
+
+@value
+class Experiment:
+    """A run that cannot be run again: of a real robot, of the tank, of a page where something was changed.
+
+    Raises:
+        ValueError: If a note is no text or number.
+    """
+
+    robot: Robot = option("What swam")
+    gait: Gait | None = option("What the joints were asked for; None where no gait was", default=None)
+    environment: Environment = option("What it swam or crawled in")
+    model: Model | None = option("By which model it was simulated; None: it was not", default=None)
+    notes: Mapping[str, Any] = option(
+        "What else is known of how the run was made: texts and numbers by name", default_factory=dict[str, Any]
+    )
+
+    def __post_init__(self) -> None:
+        """Check what its type does not tell."""
+        if not isinstance(self.notes, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise BadArgument("notes", f"must map names to values, got {type(self.notes).__name__}")
+        notes = {name: _plain(name, note) for name, note in self.notes.items() if note is not None}
+        object.__setattr__(self, "notes", notes)
+
+    @property
+    def settings(self) -> Mapping[str, str | float | bool | None]:
+        """The model and the notes in texts and numbers, for people."""
+        return {**({} if self.model is None else settings_of(self.model)), **self.notes}
+
+    @property
+    def lacks(self) -> str:
+        """What a scenario has and this has not, in words."""
+        missing = ["what decided its commands", "where it began", *(["a model"] if self.model is None else [])]
+        return f"{', '.join(missing[:-1])} and {missing[-1]}"
+
+
+def _plain(name: str, note: Any) -> str | float:
+    """A note as plain data that a file can hold."""
+    plain = cast(object, note.item() if isinstance(note, np.generic) else note)
+    if isinstance(plain, float) and math.isnan(plain):
+        raise BadArgument(f"notes[{name!r}]", "must not be nan")
+    if not isinstance(plain, str | float | int):
+        raise BadArgument(f"notes[{name!r}]", f"must be a text, number or truth value, got {type(plain).__name__}")
+    return plain

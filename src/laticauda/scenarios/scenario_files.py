@@ -26,7 +26,7 @@ from laticauda.codec import BadKey, Table, arguments_of, keys_of
 from laticauda.errors import RobotFileError
 from laticauda.gaits import Gait
 from laticauda.robot import load_robot
-from laticauda.scenarios.choice import Choice
+from laticauda.scenarios.building import Choice
 from laticauda.scenarios.coding import motion_of, run_from_table, run_to_toml
 from laticauda.scenarios.scenario import Scenario
 

@@ -3,13 +3,12 @@
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
-from laticauda.simulate.sensitivities import Sensitivities as Sensitivities, sensitivities as sensitivities
 
 if TYPE_CHECKING:
+    from laticauda.simulate.derivatives import Sensitivities as Sensitivities, sensitivities as sensitivities
     from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.simulate.numbers import Parameter as Parameter, parameters as parameters
     from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant
-    from laticauda.simulate.runner import resume as resume, run as run
-    from laticauda.simulate.swimming import swim as swim
+    from laticauda.simulate.runner import resume as resume, run as run, swim as swim
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -17,6 +17,7 @@ from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
 from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, preset_water, scenario
+from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import MOST_SAMPLES, Progress
 from laticauda.trial import metrics
@@ -231,7 +232,7 @@ def collected(
 
         march = march_on_gpu
     n = len(runs)
-    numbers = np.full((len(_FIGURES), n), np.nan, dtype=weights.dtype)
+    numbers = np.full((len(UNITS), n), np.nan, dtype=weights.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
     def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
@@ -245,29 +246,15 @@ def collected(
     for index, n_samples, found in march(runs, duration, sample_interval, figures, threads=threads):
         well = n_samples == n_intervals + 1
         succeeded[index] = well
-        for row, name in enumerate(_FIGURES):
+        for row, name in enumerate(UNITS):
             numbers[row, index[well]] = found[name][well]
         for i, reached in zip(index[~well], n_samples[~well], strict=True):
             status[i] = runs[int(i)].plant.what_went_wrong(float(reached) * duration / n_intervals)
         finished += index.size
         if progress is not None:
             progress(finished / n)
-    figures_by_name: dict[str, np.ndarray] = dict(zip(_FIGURES, numbers, strict=True))
+    figures_by_name: dict[str, np.ndarray] = dict(zip(UNITS, numbers, strict=True))
     return Collected(figures=figures_by_name, succeeded=succeeded, status=tuple(status))
-
-
-_FIGURES = (
-    "forward_velocity",
-    "steady_velocity",
-    "mechanical_power",
-    "net_power",
-    "positive_power",
-    "mean_power",
-    "cost_of_transport",
-    "x",
-    "y",
-    "heading",
-)
 
 
 def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str, np.ndarray]:

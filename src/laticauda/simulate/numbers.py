@@ -24,6 +24,20 @@ from laticauda.scenarios import Scenario
 
 Changes = dict[str, Any]
 
+UNITS = {
+    "forward_velocity": "m/s",
+    "steady_velocity": "m/s",
+    "mechanical_power": "W",
+    "net_power": "W",
+    "positive_power": "W",
+    "mean_power": "W",
+    "cost_of_transport": "",
+    "x": "m",
+    "y": "m",
+    "heading": "rad",
+}
+"""The figures of a trial that follow its numbers, with their units."""
+
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
 _PLURAL = {one: several for several, one in _SINGULAR.items()}
 _ENDS = ("_x", "_y")

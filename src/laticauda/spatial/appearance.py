@@ -3,17 +3,19 @@
 Shapes have no mass; the bodies have their own. Collision shapes are in group 3, which MuJoCo's viewer hides at first.
 """
 
-from collections.abc import Callable, Iterable
+import shutil
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
-from laticauda.spatial.meshes import Mesh, joined, loft
 
 SEEN, HULL = 1, 3  # groups
 # Modules touch the world and not each other: their joint limits keep them apart.
@@ -24,6 +26,7 @@ SUFFIXES = (".stl", ".obj")
 PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
 GAP = 0.012  # between two housings, filled by the bellows [m]
 CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
+AROUND = 40  # vertices around a section; the eye sees no corners
 NOSE = 1.5  # length of the rounded front, in half heights
 # Red, green, blue, opacity; how much it shines.
 MATERIALS = {
@@ -34,6 +37,47 @@ MATERIALS = {
     "collar": ((0.03, 0.035, 0.045, 1.0), 0.45),
     "fin": ((0.13, 0.15, 0.17, 1.0), 0.40),
 }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mesh:
+    """A closed surface, seen from outside counter-clockwise."""
+
+    vertices: Float[np.ndarray, "n_vertices 3"]
+    """[m]."""
+    faces: Int[np.ndarray, "n_faces 3"]
+    """Three vertices each [-]."""
+
+
+def loft(stations: Sequence[tuple[float, float, float]], *, around: int = AROUND) -> Mesh:
+    """A surface through elliptic sections that stand on the x axis, closed at both ends.
+
+    Args:
+        stations: Of every section its place x, its half height and its half width [m], x not falling.
+        around: Vertices of one section.
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    side, up = np.cos(angle), np.sin(angle)
+    rings = [np.stack((np.full(around, x), b * side, a * up), axis=1) for x, a, b in stations]
+    ends = [(stations[0][0], 0.0, 0.0), (stations[-1][0], 0.0, 0.0)]
+    first = np.arange(around)
+    second = (first + 1) % around
+    faces: list[np.ndarray] = []
+    for k in range(len(stations) - 1):
+        low, high = k * around, (k + 1) * around
+        faces.append(np.stack((low + first, low + second, high + second), axis=1))
+        faces.append(np.stack((low + first, high + second, high + first), axis=1))
+    last, n = (len(stations) - 1) * around, len(stations) * around
+    faces.append(np.stack((np.full(around, n), second, first), axis=1))
+    faces.append(np.stack((np.full(around, n + 1), last + first, last + second), axis=1))
+    return Mesh(vertices=np.vstack([*rings, ends]), faces=np.vstack(faces))
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several surfaces as one."""
+    shifts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + shift for mesh, shift in zip(meshes, shifts, strict=True)]
+    return Mesh(vertices=np.vstack([mesh.vertices for mesh in meshes]), faces=np.vstack(faces))
 
 
 def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
@@ -49,6 +93,25 @@ def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
         if file.suffix.lower() not in SUFFIXES or not file.is_file():
             raise BadArgument("meshes", f"must be files that exist and end in .stl or .obj, got {file}")
     return files
+
+
+def copied(files: Sequence[Path], beside: Path) -> list[str]:
+    """Copy mesh files into a folder beside a model's file; what the model calls them.
+
+    Args:
+        files: Of the meshes.
+        beside: The model's file.
+    """
+    folder = beside.with_name(f"{beside.stem}_meshes")
+    places: dict[Path, str] = {}
+    for file in files:
+        source = file.resolve()
+        if source not in places:
+            folder.mkdir(exist_ok=True)
+            name = f"{len(places)}_{file.name}"  # two folders may have files of the same name
+            shutil.copyfile(source, folder / name)
+            places[source] = f"{folder.name}/{name}"
+    return [places[file.resolve()] for file in files]
 
 
 def add_materials(model: Any) -> None:

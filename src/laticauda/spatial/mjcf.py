@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from laticauda.errors import instance, one_of
 from laticauda.extras import load_mujoco
+from laticauda.files import write
 from laticauda.robot import Environment, Ground, Joint, Module, Robot, Water, check_fits
 from laticauda.spatial import appearance, scene
 from laticauda.spatial.bodies import bodies, mounts
@@ -85,6 +86,36 @@ def spec(
         if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
             _add_servo(model, "fin_servo", "fin_joint", robot.caudal_fin.joint)
     return model
+
+
+def write_mjcf(
+    path: str | Path, robot: Robot, environment: Environment, *, meshes: Iterable[str | Path] = (), **options: Any
+) -> None:
+    """Write a robot and its place to an MJCF file that plain MuJoCo opens; mesh files are copied beside it.
+
+    Args:
+        path: The file (.xml); an older one is replaced.
+        robot: What swims.
+        environment: The water it swims in or the ground it crawls on.
+        meshes: As for `spec`.
+        options: Of `spec`.
+
+    Raises:
+        MissingExtra: If MuJoCo is not installed.
+        ValueError: If an argument is out of its range.
+        StorageFailed: If the file cannot be written.
+    """
+    path = Path(path)
+    model = spec(robot, environment, meshes=appearance.checked(meshes, robot.n_links), **options)
+    files = [Path(mesh.file) for mesh in model.meshes if mesh.file]
+    if files:
+        names = dict(zip(files, appearance.copied(files, path), strict=True))
+        model.modelfiledir = str(path.parent.resolve())
+        for mesh in model.meshes:
+            if mesh.file:
+                mesh.file = names[Path(mesh.file)]
+    model.compile()  # MuJoCo writes what it has checked
+    write(path, model.to_xml())
 
 
 def start_height(robot: Robot, environment: Environment, ground: str | None = None) -> float:

@@ -6,11 +6,13 @@ like round cylinders of the same volume. The water is not in it: URDF has no wor
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from laticauda.errors import BadArgument, instance
+from laticauda.files import write
 from laticauda.robot import Joint, Module, Robot
-from laticauda.spatial.appearance import MATERIALS, Box, plate
+from laticauda.spatial.appearance import MATERIALS, Box, checked, copied, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
 
 # MuJoCo would otherwise merge links that cannot move against each other, and forget what is only to be seen.
@@ -52,6 +54,22 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
         ET.SubElement(element, "origin", xyz=_numbers(*mount.position), rpy=_numbers(0.0, 0.0, mount.angle))
     ET.indent(root)
     return f'<?xml version="1.0"?>\n{ET.tostring(root, encoding="unicode")}\n'
+
+
+def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] = ()) -> None:
+    """Write a robot to a URDF file; mesh files are copied beside it.
+
+    Args:
+        path: The file (.urdf); an older one is replaced.
+        robot: What swims.
+        meshes: As for `mjcf.spec`.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        StorageFailed: If the file cannot be written.
+    """
+    path = Path(path)
+    write(path, urdf(robot, copied(checked(meshes, robot.n_links), path)))
 
 
 def _add_inertial(link: ET.Element, body: Body) -> None:

@@ -16,7 +16,7 @@ from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.robot import Ground, Robot, Water, from_toml
 from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
-from laticauda.scenarios.older import run_of_settings
+from laticauda.scenarios.coding import run_of_settings
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import Contents

@@ -23,7 +23,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, law_of
 from laticauda.robot.files import from_toml
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
-from laticauda.scenarios.older import run_of_settings
+from laticauda.scenarios.coding import run_of_settings
 
 HEADER = "operation"
 FORMATS = ("1", "2")

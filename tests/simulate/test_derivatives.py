@@ -6,8 +6,8 @@ import pytest
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.robot import Tether, load_robot, load_water
-from laticauda.simulate.numbers import changed
-from laticauda.simulate.sensitivities import UNITS, sensitivities
+from laticauda.simulate.derivatives import sensitivities
+from laticauda.simulate.numbers import UNITS, changed
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
