@@ -7,7 +7,7 @@ import pytest
 from laticauda.compiling.sources import PACKAGE, closure, digest_of
 from laticauda.planar import specialize
 
-PLANAR = tuple(f"laticauda.planar.{name}" for name in (*specialize.TEMPLATES, "specialize"))
+PLANAR = tuple(f"laticauda.planar.{name}" for name in specialize.TEMPLATES)
 MADE_OF = [
     PLANAR,
     ("laticauda.spatial.drives", "laticauda.spatial.stepping"),

@@ -8,8 +8,9 @@ import pytest
 import laticauda as lc
 from laticauda import scalars
 from laticauda.compiling import fingerprint
+from laticauda.compiling.sources import is_kept
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.planar.specialize import is_compiled, specialize
+from laticauda.planar.specialize import specialize
 from laticauda.robot import load_robot
 
 # The least of the kernels is enough: accelerations of the chain as it passes a state, and no march.
@@ -26,11 +27,11 @@ SCRIPT = textwrap.dedent(
     from {module} import make_law
     water = replace(lc.load_water("paper-lateral"), drag=FunctionDrag(function=make_law(1.0)))
     plant = lc.plant(lc.load_robot("mamba"), water)
-    print(is_kept(plant.kernels.evaluate))
+    print(is_kept(plant.kernels_of(1).evaluate))
     command = lc.Command(gait=lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7))
     S, a = plant.rows(plant.init(lc.Start(velocity=0.5), command), command), plant.layout
     free = np.zeros(a.n_bodies, dtype=bool)
-    plant.kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, free, a.tail_link, a.has_extras)
+    plant.kernels_of(1).evaluate(S, a.n_bodies, a.first_strip, a.first_plate, free, a.tail_link, a.has_extras)
     print(repr(float(S[rows.AX])))
     """
 )
@@ -119,4 +120,4 @@ def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_c
 def test_the_built_in_law_is_compiled_once_it_has_run():
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     lc.swim(load_robot("mamba"), gait, duration=1.0)
-    assert is_compiled()
+    assert is_kept(specialize().run)

@@ -1,6 +1,6 @@
 """How the joints are driven: the reference generator, the joint laws, and the work they do.
 
-A template (see `specialize`): `S` is the flat array of `rows`; the scalar laws come from `gaits.reference` and
+A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from `gaits.reference` and
 `actuation.laws`. Joint laws are told apart by `law`, one number per joint (LOCKED ... PASSIVE).
 """
 

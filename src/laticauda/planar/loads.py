@@ -1,6 +1,6 @@
 """What the water (or the ground) and the effectors do to the bodies of the chain.
 
-Forces are in the axes of the link, moments about its tail end. A template (see `specialize`): `S` is the flat array of
+Forces are in the axes of the link, moments about its tail end. A template (see `templates`): `S` is the flat array of
 `rows`, `b` the first row of a body's record.
 """
 

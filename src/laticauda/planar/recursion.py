@@ -7,7 +7,7 @@ known acceleration on; a free joint passes on what is left after the joint has g
 its acceleration is the last 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
 freedom.
 
-A template (see `specialize`). `S` is the flat array of `rows`; `n` the number of bodies. No function allocates.
+A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function allocates.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false

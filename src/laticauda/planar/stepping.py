@@ -5,7 +5,7 @@
   three quarters of the evaluations of the classic one of order 4.
 - Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit (`laticauda.dynamics.stages`).
 
-A template (see `specialize`); its entry points are what Python calls.
+A template (see `templates`); its entry points are what Python calls.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false

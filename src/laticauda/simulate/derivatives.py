@@ -115,8 +115,6 @@ def sensitivities(
         >>> found.of("forward_velocity", "gait.frequency").round(4)
         array([0.0486])
     """
-    from laticauda.simulate.sensitivities import Number, slopes
-
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)

@@ -68,12 +68,14 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
         MissingExtra: If the model needs a package that is not installed.
     """
     model = model_of(model or "planar")
+    from laticauda.compiling.sources import is_kept
+
     if isinstance(model, Spatial):
         from laticauda.extras import load_mujoco
-        from laticauda.spatial.specialize import is_compiled as is_spatial_compiled
+        from laticauda.spatial.twin import stepping
 
         load_mujoco()
-        return not is_spatial_compiled(model.joints)
-    from laticauda.planar.specialize import is_compiled
+        return not is_kept(stepping(model.joints).run)
+    from laticauda.planar.specialize import specialize
 
-    return not is_compiled(law=law_of(environment), joints=model.joints)
+    return not is_kept(specialize(law=law_of(environment), joints=model.joints).run)

@@ -1,7 +1,7 @@
 """How the joints of a robot in MuJoCo are driven: the reference generator, the joint laws, and the work they do.
 
 The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C command, J joints, R
-the reference with its two derivatives, U torques; what stands where is in `rows`. A template (see `specialize`).
+the reference with its two derivatives, U torques; what stands where is in `rows`. A template (see `templates`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false

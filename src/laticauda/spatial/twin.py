@@ -2,11 +2,13 @@
 
 import math
 from threading import Lock
+from types import ModuleType
 
 import numpy as np
 
 from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw
+from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import FORCES, has_hinges, joint_numbers
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
@@ -14,7 +16,6 @@ from laticauda.robot import Environment, Ground, Robot, has_power_model
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
-from laticauda.spatial.specialize import specialize
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
 
@@ -64,7 +65,7 @@ class Twin:
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
         self._setup = self._numbers(robot, setup)
-        self._stepping = specialize(setup.joints)
+        self._stepping = stepping(setup.joints)
 
     def _attach(self, robot: Robot, environment: Environment, setup: Spatial) -> water.Water:
         elements = robot_elements(robot, environment, floats=setup.gravity and setup.root == "free")
@@ -137,6 +138,16 @@ class Twin:
             for k, name in enumerate(FORCES):
                 total[k, link] += loads_on[name][i]
         return total
+
+
+def stepping(joints: JointLaw) -> ModuleType:
+    """The module `laticauda.spatial.stepping`, compiled on first call.
+
+    Args:
+        joints: Whose formula is compiled beside the built-in ones, if it is none of them.
+    """
+    made_for = dict.fromkeys(("drives", "stepping"), ("joint_law",))
+    return specialized("laticauda.spatial", made_for, {"joint_law": joints.own})
 
 
 def land_of(environment: Environment, setup: Spatial) -> Ground | None:
