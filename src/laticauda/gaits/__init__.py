@@ -1,22 +1,15 @@
 """Gaits: what is asked of the joints, and the generator that turns it into a reference they can follow."""
 
-from laticauda.gaits.envelopes import GAIT_WORDS, Custom, EelLike, Envelope, LateralUndulation, envelope_of, kinds
-from laticauda.gaits.gait import Gait, Wave, custom_gait, eel_like, lateral_undulation
-from laticauda.gaits.generator import Generator, GeneratorState
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "GAIT_WORDS",
-    "Custom",
-    "EelLike",
-    "Envelope",
-    "Gait",
-    "Generator",
-    "GeneratorState",
-    "LateralUndulation",
-    "Wave",
-    "custom_gait",
-    "eel_like",
-    "envelope_of",
-    "kinds",
-    "lateral_undulation",
-]
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.gaits.envelopes import GAIT_WORDS as GAIT_WORDS, Custom as Custom, EelLike as EelLike
+    from laticauda.gaits.envelopes import Envelope as Envelope, LateralUndulation as LateralUndulation
+    from laticauda.gaits.envelopes import envelope_of as envelope_of, kinds as kinds
+    from laticauda.gaits.gait import Gait as Gait, Wave as Wave, custom_gait as custom_gait
+    from laticauda.gaits.gait import eel_like as eel_like, lateral_undulation as lateral_undulation
+    from laticauda.gaits.generator import Generator as Generator, GeneratorState as GeneratorState
+
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -142,8 +142,7 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
             with_joints=_needs_joints(problem, members),
         )
         for place, (i, k) in enumerate(pairs):
-            for name in UNITS:
-                mine[place][name] = found.value[name][place] + 1j * STEP * found.slope[name][place]
+            mine[place] |= {name: found.figures[name][place] for name in UNITS}
             predicted = measured_values(problem.measurements[i], mine[place], problem.nuisance(i, values))
             jacobian[data_of[i], k] = np.imag(predicted) / STEP if found.succeeded[place] else np.nan
     return jacobian

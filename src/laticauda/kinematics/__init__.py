@@ -1,43 +1,19 @@
 """From one pose and the joint angles to every link and the center of mass, and back."""
 
-from laticauda.kinematics.poses import (
-    center_of_mass,
-    center_of_mass_velocity,
-    fin_line,
-    heading,
-    joint_angles,
-    joint_positions,
-    link_angles,
-    link_centers,
-    link_ends,
-    link_velocities,
-    trailing_edge,
-    trailing_edge_velocity,
-)
-from laticauda.kinematics.space import (
-    ModulePoses,
-    from_quaternion,
-    module_poses,
-    to_quaternion,
-    turned_about_vertical,
-)
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "ModulePoses",
-    "center_of_mass",
-    "center_of_mass_velocity",
-    "fin_line",
-    "from_quaternion",
-    "heading",
-    "joint_angles",
-    "joint_positions",
-    "link_angles",
-    "link_centers",
-    "link_ends",
-    "link_velocities",
-    "module_poses",
-    "to_quaternion",
-    "trailing_edge",
-    "trailing_edge_velocity",
-    "turned_about_vertical",
-]
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.kinematics.poses import center_of_mass as center_of_mass, fin_line as fin_line, heading as heading
+    from laticauda.kinematics.poses import center_of_mass_velocity as center_of_mass_velocity
+    from laticauda.kinematics.poses import joint_angles as joint_angles, joint_positions as joint_positions
+    from laticauda.kinematics.poses import link_angles as link_angles, link_centers as link_centers
+    from laticauda.kinematics.poses import link_ends as link_ends, link_velocities as link_velocities
+    from laticauda.kinematics.poses import trailing_edge as trailing_edge
+    from laticauda.kinematics.poses import trailing_edge_velocity as trailing_edge_velocity
+    from laticauda.kinematics.space import ModulePoses as ModulePoses, module_poses as module_poses
+    from laticauda.kinematics.space import from_quaternion as from_quaternion, to_quaternion as to_quaternion
+    from laticauda.kinematics.space import turned_about_vertical as turned_about_vertical
+
+__getattr__, __dir__, __all__ = lazy_exports()

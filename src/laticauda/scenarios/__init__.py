@@ -1,36 +1,21 @@
 """What decides a run, as a value: what swims, how, where and by which model."""
 
-from laticauda.scenarios.building import Changes, ModelChanges, Motion, default_water, model_of, preset_water, scenario
-from laticauda.scenarios.building import Choice, Chosen, named_after
-from laticauda.scenarios.coding import run_from_table, run_from_toml, run_to_toml, unknown_in
-from laticauda.scenarios.scenario import Experiment
-from laticauda.scenarios.scenario import MODELS, Model, Planar, Spatial, settings_of
-from laticauda.scenarios.scenario import Scenario
-from laticauda.scenarios.scenario_files import load_scenario, save_scenario, scenario_from_table
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "MODELS",
-    "Changes",
-    "Choice",
-    "Chosen",
-    "Experiment",
-    "Model",
-    "ModelChanges",
-    "Motion",
-    "Planar",
-    "Scenario",
-    "Spatial",
-    "default_water",
-    "load_scenario",
-    "model_of",
-    "named_after",
-    "preset_water",
-    "run_from_table",
-    "run_from_toml",
-    "run_to_toml",
-    "save_scenario",
-    "scenario",
-    "scenario_from_table",
-    "settings_of",
-    "unknown_in",
-]
+from laticauda.packaging import lazy_exports
+from laticauda.scenarios.building import Motion as Motion, scenario as scenario
+
+if TYPE_CHECKING:
+    from laticauda.scenarios.building import Changes as Changes, Choice as Choice, Chosen as Chosen
+    from laticauda.scenarios.building import ModelChanges as ModelChanges, default_water as default_water
+    from laticauda.scenarios.building import model_of as model_of, named_after as named_after
+    from laticauda.scenarios.building import preset_water as preset_water
+    from laticauda.scenarios.coding import run_from_table as run_from_table, run_from_toml as run_from_toml
+    from laticauda.scenarios.coding import run_to_toml as run_to_toml, unknown_in as unknown_in
+    from laticauda.scenarios.scenario import MODELS as MODELS, Experiment as Experiment, Model as Model
+    from laticauda.scenarios.scenario import Planar as Planar, Scenario as Scenario, Spatial as Spatial
+    from laticauda.scenarios.scenario import settings_of as settings_of
+    from laticauda.scenarios.scenario_files import load_scenario as load_scenario, save_scenario as save_scenario
+    from laticauda.scenarios.scenario_files import scenario_from_table as scenario_from_table
+
+__getattr__, __dir__, __all__ = lazy_exports()

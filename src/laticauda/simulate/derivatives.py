@@ -21,10 +21,18 @@ from laticauda.planar.batch import STEP, Run
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Scenario
-from laticauda.simulate.many import Look, batch_of, collected, runs_of
+from laticauda.simulate.many import Collected, Look, batch_of, collected, runs_of
 from laticauda.simulate.numbers import UNITS, Parameter, changed, look_up, parameters, value_of
 from laticauda.simulate.runner import Progress
 from laticauda.trial import metrics
+
+# Points of the differences, in steps, and their weights: of order eight; four at an end of what is allowed.
+_MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
+_AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
+_BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
+_LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows themselves
+# A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
+_SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -130,14 +138,13 @@ def sensitivities(
     pairs = [run for run in runs for _ in names]
     found = slopes(pairs, numbers, duration, sample_interval=sample_interval, threads=threads, progress=progress)
     shape = len(runs), len(names)
-    value = np.stack([found.value[figure].reshape(shape)[:, 0] for figure in UNITS], axis=1)
-    jacobian = np.stack([found.slope[figure].reshape(shape) for figure in UNITS], axis=1)
+    figures = np.stack([found.figures[name].reshape(shape) for name in UNITS], axis=1)
     return Sensitivities(
         figures=tuple(UNITS),
         parameters=chosen[0],
         point=np.array(point),
-        values=value,
-        jacobian=jacobian,
+        values=figures[:, :, 0].real,
+        jacobian=figures.imag / STEP,
         succeeded=found.succeeded[:: len(names)],
         status=found.status[:: len(names)],
     )
@@ -161,17 +168,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
 
 
 def _moved(scenario: Scenario, name: str, value: float) -> Scenario:
-    """The scenario with another value of one parameter."""
     return changed(scenario, {name: value})
-
-
-# Points of the differences, in steps, and their weights: of order eight; four at an end of what is allowed.
-_MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
-_AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
-_BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
-_LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows themselves
-# A step as a share of the number. Smaller ones serve numbers near the end of what is allowed.
-_SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,20 +185,6 @@ class Number:
     """The scenario with another value: what it is not part of stays the same object; a ValueError if out of range."""
     start: Callable[[float], Start] | None = None
     """Where the run begins with another value; None: where it did."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Slopes:
-    """Figures of many trials, and their derivatives, nan where a trial has none (see `Swims`)."""
-
-    value: Mapping[str, Float[np.ndarray, " n_runs"]]
-    """By the name of the figure."""
-    slope: Mapping[str, Float[np.ndarray, " n_runs"]]
-    """The same, to each run's number."""
-    succeeded: Bool[np.ndarray, " n_runs"]
-    """Whether the run reached its end."""
-    status: tuple[str, ...]
-    """How it ended."""
 
 
 class _Entry(NamedTuple):
@@ -222,8 +205,8 @@ def slopes(
     progress: Progress | None = None,
     look: Look | None = None,
     with_joints: bool = False,
-) -> Slopes:
-    """Figures of runs and their derivatives, run i to number i.
+) -> Collected:
+    """Figures of runs and their derivatives, run i to number i: complex numbers, as those of `laticauda.planar.batch`.
 
     Args:
         runs: From `laticauda.simulate.many.runs_of`; steps in time stay what they are there.
@@ -256,12 +239,8 @@ def slopes(
     found = collected(
         derived, weights, duration, sample_interval, threads, progress, look=look, with_joints=with_joints
     )
-    return Slopes(
-        value={name: np.real(figure) for name, figure in found.figures.items()},
-        slope={name: np.where(np.isnan(f), np.nan, np.imag(f) / STEP) for name, f in found.figures.items()},
-        succeeded=found.succeeded,
-        status=found.status,
-    )
+    undefined = complex(math.nan, math.nan)
+    return replace(found, figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()})
 
 
 def _entry(run: Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
