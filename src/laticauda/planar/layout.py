@@ -1,9 +1,9 @@
 """From a robot and its environment to the flat array of `rows` that the kernels work on."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -12,12 +12,15 @@ from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.dynamics.plant import joint_numbers
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.planar import rows
-from laticauda.planar.fin import FinBody, fin_bodies
 from laticauda.robot import (
+    CaudalFin,
     Environment,
     Ground,
+    Hinge,
+    Joint,
     Module,
     PectoralFin,
+    Piece,
     Robot,
     Thruster,
     Water,
@@ -61,16 +64,20 @@ class _Part(NamedTuple):
     inertia: float
 
 
-@dataclass
+@dataclass(kw_only=True)
 class _Body:
     """One rigid body of the chain while the array is being put together."""
 
     length: float
     parts: list[_Part]
-    water: Coefficients
-    index: int | None
-    """Which element of `water` is the body's own; None for a piece of the fin, which has strips only."""
+    own: tuple[Coefficients, int] | None = None
+    """Coefficients with the element that is the body's own; None for a piece of the fin, which has strips only."""
     strips: Coefficients | None = None
+    """Positions are those from the body's tail end."""
+    law: int = rows.LOCKED
+    """Joint law of the hinge at the head end of a piece of the fin."""
+    hinge: Joint | Hinge | None = None
+    """What drives that hinge, or the bending that it stands for."""
 
 
 def layout(
@@ -96,8 +103,7 @@ def layout(
     """
     joints = joints or Prescribed()
     coefficients = coefficients or link_coefficients(robot, environment)
-    links, pieces = _links_and_fin(robot, coefficients, joints, fin_as_links=fin_as_links)
-    fin = [_fin_body(piece, coefficients) for piece in pieces]
+    links, fin = _links_and_fin(robot, coefficients, joints, fin_as_links=fin_as_links)
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
@@ -115,7 +121,7 @@ def layout(
             _write_strips(strips[first_strip[i] : first_strip[i + 1]], body.strips)
     for thruster in robot.thrusters:
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
-    law = _write_joints(records, robot, pieces, joints)
+    law = _write_joints(records, robot, fin, joints)
     half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
     for record, plate in zip(
         S[size:].reshape(-1, rows.PLATE_ROWS), (p for group in plates for p in group), strict=True
@@ -141,34 +147,62 @@ def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
 
 def _links_and_fin(
     robot: Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
-) -> tuple[list[_Body], list[FinBody]]:
-    """Bodies of the links, and the pieces of a fin that moves on its own; a rigid one is folded into the tail link."""
+) -> tuple[list[_Body], list[_Body]]:
+    """Bodies of the links, and of a fin that moves on its own from the root on; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
-    part = {id(module): _own_part(module) for module in _distinct(robot.modules)}
-    links = [
-        _Body(length=m.length, parts=[part[id(m)]], water=coefficients, index=i) for i, m in enumerate(robot.modules)
-    ]
-    pieces: list[FinBody] = []
-    if robot.caudal_fin is not None and coefficients.fin is not None:
-        pieces = fin_bodies(robot.caudal_fin, coefficients.fin, joints=joints.code, as_links=fin_as_links)
-        if len(pieces) == 1 and pieces[0].law == rows.LOCKED and not fin_as_links:
-            _fold(links[0], pieces.pop())
-    return links, pieces
+    part = {id(m): _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for m in _distinct(robot.modules)}
+    links = [_Body(length=m.length, parts=[part[id(m)]], own=(coefficients, i)) for i, m in enumerate(robot.modules)]
+    if robot.caudal_fin is None or coefficients.fin is None:
+        return links, []
+    fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code, as_links=fin_as_links)
+    if len(fin) == 1 and fin[0].law == rows.LOCKED and not fin_as_links:
+        _fold(links[0], fin.pop())
+    return links, fin
 
 
-def _own_part(module: Module) -> _Part:
-    return _Part(module.mass, module.length / 2.0 + module.center, module.moment_of_inertia)
+def _fin_bodies(fin: CaudalFin, strips: Coefficients, joints: int, *, as_links: bool) -> list[_Body]:
+    """Cut the fin at its hinges, none of which cuts a strip, or at all strips; `joints` is the law of a driven root."""
+    middle = -strips.position
+    pieces = fin.pieces
+    if as_links:
+        edges = middle - strips.half_length
+        pieces = [finer for piece in pieces for finer in _cut(piece, edges)]
+    bodies: list[_Body] = []
+    for piece in pieces:
+        joint = fin.joint if piece.begin == 0.0 else None
+        passive = rows.LOCKED if piece.hinge is None else rows.PASSIVE
+        bodies.append(
+            _Body(
+                length=piece.length,
+                parts=[_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)],
+                strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
+                law=passive if joint is None else joints,
+                hinge=joint or piece.hinge,
+            )
+        )
+    return bodies
 
 
-def _fin_body(piece: FinBody, coefficients: Coefficients) -> _Body:
-    part = _Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)
-    return _Body(length=piece.length, parts=[part], water=coefficients, index=None, strips=piece.strips)
+def _cut(piece: Piece, edges: np.ndarray) -> Iterator[Piece]:
+    """A piece in parts, cut where strips begin inside it."""
+    inside = edges[(edges > piece.begin + 1e-9) & (edges < piece.end - 1e-9)]
+    ends = [piece.begin, *map(float, inside), piece.end]
+    for i, begin in enumerate(ends[:-1]):
+        mass = piece.mass * (ends[i + 1] - begin) / piece.length
+        yield replace(piece, begin=begin, end=ends[i + 1], mass=mass, hinge=None if i else piece.hinge)
 
 
-def _fold(tail: _Body, piece: FinBody) -> None:
+def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
+    """Some of the strips, their positions counted from `end` behind the root."""
+    taken = {field.name: getattr(strips, field.name)[own] for field in fields(strips) if field.name != "fin"}
+    return Coefficients(**{**taken, "position": taken["position"] + end})
+
+
+def _fold(tail: _Body, piece: _Body) -> None:
     """Make a fin of one rigid piece a part of the tail link."""
-    tail.parts.append(_Part(piece.mass, -piece.length / 2.0, piece.mass * piece.length**2 / 12.0))
-    tail.strips = replace(piece.strips, position=piece.strips.position - piece.length)
+    part, strips = piece.parts[0], cast(Coefficients, piece.strips)
+    tail.parts.append(part._replace(position=-part.position))
+    tail.strips = replace(strips, position=strips.position - piece.length)
 
 
 def _write_environment(
@@ -232,15 +266,17 @@ def _solid(body: _Body) -> tuple[float, float, float, float]:
 
 def _own_drag(body: _Body) -> tuple[float, ...]:
     """The rows from C_T to LAMBDA_3."""
-    w, i = body.water, body.index
-    return (0.0,) * 4 if i is None else (w.c_t.item(i), w.c_n.item(i), w.lambda_2.item(i), w.lambda_3.item(i))
+    if body.own is None:
+        return (0.0,) * 4
+    w, i = body.own
+    return w.c_t.item(i), w.c_n.item(i), w.lambda_2.item(i), w.lambda_3.item(i)
 
 
 def _added_mass(body: _Body) -> tuple[float, ...]:
     """Of a body and its strips: sums of mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2, x from its tail end."""
     mu_t = mu_n = moment_t = moment_n = inertia = 0.0
-    if body.index is not None:
-        w, i, x = body.water, body.index, body.length / 2.0
+    if body.own is not None:
+        (w, i), x = body.own, body.length / 2.0
         mu_t, mu_n = w.mu_t.item(i), w.mu_n.item(i)
         moment_t, moment_n, inertia = mu_t * x, mu_n * x, w.lambda_1.item(i) + mu_n * x**2
     if (strips := body.strips) is not None:
@@ -269,18 +305,22 @@ def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruste
 
 
 def _write_joints(
-    records: np.ndarray, robot: Robot, pieces: Sequence[FinBody], joints: JointLaw
+    records: np.ndarray, robot: Robot, fin: Sequence[_Body], joints: JointLaw
 ) -> Int[np.ndarray, " n_bodies"]:
     """Numbers of the joint at the tail end of every body; returns their laws."""
-    n_fin, has_power = len(pieces), has_power_model(robot, joints)
+    has_power = has_power_model(robot, joints)
     for joint in _distinct(robot.joints):
-        alike = [n_fin + 1 + i for i, other in enumerate(robot.joints) if other is joint]
+        alike = [len(fin) + 1 + i for i, other in enumerate(robot.joints) if other is joint]
         records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = joint_numbers(joint, joints, has_power=has_power)
     law = np.full(len(records), joints.code)
     law[0] = rows.LOCKED
-    for i, piece in enumerate(pieces):  # its hinge is at the tail end of the body before it
-        law[n_fin - i] = piece.law
-        _write_hinge(records[n_fin - i], piece, joints, has_power=has_power)
+    for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):  # its hinge is at the tail end of the body before it
+        law[i] = piece.law
+        if isinstance(piece.hinge, Joint):
+            numbers = joint_numbers(piece.hinge, joints, has_power=has_power)
+            records[i, rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
+        elif piece.hinge is not None:
+            records[i, [rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
     return law
 
 
@@ -295,11 +335,3 @@ def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> t
         plate.stall_sharpness,
         plate.parasitic_drag,
     )
-
-
-def _write_hinge(record: np.ndarray, piece: FinBody, law: JointLaw, *, has_power: bool) -> None:
-    if piece.joint is not None:
-        numbers = joint_numbers(piece.joint, law, has_power=has_power)
-        record[rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
-    elif piece.hinge is not None:
-        record[[rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping

@@ -1,11 +1,12 @@
 """Where the robot is: the tank of the experiments with its water, flat ground, or a ramp from a shore into water."""
 
 import math
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from laticauda.errors import BadArgument, one_of
 from laticauda.extras import load_mujoco
 from laticauda.robot import Environment, Ground
+from laticauda.spatial.bodies import Three
 
 # The tank at Trondheim in which the paper's robot swam [m].
 TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
@@ -13,6 +14,7 @@ WALL = 0.1  # half thickness [m]
 # The ramp: a shore a little above the water, then downhill along x to the depth of the tank [m], [rad].
 SHORE_HEIGHT, SHORE_END, SHORE_LENGTH, SHORE_WIDTH, SLOPE = 0.10, 2.5, 12.0, 6.0, math.radians(12.0)
 THICK = 0.2  # half thickness of the shore and the ramp [m]
+SURFACE = "water"  # to be seen only
 GROUNDS = ("flat", "ramp")
 TOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 1}
 UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0}
@@ -22,6 +24,17 @@ MATERIALS = {
     "wall": (0.80, 0.88, 0.90, 0.25),
     "sand": (0.66, 0.60, 0.48, 1.0),
 }
+
+
+class _Solid(NamedTuple):
+    """A part of the place."""
+
+    name: str
+    kind: str
+    size: Three
+    material: str
+    pos: Three = (0.0, 0.0, 0.0)
+    quat: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
 
 def add(
@@ -40,75 +53,49 @@ def add(
     if dressed:
         _add_materials(model)
         _add_light(model)
-    if tank:
-        _add_tank(model, dressed=dressed)
+    solids = _tank() if tank else []
     if ground == "ramp":
-        _add_ramp(model, dressed=dressed)
+        solids = _ramp()
     elif ground == "flat" or isinstance(environment, Ground):
-        kind = load_mujoco().mjtGeom.mjGEOM_PLANE
-        _dress(model.worldbody.add_geom(name="ground", type=kind, size=(0.0, 0.0, 1.0), **TOUCHED), "sand", dressed)
+        solids.append(_Solid("ground", "PLANE", (0.0, 0.0, 1.0), "sand"))
+    kinds = load_mujoco().mjtGeom
+    for name, kind, size, material, pos, quat in solids:
+        if name != SURFACE or dressed:
+            touch = UNTOUCHED if name == SURFACE else TOUCHED
+            shape = getattr(kinds, f"mjGEOM_{kind}")
+            geom = model.worldbody.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, **touch)
+            if dressed:
+                geom.material = material
 
 
-def _add_tank(model: Any, *, dressed: bool) -> None:
+def _tank() -> list[_Solid]:
     """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
-    kind = load_mujoco().mjtGeom
     x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
-    floor = model.worldbody.add_geom(name="floor", type=kind.mjGEOM_PLANE, size=(x, y, 1.0), **TOUCHED)
-    floor.pos = (0.0, 0.0, -TANK_DEPTH)
-    _dress(floor, "tiles", dressed)
-    for name, at, size in (
-        ("wall_left", (0.0, y + WALL, -z), (x, WALL, z)),
-        ("wall_right", (0.0, -y - WALL, -z), (x, WALL, z)),
-        ("wall_front", (x + WALL, 0.0, -z), (WALL, y, z)),
-        ("wall_back", (-x - WALL, 0.0, -z), (WALL, y, z)),
-    ):
-        wall = model.worldbody.add_geom(name=name, type=kind.mjGEOM_BOX, size=size, pos=at, **TOUCHED)
-        _dress(wall, "wall", dressed)
-    if dressed:
-        _add_surface(model, x, y)
+    return [
+        _Solid("floor", "PLANE", (x, y, 1.0), "tiles", (0.0, 0.0, -TANK_DEPTH)),
+        _Solid("wall_left", "BOX", (x, WALL, z), "wall", (0.0, y + WALL, -z)),
+        _Solid("wall_right", "BOX", (x, WALL, z), "wall", (0.0, -y - WALL, -z)),
+        _Solid("wall_front", "BOX", (WALL, y, z), "wall", (x + WALL, 0.0, -z)),
+        _Solid("wall_back", "BOX", (WALL, y, z), "wall", (-x - WALL, 0.0, -z)),
+        _Solid(SURFACE, "PLANE", (x, y, 1.0), "water"),
+    ]
 
 
-def _add_ramp(model: Any, *, dressed: bool) -> None:
+def _ramp() -> list[_Solid]:
     """A shore that ends at x = SHORE_END, a slope behind it, and the floor that it leads to."""
-    kind = load_mujoco().mjtGeom
-    drop = SHORE_HEIGHT + TANK_DEPTH
-    length = drop / math.sin(SLOPE)
+    length = (SHORE_HEIGHT + TANK_DEPTH) / math.sin(SLOPE)
     cos, sin = math.cos(SLOPE), math.sin(SLOPE)
+    shore = (SHORE_END - 0.5 * SHORE_LENGTH, 0.0, SHORE_HEIGHT - THICK)
     # The middle of the slope's face, then half a thickness into the ground.
     middle = (SHORE_END + 0.5 * length * cos - THICK * sin, 0.0, SHORE_HEIGHT - 0.5 * length * sin - THICK * cos)
-    half = 0.5 * SLOPE  # about y: downhill along x
-    shore = model.worldbody.add_geom(
-        name="shore",
-        type=kind.mjGEOM_BOX,
-        size=(0.5 * SHORE_LENGTH, 0.5 * SHORE_WIDTH, THICK),
-        pos=(SHORE_END - 0.5 * SHORE_LENGTH, 0.0, SHORE_HEIGHT - THICK),
-        **TOUCHED,
-    )
-    ramp = model.worldbody.add_geom(
-        name="ramp",
-        type=kind.mjGEOM_BOX,
-        size=(0.5 * length, 0.5 * SHORE_WIDTH, THICK),
-        pos=middle,
-        quat=(math.cos(half), 0.0, math.sin(half), 0.0),
-        **TOUCHED,
-    )
-    floor = model.worldbody.add_geom(name="floor", type=kind.mjGEOM_PLANE, size=(0.0, 0.0, 1.0), **TOUCHED)
-    floor.pos = (0.0, 0.0, -TANK_DEPTH)
-    for geom, material in ((shore, "sand"), (ramp, "sand"), (floor, "tiles")):
-        _dress(geom, material, dressed)
-    if dressed:
-        _add_surface(model, 0.5 * TANK_LENGTH, 0.5 * TANK_LENGTH)
-
-
-def _add_surface(model: Any, x: float, y: float) -> None:
-    """The surface of the water, to be seen only."""
-    plane = load_mujoco().mjtGeom.mjGEOM_PLANE
-    model.worldbody.add_geom(name="water", type=plane, size=(x, y, 1.0), material="water", **UNTOUCHED)
-
-
-def _dress(geom: Any, material: str, dressed: bool) -> None:
-    if dressed:
-        geom.material = material
+    downhill = (math.cos(0.5 * SLOPE), 0.0, math.sin(0.5 * SLOPE), 0.0)  # along x
+    width = 0.5 * SHORE_WIDTH
+    return [
+        _Solid("shore", "BOX", (0.5 * SHORE_LENGTH, width, THICK), "sand", shore),
+        _Solid("ramp", "BOX", (0.5 * length, width, THICK), "sand", middle, downhill),
+        _Solid("floor", "PLANE", (0.0, 0.0, 1.0), "tiles", (0.0, 0.0, -TANK_DEPTH)),
+        _Solid(SURFACE, "PLANE", (0.5 * TANK_LENGTH, 0.5 * TANK_LENGTH, 1.0), "water"),
+    ]
 
 
 def _add_materials(model: Any) -> None:
