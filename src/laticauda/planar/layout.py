@@ -148,7 +148,7 @@ def _distinct(things: Sequence[Thing]) -> Iterable[Thing]:
 def _links_and_fin(
     robot: Robot, coefficients: Coefficients, joints: JointLaw, *, fin_as_links: bool
 ) -> tuple[list[_Body], list[_Body]]:
-    """Bodies of the links, and of a fin that moves on its own from the root on; a rigid one is part of the tail link."""
+    """Bodies of the links, and of a fin that moves on its own, root first; a rigid one is part of the tail link."""
     # A batch of an identification lays out a robot per run: what modules or joints have in common is computed once.
     part = {id(m): _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for m in _distinct(robot.modules)}
     links = [_Body(length=m.length, parts=[part[id(m)]], own=(coefficients, i)) for i, m in enumerate(robot.modules)]
