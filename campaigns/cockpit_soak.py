@@ -36,7 +36,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
-from laticauda.cockpit.changes import with_fin
+from laticauda.cockpit.simulation import with_fin
 from laticauda.cockpit.page import FRAME
 from laticauda.control import StraightLine
 

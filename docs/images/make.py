@@ -213,7 +213,7 @@ def cockpit(folder: Path) -> None:
     """The live page: following a path with its plots, the controls, and a sweep as the map."""
     from page import camera  # here alone: it needs a browser
 
-    from laticauda.cockpit.changes import changed
+    from laticauda.cockpit.simulation import changed
 
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))

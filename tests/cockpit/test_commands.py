@@ -13,8 +13,8 @@ from cockpit_browser import browser
 import laticauda as lc
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
-from laticauda.cockpit.changes import changed, with_fin
-from laticauda.cockpit.commands import FILE, TEXT, copy_buttons, in_python, in_shell
+from laticauda.cockpit.runs import FILE, TEXT, copy_buttons, in_python, in_shell
+from laticauda.cockpit.simulation import changed, with_fin
 from laticauda.control import StraightLine
 from laticauda.gaits import Custom, EelLike, Wave
 from laticauda.scenarios import run_to_toml
@@ -55,7 +55,7 @@ def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_number
     if isinstance(scenario.model, lc.Spatial):
         pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("laticauda.cockpit.commands.DURATION", DURATION)
+    monkeypatch.setattr("laticauda.cockpit.runs.DURATION", DURATION)
     live = Live(scenario)
     cockpit, page = Cockpit(live, port=0), Page()
     try:

@@ -13,9 +13,9 @@ import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
-from laticauda.cockpit.changes import path_of
-from laticauda.cockpit.events import Event
 from laticauda.cockpit.maps import with_wave
+from laticauda.cockpit.pages import Event
+from laticauda.cockpit.simulation import path_of
 from laticauda.control import StraightLine
 from laticauda.errors import TrialFileError
 from laticauda.gaits import Custom

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from laticauda.cockpit.events import EventQueue
+from laticauda.cockpit.pages import EventQueue
 
 
 @pytest.fixture

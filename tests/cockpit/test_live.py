@@ -7,9 +7,8 @@ import pytest
 import laticauda as lc
 from laticauda.actuation.laws import PD
 from laticauda.cockpit import Live, numbers
-from laticauda.cockpit.changes import changed, measured, with_fin
 from laticauda.cockpit.live import MOST_TICKS, RingBuffer
-from laticauda.cockpit.simulation import TICK
+from laticauda.cockpit.simulation import TICK, changed, measured, with_fin
 from laticauda.control import StraightLine
 from laticauda.gaits import EelLike
 from laticauda.logs import load_trial

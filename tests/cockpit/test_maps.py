@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cockpit.changes import changed
 from laticauda.cockpit.maps import AMPLITUDES, DURATION, FREQUENCIES, base_of, map_of_gaits, with_numbers, with_wave
+from laticauda.cockpit.simulation import changed
 from laticauda.control import StraightLine
 from laticauda.figures.gait_map import gait_map_picture
 

@@ -5,8 +5,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.cockpit import Live
-from laticauda.cockpit.changes import with_fin
 from laticauda.cockpit.shapes import poses, shapes
+from laticauda.cockpit.simulation import with_fin
 from laticauda.kinematics import fin_line, link_ends
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)

@@ -4,7 +4,8 @@ from figures.runs import RUNS, run
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from laticauda.figures import new_figure, path_strip, postures
+from laticauda.figures import new_figure, path_strip
+from laticauda.figures import path as postures
 from laticauda.kinematics import trailing_edge
 
 

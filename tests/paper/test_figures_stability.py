@@ -4,7 +4,7 @@ from matplotlib.collections import LineCollection, PatchCollection
 
 from laticauda.figures import new_figure
 from laticauda.paper import Loops, swimmers
-from laticauda.paper.figures.stability import stability_map, stability_sheet
+from laticauda.paper.report.stability import stability_map, stability_sheet
 from laticauda.paper.stability import StabilityMap
 
 PAPER = (0.18, 0.4)

@@ -12,7 +12,7 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.pictures import film, lines, offscreen, render, surroundings
+from laticauda.pictures import lines, offscreen, render, surroundings
 from laticauda.pictures.camera import VIEW_DEG, calm, view
 from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
@@ -265,14 +265,14 @@ def test_a_film_that_breaks_off_leaves_the_old_file_alone(tmp_path, screen):
 
     (tmp_path / "film.mp4").write_text("old")
     with pytest.raises(ZeroDivisionError):
-        film.write_video(pictures(), tmp_path / "film.mp4", size=(64, 64), frames_per_second=10.0)
+        render.write_video(pictures(), tmp_path / "film.mp4", size=(64, 64), frames_per_second=10.0)
     assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
 
 
 def test_what_ffmpeg_complains_about_is_passed_on(tmp_path, screen):
     empty = iter([np.zeros((63, 63, 3), dtype=np.uint8)] * 3)
-    with pytest.raises(film.VideoFailed, match=r"ffmpeg could not write .*film\.mp4: "):
-        film.write_video(empty, tmp_path / "film.mp4", size=(63, 63), frames_per_second=10.0)
+    with pytest.raises(render.VideoFailed, match=r"ffmpeg could not write .*film\.mp4: "):
+        render.write_video(empty, tmp_path / "film.mp4", size=(63, 63), frames_per_second=10.0)
     assert not list(tmp_path.iterdir())
 
 

@@ -8,9 +8,8 @@ from identify.trials import FRICTION, speeds
 from laticauda.identify import Unknown
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import validate
-from laticauda.reports.identify import as_dict, identification_chapter, write_identification
+from laticauda.reports.identify import as_dict, identification_chapter, identification_tables, write_identification
 from laticauda.reports.identify_figures import short_names
-from laticauda.reports.identify_tables import identification_tables
 
 WITHOUT_EFFECT = "robot.joint.actuator.servo_gain"  # of prescribed joints
 

@@ -210,7 +210,7 @@ def _unknown(word: str) -> dict[str, Any]:
 
 def _text(done: "Validation", folder: Path) -> str:
     """The parameters, what the data do not see, the errors, and where everything is."""
-    from laticauda.reports.identify_tables import identification_tables
+    from laticauda.reports.identify import identification_tables
 
     found = done.found
     tables: dict[str, list[dict[str, Any]]] = {

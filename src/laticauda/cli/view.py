@@ -43,7 +43,7 @@ class View(Command):
         if self.video is not None:
             write_film(trial, self.video, speed=self.speed)
         if self.video is None and self.still is None:
-            from laticauda.pictures.window import show
+            from laticauda.pictures.replay import show
 
             show(trial, speed=self.speed)
         return Outcome(

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit.controls import joints_name
-from laticauda.cockpit.events import Event, EventQueue, refusing
 from laticauda.cockpit.files import received_sweep
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES, OF_GAITS, Chart, Map, base_of, map_of_gaits, with_numbers
+from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.errors import LaticaudaError
 from laticauda.figures.gait_map import Picture, gait_map_picture
 from laticauda.scenarios import Scenario

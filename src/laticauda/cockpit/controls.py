@@ -7,9 +7,9 @@ from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.cockpit.changes import Changes, path_of, with_fin
-from laticauda.cockpit.events import Event, EventQueue, refusing
 from laticauda.cockpit.live import SPEEDS, Live
+from laticauda.cockpit.pages import Event, EventQueue, refusing
+from laticauda.cockpit.simulation import Changes, path_of, with_fin
 from laticauda.control import StraightLine
 from laticauda.errors import positive, within
 from laticauda.extensions import name_of

@@ -8,13 +8,14 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from laticauda.cockpit.changes import Changes, changed
 from laticauda.cockpit.simulation import (
     TICK,
+    Changes,
     Simulation,
     advance,
     altered,
     begin,
+    changed,
     control_ticks,
     cross_track_error,
     has_interval,
@@ -179,7 +180,7 @@ class Live:
             self._latest = self._sample()
 
     def alter(self, **changes: Unpack[Changes]) -> None:
-        """`change` to the scenario with what `laticauda.cockpit.changes.changed` takes as `changes`."""
+        """`change` to the scenario with what `laticauda.cockpit.simulation.changed` takes as `changes`."""
         with self._lock:
             self.change(changed(self.scenario, **changes))
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.changes import changed
+from laticauda.cockpit.simulation import changed
 from laticauda.gaits import Gait
 from laticauda.robot import Water
 from laticauda.scenarios import Planar, Scenario

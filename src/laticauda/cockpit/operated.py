@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.cockpit.events import refusing
+from laticauda.cockpit.pages import refusing
 from laticauda.cockpit.scene import Body, Scene, Trail
 from laticauda.cockpit.shapes import Color
 from laticauda.interfaces import Observation

@@ -8,16 +8,16 @@ from typing import Any
 
 from laticauda.cockpit import pages
 from laticauda.cockpit.board import Board
-from laticauda.cockpit.changes import path_of
 from laticauda.cockpit.controls import Controls
-from laticauda.cockpit.events import Event, EventQueue, refusing
 from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.maps import Map
 from laticauda.cockpit.operated import OperatedRobot
+from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.readouts import Plots, numbers_text
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import FIELD_OF_VIEW, Scene, look_down
+from laticauda.cockpit.simulation import path_of
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]

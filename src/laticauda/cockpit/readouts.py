@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.changes import measured
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import time_scale
-from laticauda.cockpit.simulation import TICK, cross_track_error
+from laticauda.cockpit.simulation import TICK, cross_track_error, measured
 from laticauda.reports.texts import in_digits
 from laticauda.trial import metrics
 

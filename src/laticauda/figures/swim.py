@@ -1,4 +1,4 @@
-"""The figures of one run: speed, joint angles and torques, and a sheet with all of them and the path."""
+"""The figures of one run: speed, joint angles and torques, the followed path; sheets with all of them and the path."""
 
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
@@ -17,6 +17,7 @@ from laticauda.figures import style
 from laticauda.figures.path import extent, path_strip
 from laticauda.trial import Trial, measured_counterpart
 from laticauda.trial.cycles import cycle_middles, interpolated
+from laticauda.trial.following import nearest_points
 
 Series = Float[np.ndarray, "n_samples ..."]
 
@@ -24,6 +25,8 @@ CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
 STRIP_HEIGHT = (0.85, 2.4)  # of the path, where it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
 LABELS = 0.55  # height that title and labels of a figure take [in]
+FOLLOWED_HEIGHT, BELOW_HEIGHT = (0.9, 2.6), 1.8  # of a followed path, and of what is below it [in]
+TITLE = 0.6  # height that title, note and letters take above them [in]
 LEGEND = 0.4  # share of its axes that a legend is high [-]
 
 
@@ -101,7 +104,7 @@ def swim_sheet(trial: Trial) -> Figure:
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
-    figure.suptitle(_title(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
+    style.head(figure, _title(trial))
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)
@@ -180,7 +183,81 @@ def _title(trial: Trial) -> str:
 
 
 def _from_to(ax: Axes, time: Series) -> None:
+    """The whole of the time from side to side."""
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
-        few = 2 if time[-1] - time[0] < 1.0 else 5  # fractions of a second are long to write
+        # Few ticks whatever the width: with more, the layout finds out too late that the last label needs room; and
+        # fractions of a second are long to write.
+        few = 2 if time[-1] - time[0] < 1.0 else 5
         ax.xaxis.set_major_locator(MaxNLocator(few, steps=[1, 2, 5, 10]))
+
+
+# ---- path following ------------------------------------------------------------------------------------------------
+
+
+def path_beside(trial: Trial, ax: Axes) -> Axes:
+    """The path strip with the path that was to be followed, as far as the robot was beside it.
+
+    Args:
+        trial: A run with the signals of path following.
+        ax: Where to draw.
+    """
+    path_strip(trial, ax)
+    ax.plot(*nearest_points(trial).T, zorder=0.5, **style.AIM)
+    return ax
+
+
+def cross_track_error(trial: Trial, ax: Axes) -> Axes:
+    """Distance from the path over time, positive to the left.
+
+    Args:
+        trial: A run with the signals of path following.
+        ax: Where to draw.
+    """
+    ax.axhline(0.0, **style.AIM)
+    ax.plot(trial.time, trial.signals["cross_track_error"], color=style.BLUE, linewidth=style.LINE)
+    _from_to(ax, trial.time)
+    return style.dress(ax, xlabel="time [s]", ylabel="cross-track error [m]")
+
+
+def heading_against_reference(trial: Trial, ax: Axes) -> Axes:
+    """Heading as the controller sees it, and the heading that guidance asks for, over time.
+
+    Args:
+        trial: A run with the signals of path following.
+        ax: Where to draw.
+    """
+    used, reference = (np.degrees(trial.signals[name]) for name in ("heading_used", "heading_ref"))
+    ax.plot(trial.time, used, color=style.BLUE, linewidth=style.THIN, label="heading")
+    ax.plot(trial.time, reference, label="reference", **style.AIM)
+    _from_to(ax, trial.time)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + 0.35 * (high - low))  # room for the legend
+    style.legend(ax, loc="upper right", ncols=2)
+    return style.dress(ax, xlabel="time [s]", ylabel="heading [deg]")
+
+
+def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
+    """All of a path-following run in one picture: the way with body postures, cross-track error, heading.
+
+    Args:
+        trial: A run with the signals of path following.
+        title: Above all panels, which then have letters as the paper's Figs. 12 to 23; "": neither.
+        note: A second line under the title; "" for none.
+    """
+    wide, high = extent(trial)
+    width = style.DOUBLE_COLUMN
+    strip = float(np.clip((width - 0.8) * high / wide, *FOLLOWED_HEIGHT))
+    head = TITLE if title else 0.0
+    figure = style.new_figure(width, strip + BELOW_HEIGHT + 2.0 * LABELS + head)
+    grid = figure.add_gridspec(2, 2, height_ratios=(strip + LABELS, BELOW_HEIGHT + LABELS))
+    axes = (
+        path_beside(trial, figure.add_subplot(grid[0, :])),
+        cross_track_error(trial, figure.add_subplot(grid[1, 0])),
+        heading_against_reference(trial, figure.add_subplot(grid[1, 1])),
+    )
+    if title:
+        for place, ax in enumerate(axes):
+            style.letter(ax, place)
+        style.head(figure, title, note)
+    return figure

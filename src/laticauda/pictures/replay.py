@@ -1,15 +1,20 @@
 """The 3D robot of a trial in its water, moved through the trial's postures: nothing is simulated anew."""
 
+import os
+import platform
+import time
+import warnings
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import instance
+from laticauda.errors import LaticaudaError, instance, positive
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import link_angles
-from laticauda.pictures.camera import VIEW_DEG, reach
+from laticauda.pictures.camera import VIEW_DEG, aim, reach, view
 from laticauda.pictures.surroundings import add_surroundings
 from laticauda.robot import Ground
 from laticauda.spatial import mjcf, scene
@@ -18,6 +23,11 @@ from laticauda.trial.cycles import hermite
 
 MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
 CLEARANCE = 0.45  # least height over the floor [m]
+PICTURES_PER_SECOND = 60.0
+ASPECT = 1.6  # of a usual window
+
+
+INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
 
 
 class Replay:
@@ -128,3 +138,56 @@ def floor_height(trial: Trial) -> float:
 
 def _is_planar(trial: Trial) -> bool:
     return trial.center_of_mass.shape[1] == 2
+
+
+# ---- in MuJoCo's own window ----------------------------------------------------------------------------------------
+
+
+class NoWindow(LaticaudaError, RuntimeError):
+    """A window cannot be opened here: it says why, and what to do instead."""
+
+
+def show(trial: Trial, *, speed: float = 1.0) -> None:
+    """Open MuJoCo's window and repeat a trial in it until it is closed.
+
+    Args:
+        trial: Any trial, simulated or real.
+        speed: 2 shows it twice as fast [-].
+
+    Raises:
+        NoWindow: If there is no screen, or MuJoCo's viewer cannot be had.
+        MissingExtra: If MuJoCo is not installed.
+    """
+    speed = positive("speed", speed)
+    load_mujoco()
+    if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
+    viewer = _viewer()
+    replay = Replay(trial)
+    began = time.monotonic()
+    replay.go_to(float(trial.time[0]))
+    with viewer.launch_passive(replay.model, replay.data, show_left_ui=False, show_right_ui=False) as window:
+        with window.lock():
+            window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # from where a film begins; the mouse moves it
+            window.cam.trackbodyid = replay.model.body("module_0").id
+            aim(window.cam, view(trial, float(trial.time[0]), replay.height, ASPECT))
+        while window.is_running():
+            shown = (time.monotonic() - began) * speed % max(trial.duration, 1e-9)
+            with window.lock():
+                replay.go_to(float(trial.time[0]) + shown)
+            window.sync()
+            time.sleep(1.0 / PICTURES_PER_SECOND)
+
+
+def _viewer() -> Any:
+    """The module `mujoco.viewer`, if it can open a window here; otherwise it would end the program."""
+    try:
+        glfw: Any = import_module("glfw")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what it complains about is said below
+            works = glfw.init()
+        if not works:
+            raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
+        return import_module("mujoco.viewer")
+    except ImportError as error:
+        raise NoWindow(f"A window needs the package glfw; run `pip install glfw`, or {INSTEAD}.") from error

@@ -1,27 +1,84 @@
 """What an optimization leaves for its readers: the front as files, and as a figure with its gaits."""
 
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
+from laticauda.figures import style
+from laticauda.figures.path import Points, draw_posture, posture
+from laticauda.gaits import Gait
+from laticauda.robot import Robot
 from laticauda.simulate import swim_many
 from laticauda.simulate.numbers import parameters, place
 from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from laticauda.figures.front import FrontLine
+Values = Float[np.ndarray, " n_points"]
 
 N_MARKS = 5
 SYMBOLS = {"amplitude": "$\\alpha$", "frequency": "$\\omega$", "phase shift": "$\\delta$", "n links": "$n$"}
 MOST = 34  # characters in a line below a body
+# By gait, told apart by the marks' shape too.
+KINDS = ((style.BLUE, "o"), (style.ORANGE, "s"))
+DOT = 4.0  # size of a marked point [pt]
+LETTER = 6.5  # size of its letter [pt]
+AWAY = 8.0  # from the point to its letter, to either side [pt]
+OTHER: Any = {"linestyle": "", "marker": "D", "markersize": 4.0, "markerfacecolor": "white"}
+SHEET_HEIGHT = 3.9  # [in]
+LINE_HEIGHT = 0.11  # of what stands below a body, beyond its first line [in]
+COLUMN = 1.75  # width of a column of bodies [in]
+LEFT = 0.04  # for letters beside the first point, as a share of the axis
+ROOM = 1.06  # beyond the farthest point
+GAP = 0.12  # between two bodies, in lengths of the longest
+THICK = 0.15  # of a body and the room around it, likewise
+TEXT = 0.1  # height of a line of text, likewise
+_TEXT: Any = {"fontsize": style.TICK - 1.0, "ha": "left"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """A point of the front whose gait is drawn."""
+
+    x: float
+    """Where it is."""
+    y: float
+    """Where it is."""
+    text: str
+    """What stands below the body: its numbers."""
+    robot: Robot
+    """What swims."""
+    gait: Gait
+    """Its gait."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrontLine:
+    """A front, some of whose gaits are drawn, and other gaits to compare it with."""
+
+    label: str
+    """What the legend says."""
+    x: Values
+    """One objective of every point, in rising order."""
+    y: Values
+    """The other one."""
+    marks: tuple[Mark, ...]
+    """Points whose gaits are drawn."""
+    others: Points
+    """Points that were not sought."""
+    others_label: str
+    """What the legend says about them."""
 
 
 def write_front(front: Front, folder: str | Path) -> list[Path]:
@@ -50,24 +107,20 @@ def write_front_figure(fronts: Sequence[Front], folder: str | Path) -> list[Path
     Returns:
         The files.
     """
-    from laticauda.figures import save_figure
-
     drawn = [front for front in fronts if len(front) > 1]
     if not drawn:
         return []
     files = [Path(folder, "front.png"), Path(folder, "front.pdf")]
-    save_figure(front_figure(drawn), *files)
+    style.save_figure(front_figure(drawn), *files)
     return files
 
 
-def front_figure(fronts: Sequence[Front]) -> "Figure":
+def front_figure(fronts: Sequence[Front]) -> Figure:
     """The fronts, and some of their gaits beside the measured ones for this robot and kind of gait.
 
     Args:
         fronts: One or two with the same two objectives.
     """
-    from laticauda.figures.front import front_sheet
-
     sought = fronts[0].optimization
     first, last = sought.objectives
     trials = sum(front.n_trials for front in fronts)
@@ -86,9 +139,7 @@ def _waters(fronts: Sequence[Front]) -> str:
     return f"{word} {names[0]}" if len(names) == 1 else f"each gait with its own {word}: {' and '.join(names)}"
 
 
-def _line(front: Front) -> "FrontLine":
-    from laticauda.figures.front import FrontLine, Mark
-
+def _line(front: Front) -> FrontLine:
     y, x = (front.figures[name] for name in front.optimization.objectives)
     marks: list[Mark] = []
     # The slowest end is left out: nobody swims there, and all fronts meet there.
@@ -157,3 +208,125 @@ def _words(name: str) -> str:
 def _label(name: str) -> str:
     unit = QUANTITIES[name][0]
     return f"{_words(name)} [{'-' if unit == '1' else unit}]"
+
+
+# ---- the figure ----------------------------------------------------------------------------------------------------
+
+
+def front(lines: Sequence[FrontLine], ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
+    """One front or two, with letters at the marked points.
+
+    Args:
+        lines: The data.
+        ax: Where to draw.
+        xlabel: With the unit.
+        ylabel: With the unit.
+    """
+    letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    for line, (color, shape) in zip(lines, KINDS, strict=False):
+        ax.plot(line.x, line.y, color=color, linewidth=1.6, label=line.label, zorder=3)
+        ax.plot(*line.others.T, color=color, **OTHER, zorder=4)
+        side = _side(line, lines)
+        for mark in line.marks:
+            ax.plot(mark.x, mark.y, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
+            badge = {"boxstyle": "circle,pad=0.25", "facecolor": color, "edgecolor": "white", "linewidth": 0.5}
+            ax.annotate(
+                next(letters),
+                (mark.x, mark.y),
+                xytext=(side[0] * AWAY, side[1] * AWAY),
+                textcoords="offset points",
+                color="white",
+                fontsize=LETTER,
+                ha="center",
+                va="center",
+                bbox=badge,
+                zorder=6,
+            )
+    if any(len(line.others) for line in lines):
+        ax.plot([], [], color=style.GRAY, **OTHER, label=lines[0].others_label)
+    xs = np.concatenate([np.append(line.x, line.others[:, 0]) for line in lines])
+    ys = np.concatenate([np.append(line.y, line.others[:, 1]) for line in lines])
+    ax.set_xlim(min(0.0, float(xs.min())) - LEFT * float(np.ptp(xs)), ROOM * float(xs.max()))
+    ax.set_ylim(min(0.0, float(ys.min())), ROOM * float(ys.max()))
+    ax.xaxis.set_major_locator(MaxNLocator(6))
+    ax.yaxis.set_major_locator(MaxNLocator(6))
+    style.legend(ax, loc="lower right")
+    return style.dress(ax, xlabel=xlabel, ylabel=ylabel)
+
+
+def _side(line: FrontLine, lines: Sequence[FrontLine]) -> tuple[int, int]:
+    """The direction off a front: where better points would be, or worse ones if another front lies there."""
+    rises = (float(line.y[-1]) - float(line.y[0])) >= 0.0
+    better = (-1, 1) if rises else (-1, -1)
+    for other in lines:
+        there = float(np.interp(float(np.median(line.x)), other.x, other.y))
+        here = float(np.interp(float(np.median(line.x)), line.x, line.y))
+        if other is not line and (there > here if rises else there < here):
+            return -better[0], -better[1]
+    return better
+
+
+def bodies(marks: Sequence[Mark], letters: str, color: str, ax: Axes) -> Axes:
+    """The marked bodies one below the other on one scale, each in the middle of its wave, with its numbers.
+
+    Args:
+        marks: What to draw.
+        letters: One per mark.
+        color: Of the letters.
+        ax: Where to draw.
+    """
+    shapes = [_shape(mark.robot, mark.gait) for mark in marks]
+    longest = max(float(np.ptp(shape[:, 0])) for shape in shapes)
+    top = 0.0
+    for mark, letter, shape in zip(marks, letters, shapes, strict=True):
+        low, high = shape.min(axis=0), shape.max(axis=0)
+        middle = 0.5 * (low + high)
+        height = float(high[1] - low[1]) + THICK * longest
+        draw_posture(ax, mark.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
+        lines = mark.text.count("\n") + 1
+        ax.text(-0.66 * longest, top - 0.5 * height, letter, color=color, fontweight="bold", **_TEXT, va="center")
+        ax.text(-0.56 * longest, top - height, mark.text, color=style.INK, **_TEXT, va="top", linespacing=1.05)
+        top -= height + (TEXT * lines + GAP) * longest
+    ax.set_xlim(-0.68 * longest, 0.6 * longest)
+    ax.set_ylim(top, 0.02 * longest)
+    ax.set_aspect("equal")
+    ax.axis("off")
+    return ax
+
+
+def front_sheet(lines: Sequence[FrontLine], title: str, note: str, *, xlabel: str, ylabel: str) -> Figure:
+    """The front at the left, the bodies that swim its gaits at the right, a column per line.
+
+    Args:
+        lines: One or two.
+        title: Above all.
+        note: The line below.
+        xlabel: With the unit.
+        ylabel: With the unit.
+    """
+    more = max(sum(mark.text.count("\n") for mark in line.marks) for line in lines)
+    figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT + LINE_HEIGHT * more)
+    widths = (style.DOUBLE_COLUMN - COLUMN * len(lines), *[COLUMN] * len(lines))
+    grid = figure.add_gridspec(1, 1 + len(lines), width_ratios=widths)
+    front(lines, figure.add_subplot(grid[0]), xlabel=xlabel, ylabel=ylabel)
+    letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+    for i, (line, (color, _)) in enumerate(zip(lines, KINDS, strict=False)):
+        bodies(line.marks, letters[: len(line.marks)], color, figure.add_subplot(grid[1 + i]))
+        letters = letters[len(line.marks) :]
+    style.head(figure, title, note)
+    return figure
+
+
+def _shape(robot: Robot, gait: Gait) -> Points:
+    """Trailing edge and link ends of a body in its gait, along x on the whole, at the moment when it is straightest."""
+    body = robot.planar()
+    envelope = np.array(gait.joint_envelope(body.n_links))
+    wave = gait.phase_shift * np.arange(envelope.size)
+    shapes: list[Points] = []
+    for phase in np.linspace(0.0, np.pi, 24, endpoint=False):
+        joints = gait.amplitude * envelope * np.sin(phase + wave) + gait.offset
+        angles = np.concatenate(([0.0], np.cumsum(joints)))
+        center = np.zeros(2)
+        angles -= angles.mean()
+        shapes.append(posture(body, center, angles))
+    return min(shapes, key=lambda shape: float(np.ptp(shape[:, 1])))

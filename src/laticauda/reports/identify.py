@@ -2,8 +2,11 @@
 
 import hashlib
 import json
+import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from laticauda.extensions import name_of
 from laticauda.files import write
@@ -11,8 +14,13 @@ from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
 from laticauda.packaging import __version__
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.reports.identify_figures import figures_of
-from laticauda.reports.identify_tables import finite, identification_tables
+from laticauda.reports.texts import in_digits
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+Row = dict[str, Any]
+
+_PART = 0.3  # of a direction that is in the parameters, and not in where trials began
 
 
 def write_identification(done: Validation, folder: str | Path, *, command: str = "") -> list[str]:
@@ -45,6 +53,8 @@ def identification_chapter(done: Validation, command: str = "") -> Chapter:
         done: What was found.
         command: What made it; "" if it was no command.
     """
+    from laticauda.reports.identify_figures import figures_of
+
     found = done.found
     values = {
         "task": done.task,
@@ -122,3 +132,164 @@ def sources_of(task: Task) -> dict[str, str]:
         task: What was asked for.
     """
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in task.sources}
+
+
+# ---- tables --------------------------------------------------------------------------------------------------------
+
+
+def identification_tables(done: Validation) -> "dict[str, DataFrame]":
+    """All of them by name; what is not there has no table.
+
+    Args:
+        done: What was found.
+    """
+    from pandas import DataFrame
+
+    rows = {
+        "parameters": _parameters(done),
+        "directions": _directions(done),
+        "groups": _groups(done),
+        "residuals": _residuals(done),
+        "starts": _starts(done),
+        "correlations": _correlations(done),
+        "began": _began(done),
+        "errors": [] if done.error(done.found.predictions) is None else _errors(done),
+    }
+    return {name: DataFrame(found) for name, found in rows.items() if found}
+
+
+def _parameters(done: Validation) -> list[Row]:
+    """Values, uncertainties and what is to be known about them."""
+    found, profiles = done.found, {one.name: one for one in done.profiles}
+    rows: list[Row] = []
+    for k in found.problem.of_interest:
+        unknown, estimate = found.problem.unknowns[k], found.estimates[k]
+        low, high = estimate.interval or (None, None)
+        tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
+        notes = (estimate.note.replace("`", ""), f"with it change: {tied}" if tied else "")
+        row: Row = {
+            "parameter": estimate.name,
+            "value": estimate.value if estimate.is_identified else None,
+            "unit": estimate.unit or "-",
+            "standard deviation": estimate.sigma,
+            f"{100 * found.method.confidence:g} % interval, low": low,
+            "high": high,
+        }
+        if profiles:
+            row |= {"profile, low": profiles[estimate.name].low, "profile, high": profiles[estimate.name].high}
+        row["prior"] = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
+        row["range"] = f"{_end(unknown.lower)} to {_end(unknown.upper)}"
+        row["note"] = "; ".join(filter(None, notes)) or "-"
+        rows.append(row)
+    return rows
+
+
+def _end(value: float) -> str:
+    return in_digits(value, ".4g") if math.isfinite(value) else "any"
+
+
+def _began(done: Validation) -> list[Row]:
+    """Where single trials began, as far as it was identified."""
+    found = done.found
+    return [
+        {
+            "parameter": one.name,
+            "value": one.value if one.is_identified else None,
+            "unit": one.unit,
+            "standard deviation": one.sigma,
+        }
+        for k, one in enumerate(found.estimates)
+        if k not in found.problem.of_interest
+    ]
+
+
+def _directions(done: Validation) -> list[Row]:
+    """What the measurements see of combinations."""
+    shown = done.found.problem.of_interest
+    return [
+        {
+            "combination": one.name.replace("`", ""),
+            "standard deviation [-]": finite(one.sigma),
+            "seen": one.is_seen,
+        }
+        for one in done.found.identifiability.directions
+        if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
+    ]
+
+
+def _residuals(done: Validation) -> list[Row]:
+    """Every measurement beside its prediction, by this fit and by the others."""
+    problem = done.found.problem
+    left_out = {(problem.measurements[one.owner].name, one.what): done.left_out[one.at] for one in problem.places}
+    return [
+        {
+            "group": one.group,
+            "measurement": one.measurement,
+            "what": one.what.replace("_", " "),
+            "unit": one.unit or "-",
+            "measured": one.measured,
+            "predicted": one.predicted,
+            "left out": None if one.measured is None else finite(left_out[one.measurement, one.what][0]),
+            "off": one.deviation,
+            "off [%]": 100.0 * one.deviation / one.measured if one.measured else None,
+            "in standard deviations [-]": one.in_sigmas,
+        }
+        for one in sorted(done.found.residuals, key=lambda one: problem.groups.index(one.group))
+    ]
+
+
+def _groups(done: Validation) -> list[Row]:
+    """Errors by group."""
+    rows: list[Row] = []
+    residuals = done.found.residuals
+    for group, what in dict.fromkeys((group, one.what) for group in done.found.problem.groups for one in residuals):
+        mine = [one for one in residuals if (one.group, one.what) == (group, what)]
+        shares = [100.0 * one.deviation / one.measured for one in mine if one.measured]
+        if mine:
+            row: Row = {"group": group, "what": what.replace("_", " "), "measurements": len(mine)}
+            row["mean error [%]"] = float(np.mean(np.abs(shares))) if shares else None
+            row["mean with sign [%]"] = float(np.mean(shares)) if shares else None
+            row["in standard deviations [-]"] = float(np.sqrt(np.mean([one.in_sigmas**2 for one in mine])))
+            rows.append(row)
+    return rows
+
+
+def _errors(done: Validation) -> list[Row]:
+    """Mean errors of the speeds, fitted and left out, beside null models."""
+    found, by_group = done.found, None if done.by_group is None else done.by_group.predictions
+    errors = (done.error(found.predictions), done.error(done.left_out), done.error(by_group))
+    models = [("this fit", len(found.estimates), *errors)]
+    models += [
+        (f"null model: {null.name}", null.n_parameters, null.fitted, finite(null.left_out), finite(null.group_left_out))
+        for null in done.null_models
+    ]
+    heads = ("model", "numbers fitted", "fitted [%]", "measurement left out [%]", "group left out [%]")
+    return [dict(zip(heads, model, strict=True)) for model in models]
+
+
+def _starts(done: Validation) -> list[Row]:
+    """Where every search began and ended."""
+    names = [done.found.problem.names[k] for k in done.found.problem.of_interest]
+    return [
+        {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
+        | {f"{name}, {word}": side[name] for name in names for word, side in (("from", one.start), ("to", one.end))}
+        for i, one in enumerate(done.found.searches)
+    ]
+
+
+def _correlations(done: Validation) -> list[Row]:
+    """The matrix."""
+    names = done.found.problem.names
+    return [
+        {"parameter": name} | dict(zip(names, row, strict=True))
+        for name, row in zip(names, done.found.correlations.tolist(), strict=True)
+    ]
+
+
+def finite(value: float) -> float | None:
+    """A number, or None for what is infinite or not known.
+
+    Args:
+        value: Any.
+    """
+    return float(value) if math.isfinite(value) else None

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, MaxNLocator, MultipleLocator, NullLocator
 
 from laticauda.figures import style
-from laticauda.figures.following import path_beside
 from laticauda.figures.path import extent
+from laticauda.figures.swim import path_beside
 from laticauda.paper.beyond import TurningCurve
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean

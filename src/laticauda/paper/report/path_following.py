@@ -1,7 +1,7 @@
-"""The path-following study for readers: its figures, and what its chapter of the report speaks of."""
+"""The path-following study for readers: its tables, its figures, and what its chapter of the report speaks of."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import GAIT_WORDS
@@ -9,9 +9,8 @@ from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.datasets import to_dataset
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
-from laticauda.paper.report.chapter import misprinted, paper_chapter
-from laticauda.paper.report.path_following_tables import path_following_tables
-from laticauda.paper.scores import Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
+from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
 from laticauda.reports.chapter import Chapter
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
             **_findings(study),
             **_beyond_the_published(study.held_out),
         },
-        tables=path_following_tables(study),
+        tables=_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
         data={"path_following.nc": lambda: to_dataset(study)},
@@ -140,7 +139,7 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
     Args:
         study: What `run_path_following` returned.
     """
-    from laticauda.figures.following import follow_sheet
+    from laticauda.figures import follow_sheet
     from laticauda.paper.figures.following_speeds import following_speeds_sheet
 
     null = _best_null(study)
@@ -179,3 +178,118 @@ def _speeds(case: FollowingCase) -> str:
         f"Forward velocity {case.measured.forward_velocity:.4f} m/s measured, {case.run.forward_velocity:.4f} m/s "
         f"simulated ({case.run.name})"
     )
+
+
+# ---- tables --------------------------------------------------------------------------------------------------------
+
+
+def _tables(study: PathFollowingStudy) -> dict[str, Iterable[Row]]:
+    """By name: Table 2 row by row, every run, what the loop changes, the fin, errors, costs."""
+    cases = study.cases
+    return {
+        "following-trials": [
+            _case(case) | {"figure": case.figure} | _initial(case) | _figures(case.run) for case in cases
+        ],
+        "table2": [_table2(case) for case in cases],
+        "following-loop": [_loop(case) for case in cases],
+        "following-errors": error_rows(study, "numbers fitted to Table 1", {}),
+        "following-fin": [_fin(gain) for gain in fin_gains(cases)],
+        "following-joules": _joules(study),
+        "following-runs": _runs(study),
+    }
+
+
+def _case(case: FollowingCase) -> Row:
+    return {"group": case.group.name, "case": case.measured.case}
+
+
+def _initial(case: FollowingCase) -> Row:
+    heading = degrees(case.measured.initial_heading)
+    return {"start: p_y [m]": case.measured.initial_cross_track_error, "start: heading [deg]": heading}
+
+
+def _figures(run: FollowingRun) -> Row:
+    figures = run.figures
+    share = figures["saturated_share"]
+    return {
+        "run [s]": run.duration,
+        "converged after [s]": figures["convergence_time"],
+        "converged after [m]": figures["convergence_distance"],
+        "overshoot [m]": figures["overshoot"],
+        "rms error [m]": figures["steady_error"],
+        "ripple [m]": figures["ripple"],
+        "offset at its limit [%]": None if share is None else 100.0 * share,
+        "last third: mean error [m]": figures["last_third_error"],
+        "last third: rms error [m]": run.last_third_rms,
+        "last third: largest error [m]": run.last_third_largest,
+    }
+
+
+def _table2(case: FollowingCase) -> Row:
+    measured, band = case.measured.forward_velocity, [run.forward_velocity for run in case.band]
+    return {
+        **_case(case),
+        **_initial(case),
+        "measured: v [m/s]": measured,
+        "simulated: v [m/s]": case.run.forward_velocity,
+        "error [%]": percent_change(measured, case.run.forward_velocity),
+        "band: lowest v [m/s]": min(band),
+        "band: highest v [m/s]": max(band),
+        "measured v in the band": case.is_in_band,
+        "measured: electrical power [W]": case.measured.mean_power,
+        "simulated: mechanical power [W]": case.run.mechanical_power,
+    }
+
+
+def _loop(case: FollowingCase) -> Row:
+    row = _case(case) | {"unsteered: steady v [m/s]": case.free_velocity}
+    for heading, run in (("raw", case.run), ("cycle mean", case.cycle_mean)):
+        row |= {
+            f"{heading}: v [m/s]": run.forward_velocity,
+            f"{heading}: steady v [m/s]": run.steady_velocity,
+            f"{heading}: change from unsteered [%]": case.change_by_the_loop(run),
+            f"{heading}: swing of the offset [deg]": math.degrees(run.offset_swing),
+            f"{heading}: largest error in the last third [m]": run.last_third_largest,
+        }
+    return row
+
+
+def _fin(gain: FinGain[FollowingCase]) -> Row:
+    band = band_gains(gain)
+    velocity: Row = {"simulated: v [%]": gain.simulated(lambda case: case.run.forward_velocity)}
+    velocity |= {"band: lowest [%]": min(band), "band: highest [%]": max(band)}
+    power = {"simulated: mechanical power [%]": gain.simulated(lambda case: case.run.mechanical_power)}
+    return fin_row(gain.measured, {}, velocity, power)
+
+
+def _joules(study: PathFollowingStudy) -> Iterator[Row]:
+    for cost in meter_costs(study):
+        trials = [(f"case {i}", *pair) for i, pair in enumerate(zip(cost.measured, cost.simulated, strict=True), 1)]
+        for trial, measured, computed in (*trials, ("mean", cost.measured_mean, cost.simulated_mean)):
+            yield {
+                "group": cost.group,
+                "trial": trial,
+                "measured: electrical [J/m]": measured,
+                "simulated: mechanical [J/m]": computed,
+            }
+
+
+def _runs(study: PathFollowingStudy) -> Iterator[Row]:
+    runs = [(_case(case), run) for case in study.cases for run in (*case.band, case.cycle_mean)]
+    for names, run in (*runs, ({"group": "held out", "case": 1}, study.held_out.run)):
+        yield {
+            **names,
+            "joints": run.joints,
+            "bandwidth [rad/s]": run.offset_bandwidth,
+            "heading": run.heading_estimate,
+            "time step [s]": run.dt,
+            "ramp [s]": run.ramp,
+            "ended by": run.reached,
+            "v [m/s]": run.forward_velocity,
+            "path speed [m/s]": run.path_speed,
+            "steady v [m/s]": run.steady_velocity,
+            "mechanical power [W]": run.mechanical_power,
+            "mechanical [J/m]": run.joules_per_meter,
+            "swing of the offset [deg]": math.degrees(run.offset_swing),
+            **_figures(run),
+        }

@@ -1,20 +1,40 @@
 """The stability maps for readers: figure, tables, and what their chapter of the report speaks of."""
 
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false
+
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.patheffects import withStroke
 
+from laticauda.figures import style
 from laticauda.paper.datasets import to_dataset
 from laticauda.paper.report.chapter import paper_chapter
-from laticauda.paper.stability import SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
+from laticauda.paper.stability import COMING, SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
 from laticauda.reports.chapter import Chapter
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 HEADINGS = {"cycle_mean": "mean heading", "raw": "raw heading"}
+Edge = tuple[tuple[float, float], tuple[float, float]]
+
+COLORS = colormaps["cividis"]  # its lightness rises evenly, also for the color-blind
+SCALE = LogNorm(1e-3, 0.4)  # [m]
+SMALLEST = 1e-3  # below it a cell says no more than that [m]
+GAP = 0.45  # between mean and raw heading, in cells
+CELL = (0.43, 0.24)  # [in]
+NUMBER = 6.5  # size of the numbers in the cells [pt]
+BOUNDARY = 2.0  # width of the line around the loops that have not settled [pt]
+HATCH = "////"
 
 
 def stability_chapter(study: StabilityStudy) -> Chapter:
@@ -40,14 +60,12 @@ def stability_chapter(study: StabilityStudy) -> Chapter:
     )
 
 
-def stability_figures(study: StabilityStudy) -> Iterator[tuple[str, str, "Figure"]]:
+def stability_figures(study: StabilityStudy) -> Iterator[tuple[str, str, Figure]]:
     """The maps in one figure: the name of its file, what it shows, and the figure.
 
     Args:
         study: What `run_stability` returned.
     """
-    from laticauda.paper.figures.stability import stability_sheet
-
     settings = study.settings
     title = "Line of sight over look-ahead distance and gain: where the loop settles on the path"
     caption = (
@@ -145,3 +163,141 @@ def _speeds(study: StabilityStudy) -> list[tuple[str, list[float], list[float]]]
         if settled and swinging:
             found.append((one.swimmer.name, settled, swinging))
     return found
+
+
+# ---- figure --------------------------------------------------------------------------------------------------------
+
+
+def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> Axes:
+    """One map: color and number are the error, a thick line parts the loops that settle from those that do not.
+
+    The first columns are for the mean heading, those behind the gap for the raw one.
+
+    Args:
+        panel: The map of one swimmer.
+        ax: Where to draw.
+        paper: Look-ahead distance [m] and gain [-] to be marked.
+    """
+    n, gains, distances = panel.cycle_mean.gains.size, panel.gains, panel.cycle_mean.look_ahead_distances
+    columns = [j + (GAP if j >= n else 0.0) for j in range(gains.size)]
+    for row, (errors, behaviors) in enumerate(zip(panel.rms.tolist(), panel.behaviors.tolist(), strict=True)):
+        for at, error, behavior in zip(columns, errors, behaviors, strict=True):
+            _draw_cell(ax, at, row, error, behavior)
+    _draw_boundary(panel, ax, columns)
+    above = np.flatnonzero(distances >= 2.0 * panel.swimmer.length * (1.0 - 1e-9))
+    if above.size:  # the rule of thumb, a line under the first distance that keeps it
+        at, ends = float(above[0]) - 0.5, (-0.5, columns[-1] + 0.5)
+        ax.plot(ends, (at, at), color=style.ORANGE, linewidth=1.4, linestyle=(0, (4, 2)), zorder=4, clip_on=False)
+    rows, places = np.flatnonzero(np.isclose(distances, paper[0])), np.flatnonzero(np.isclose(gains, paper[1]))
+    corners = [(columns[j] - 0.42, row - 0.4) for row in rows.tolist() for j in places.tolist()]
+    frames = [Rectangle(corner, 0.84, 0.8) for corner in corners]
+    ax.add_collection(PatchCollection(frames, facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, zorder=5))
+    ax.set_xlim(-0.5, columns[-1] + 0.5)
+    ax.set_ylim(-0.5, distances.size - 0.5)
+    ax.set_xticks(columns, [f"{gain:g}" for gain in gains])
+    ax.set_yticks(range(distances.size), [f"{value:g}" for value in distances])
+    if gains.size > n:
+        for at, words in ((np.mean(columns[:n]), "mean heading"), (np.mean(columns[n:]), "raw")):
+            ax.annotate(
+                words,
+                (float(at), 1.0),
+                xytext=(0.0, 3.0),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                ha="center",
+                fontsize=style.TICK,
+                color=style.INK,
+                annotation_clip=False,
+            )
+    style.dress(ax, xlabel="gain k [-]", ylabel="look-ahead distance $\\Delta$ [m]")
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    ax.tick_params(length=0)
+    return ax
+
+
+def stability_sheet(panels: Sequence[StabilityMap], title: str, paper: tuple[float, float], note: str = "") -> Figure:
+    """All maps, two in a row, with their scale and what the marks mean.
+
+    Args:
+        panels: One per swimmer.
+        title: Above all panels.
+        paper: Look-ahead distance [m] and gain [-] to be marked.
+        note: A second line under the title; "" for none.
+    """
+    n_rows = -(-len(panels) // 2)
+    height = n_rows * (panels[0].cycle_mean.look_ahead_distances.size * CELL[1] + 0.85) + 1.1
+    figure = style.new_figure(style.DOUBLE_COLUMN, height)
+    grid = figure.subplots(n_rows, 2, squeeze=False)
+    axes: list[Axes] = [ax for row in grid for ax in row]
+    for place, (panel, ax) in enumerate(zip(panels, axes, strict=False)):
+        style.letter(stability_map(panel, ax, paper), place, panel.swimmer.name, pad=16)
+    for ax in axes[len(panels) :]:
+        ax.set_visible(False)
+    used = axes[: len(panels)]
+    bar = figure.colorbar(ScalarMappable(SCALE, COLORS), ax=used, aspect=45, pad=0.015, extend="both")
+    bar.set_ticks([1e-3, 1e-2, 0.1, 0.4], labels=["0.1", "1", "10", "40"])
+    bar.ax.minorticks_off()
+    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK, color=style.GRAY, width=style.THIN, length=3)
+    bar.set_label("rms of the mean error, last third [cm]", fontsize=style.LABEL, color=style.INK)
+    bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue, reportAttributeAccessIssue]
+    style.head(figure, title, note)
+    style.legend_below(figure, _handles(), ncols=4, handlelength=1.9, columnspacing=1.4)
+    return figure
+
+
+def _draw_cell(ax: Axes, at: float, row: int, error: float, behavior: str) -> None:
+    red, green, blue, _ = COLORS(SCALE(max(error, SMALLEST)))
+    cell = Rectangle((at - 0.5, row - 0.5), 1.0, 1.0, facecolor=(red, green, blue), edgecolor="white", linewidth=0.8)
+    ax.add_patch(cell)
+    if behavior == COMING:
+        over = Rectangle((at - 0.5, row - 0.5), 1.0, 1.0, fill=False, edgecolor="white", linewidth=0.0, hatch=HATCH)
+        ax.add_patch(over)
+    is_light = 0.30 * red + 0.59 * green + 0.11 * blue > 0.5
+    ax.text(
+        at,
+        row,
+        _centimeters(error),
+        ha="center",
+        va="center_baseline",
+        fontsize=NUMBER,
+        color=style.INK if is_light else "white",
+        fontweight="bold" if behavior != SETTLED else "normal",
+        path_effects=[withStroke(linewidth=1.6, foreground=(red, green, blue))],
+    )
+
+
+def _centimeters(error: float) -> str:
+    """An error [m] as a cell says it [cm]."""
+    if error < SMALLEST:
+        return f"<{100.0 * SMALLEST:g}"
+    return f"{100.0 * error:.1f}" if error < 0.0995 else f"{100.0 * error:.0f}"
+
+
+def _draw_boundary(panel: StabilityMap, ax: Axes, columns: Sequence[float]) -> None:
+    """Lines between cells that settle and cells that do not."""
+    edges: list[Edge] = []
+    n_rows, n_mean = panel.cycle_mean.look_ahead_distances.size, panel.cycle_mean.gains.size
+    settled = panel.behaviors == SETTLED
+    for row in range(n_rows):
+        for j, at in enumerate(columns):
+            if row + 1 < n_rows and settled[row, j] != settled[row + 1, j]:
+                edges.append(((at - 0.5, row + 0.5), (at + 0.5, row + 0.5)))
+            if j + 1 < len(columns) and j + 1 != n_mean and settled[row, j] != settled[row, j + 1]:
+                edges.append(((at + 0.5, row - 0.5), (at + 0.5, row + 0.5)))
+    ax.add_collection(LineCollection(edges, colors=style.INK, linewidths=BOUNDARY, capstyle="projecting", zorder=3))
+
+
+def _handles() -> list[Line2D | Patch]:
+    return [
+        Line2D([], [], color=style.INK, linewidth=BOUNDARY, label="settled | not settled (bold)"),
+        Patch(
+            facecolor=COLORS(SCALE(0.06)),
+            edgecolor="white",
+            hatch=HATCH,
+            linewidth=0.0,
+            label="not settled, still coming",
+        ),
+        Line2D([], [], color=style.ORANGE, linewidth=1.4, linestyle=(0, (4, 2)), label="two robot lengths"),
+        Patch(facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, label="the paper's gains"),
+    ]

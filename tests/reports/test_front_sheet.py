@@ -5,7 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.figures import style
-from laticauda.figures.front import FrontLine, Mark, front, front_sheet
+from laticauda.reports.front import FrontLine, Mark, front, front_sheet
 
 ROBOT = lc.load_robot("mamba-fin")
 GAIT = lc.lateral_undulation(amplitude=0.6, frequency=2.0, phase_shift=0.6)
