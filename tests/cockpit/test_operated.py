@@ -90,10 +90,10 @@ def test_the_operated_robot_is_drawn_where_it_is_and_the_simulated_one_makes_roo
     assert "speed over 5 s | **0.200 m/s**" in operated._text.content
     tail = operated._body._frames[0].position
     assert tail[0] < 2.8 < operated._body._frames[-1].position[0] + 0.2
-    assert not cockpit._scene._body._frames[0].visible
+    assert not cockpit._scene._body._root.visible
     operated._alone.value = False
     shown(cockpit)
-    assert cockpit._scene._body._frames[0].visible
+    assert cockpit._scene._body._root.visible
 
 
 def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconnects(cockpit):
@@ -108,7 +108,7 @@ def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconn
     shown(cockpit)
     assert listener.is_closed
     assert (operated._text.content, operated._body._frames) == ("", [])
-    assert cockpit._scene._body._frames[0].visible
+    assert cockpit._scene._body._root.visible
 
 
 @pytest.mark.parametrize(

@@ -36,8 +36,8 @@ def test_a_ratio_that_is_seen_leaves_the_scale_unseen():
 
 def test_a_product_is_named_by_its_powers():
     assert seen([[9, 9, 0], [0, 0, 9]]).unseen[0].name in (
-        "the product `water.tangential_friction`^1 `water.normal_drag`^-1",
-        "the product `water.normal_drag`^1 `water.tangential_friction`^-1",
+        "the ratio `water.tangential_friction` / `water.normal_drag`",
+        "the ratio `water.normal_drag` / `water.tangential_friction`",
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.figures import new_figure
-from laticauda.paper.figures.beyond import mean_errors, runs_sheet
+from laticauda.paper.report.beyond import mean_errors, runs_sheet
 from laticauda.trial.cycles import CycleMean
 
 LINES = [

@@ -4,7 +4,7 @@ import pytest
 from laticauda.figures import new_figure
 from laticauda.paper import swimmers
 from laticauda.paper.beyond import TurningCurve
-from laticauda.paper.figures.beyond import turning_radii, turning_rates, turning_sheet, turning_speeds
+from laticauda.paper.report.beyond import turning, turning_sheet
 
 LINES = [
     TurningCurve(
@@ -24,15 +24,15 @@ def ax():
 
 
 @pytest.mark.parametrize(
-    ("draw", "first", "label"),
+    ("name", "first", "label"),
     [
-        (turning_rates, [2.0, 10.0, 21.0], "turning rate [deg/s]"),
-        (turning_radii, [0.11 / np.radians(2.0), 0.1 / np.radians(10.0), 0.07 / np.radians(21.0)], "radius [m]"),
-        (turning_speeds, [0.11, 0.1, 0.07], "path speed [m/s]"),
+        ("turning_rate", [2.0, 10.0, 21.0], "turning rate [deg/s]"),
+        ("radius", [0.11 / np.radians(2.0), 0.1 / np.radians(10.0), 0.07 / np.radians(21.0)], "radius [m]"),
+        ("path_speed", [0.11, 0.1, 0.07], "path speed [m/s]"),
     ],
 )
-def test_a_quantity_is_drawn_over_degrees(ax, draw, first, label):
-    assert draw(LINES, ax) is ax
+def test_a_quantity_is_drawn_over_degrees(ax, name, first, label):
+    assert turning(LINES, name, ax) is ax
     assert np.allclose(ax.lines[0].get_xdata(), [2, 10, 20])
     assert np.allclose(ax.lines[0].get_ydata(), first)
     assert ax.get_ylabel() == label
@@ -40,7 +40,7 @@ def test_a_quantity_is_drawn_over_degrees(ax, draw, first, label):
 
 
 def test_every_line_differs_from_the_others_without_color_too(ax):
-    turning_rates(LINES, ax)
+    turning(LINES, "turning_rate", ax)
     looks = {(line.get_marker(), line.get_linestyle()) for line in ax.lines}
     assert len(looks) == len(LINES)
 

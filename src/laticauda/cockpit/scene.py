@@ -40,7 +40,7 @@ class Body:
         self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
         self._robot: Robot | None = None
         self._frames: list[Any] = []
-        self._is_visible = True
+        self._root = scene.add_frame(f"/{name}", show_axes=False)
 
     def show(self, robot: Robot, sample: Log) -> Poses:
         """Draw it as it is in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
@@ -53,10 +53,7 @@ class Body:
 
     def set_visible(self, is_visible: bool) -> None:
         """Show it, or hide it where it is."""
-        if is_visible != self._is_visible:
-            self._is_visible = is_visible
-            for frame in self._frames:
-                frame.visible = is_visible
+        self._root.visible = is_visible
 
     def remove(self) -> None:
         """Take it out of the scene."""
@@ -68,9 +65,7 @@ class Body:
         self.remove()
         found = shapes(robot)
         for part in range(1 + max(shape.part for shape in found)):
-            self._frames.append(
-                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False, visible=self._is_visible)
-            )
+            self._frames.append(self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False))
         for i, shape in enumerate(found):
             self._scene.add_mesh_simple(
                 f"/{self._name}/part_{shape.part}/shape_{i}",
@@ -94,22 +89,15 @@ class Line:
     """
 
     def __init__(self, scene: Any, name: str, color: Color, thickness: float) -> None:
-        self._scene, self._name, self._color, self._thickness = scene, name, color, thickness
-        self._line: Any = None
+        self._line = scene.add_line_segments(
+            name, points=np.zeros((1, 2, 3), np.float32), colors=color, thickness=thickness, visible=False
+        )
 
     def draw(self, points: np.ndarray) -> None:
         """Draw it through these points, or none through less than two [m]."""
-        pieces = np.stack((points[:-1], points[1:]), axis=1).astype(np.float32) if len(points) > 1 else None
-        if pieces is None:
-            if self._line is not None:
-                self._line.remove()
-                self._line = None
-        elif self._line is None:
-            self._line = self._scene.add_line_segments(
-                self._name, points=pieces, colors=self._color, thickness=self._thickness
-            )
-        else:
-            self._line.points = pieces
+        if len(points) > 1:
+            self._line.points = np.stack((points[:-1], points[1:]), axis=1).astype(np.float32)
+        self._line.visible = len(points) > 1
 
 
 class Trail:
@@ -158,8 +146,12 @@ class Scene:
         self.trail = Trail(scene, "/trail", TRAIL)
         """That of the center of mass, as far as it was shown."""
         self._path = Line(scene, "/path", PATH, 0.016)
-        self._forces: Any = None
-        self._forces_at: Any = None
+        # In a frame of their own at the center of mass: a slow page takes up places sooner than shapes.
+        self._forces_at = scene.add_frame("/forces", show_axes=False, visible=False)
+        arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # not seen
+        self._forces = scene.add_arrows(
+            "/forces/arrows", arrow, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
+        )
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
@@ -188,27 +180,15 @@ class Scene:
         now = self._body.show(robot, sample)
         place = in_space(sample.center_of_mass)
         self.trail.grow(place)
-        self._show_forces(_arrows(now, sample, place) if forces else None, place)
+        arrows = _arrows(now, sample, place) if forces else None
+        if arrows is not None:
+            self._forces.points, self._forces_at.position = arrows, place
+        self._forces_at.visible = arrows is not None
         # Floor and surface have no end: they go along in steps of a section of the grid.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample.center_of_mass[:2])
         if (x, y) != tuple(self._grid.position[:2]):
             for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
                 handle.position = (x, y, z)
-
-    def _show_forces(self, arrows: np.ndarray | None, place: np.ndarray) -> None:
-        """In a frame of their own at the center of mass: a slow page takes up places sooner than shapes."""
-        if arrows is None:
-            if self._forces is not None:
-                self._forces_at.remove()
-                self._forces = self._forces_at = None
-            return
-        if self._forces is None:
-            self._forces_at = self._scene.add_frame("/forces", show_axes=False)
-            self._forces = self._scene.add_arrows(
-                "/forces/arrows", arrows, FORCE, shaft_radius=0.008, head_radius=0.02, head_length=0.045
-            )
-        self._forces.points = arrows
-        self._forces_at.position = place
 
     def path(self, path: StraightLine | None) -> None:
         """Draw the path, or none."""

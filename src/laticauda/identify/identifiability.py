@@ -142,5 +142,8 @@ def _named(weights: np.ndarray, unknowns: Sequence[ResolvedUnknown]) -> str:
     if min(weights[members]) > _ABOUT * greatest:
         about = "" if np.ptp(weights[members]) < _ALIKE * greatest else "about "
         return f"{about}the common scale of {', '.join(names[:-1])} and {names[-1]}"
-    powers = [f"{name}^{weights[k] / greatest:.2g}" for k, name in zip(members, names, strict=True)]
-    return f"the product {' '.join(powers)}"
+    powers = [f"{abs(weights[k]) / greatest:.2g}" for k in members]
+    factors = [name if power == "1" else f"{name}^{power}" for name, power in zip(names, powers, strict=True)]
+    over, under = ([one for k, one in zip(members, factors, strict=True) if weights[k] * s > 0] for s in (1, -1))
+    below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
+    return f"the ratio {' '.join(over)} / {below}" if under else f"the product {' '.join(over)}"

@@ -106,7 +106,7 @@ class EfficiencySettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        _at_least_one(self, "models", "sweeps", "groups")
+        at_least_one(self, "models", "sweeps", "groups")
 
     @property
     def n_runs(self) -> int:
@@ -146,7 +146,7 @@ class PathFollowingSettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        _at_least_one(self, "joint_laws", "offset_bandwidths", "groups")
+        at_least_one(self, "joint_laws", "offset_bandwidths", "groups")
         for group in self.groups:
             if (n_cases := len(group.followed)) != len(group.figures):
                 raise BadArgument(
@@ -229,7 +229,16 @@ def _table(study: str) -> dict[str, Any]:
     return tomllib.loads(files("laticauda.paper").joinpath("paper.toml").read_text(encoding="utf-8"))[study]
 
 
-def _at_least_one(settings: object, *names: str) -> None:
+def at_least_one(settings: object, *names: str) -> None:
+    """Refuse settings that lack what there must be at least one of.
+
+    Args:
+        settings: Of a study.
+        names: Of their fields.
+
+    Raises:
+        ValueError: If one holds no entry.
+    """
     for name in names:
         if not getattr(settings, name):
             raise BadArgument(name, "must hold at least one entry, got none")

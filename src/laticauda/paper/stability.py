@@ -16,7 +16,7 @@ from laticauda.control import LineOfSight, StraightLine
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.paper.runs import Runs, Steering, Study, Swimmer, long_enough
-from laticauda.paper.settings import swimmers
+from laticauda.paper.settings import at_least_one, swimmers
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.progress import Progress
@@ -62,9 +62,7 @@ class StabilitySettings:
             values = getattr(self, name)
             if any(after <= before for before, after in pairwise(values)):
                 raise BadArgument(name, f"must rise, got {', '.join(f'{value:g}' for value in values)}")
-        for name in ("look_ahead_distances", "gains", "swimmers"):
-            if not getattr(self, name):
-                raise BadArgument(name, "must hold at least one entry, got none")
+        at_least_one(self, "look_ahead_distances", "gains", "swimmers")
         # Each third of the run must show a whole gait cycle.
         gaits = tuple(swimmer.gait for swimmer in self.swimmers)
         long_enough("duration", self.duration, gaits, 4.5)
