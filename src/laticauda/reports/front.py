@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from laticauda.figures import style
-from laticauda.figures.path import Points, draw_posture, posture
+from laticauda.figures.path import draw_posture, posture
 from laticauda.gaits import Gait
 from laticauda.robot import Robot
 from laticauda.simulate import swim_many
@@ -26,6 +26,7 @@ from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured
 
 Values = Float[np.ndarray, " n_points"]
+Points = Float[np.ndarray, "n_corners 2"]
 
 N_MARKS = 5
 SYMBOLS = {"amplitude": "$\\alpha$", "frequency": "$\\omega$", "phase shift": "$\\delta$", "n links": "$n$"}
