@@ -104,7 +104,7 @@ def swim_sheet(trial: Trial) -> Figure:
         places = [grid[:, 0], grid[0, 1], grid[1, 1], grid[2, 1]]
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
-    style.head(figure, _title(trial))
+    figure.suptitle(_title(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     speed(trial, velocity)
     joint_angle(trial, angle, last=last, scale=False)
     joint_torque(trial, torque, last=last, scale=False)

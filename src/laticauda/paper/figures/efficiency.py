@@ -269,7 +269,7 @@ def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Pan
         for ax in row:
             style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
-    style.head(figure, title)
+    figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
     style.legend_below(figure, _handles(panels))
 
 
