@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.cockpit.board import gait_map_picture
 from laticauda.cockpit.maps import AMPLITUDES, DURATION, FREQUENCIES, base_of, map_of_gaits, with_numbers, with_wave
 from laticauda.cockpit.simulation import changed
 from laticauda.control import StraightLine
-from laticauda.figures.gait_map import gait_map_picture
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=math.radians(40.0))
 SCENARIO = changed(lc.scenario("mamba", GAIT), current=(0.05, 0.0))
@@ -49,7 +49,7 @@ def test_the_nearest_trial_is_found(gaits):
 def test_the_picture_says_where_its_axes_are():
     values = np.full((len(FREQUENCIES), len(AMPLITUDES)), 1.0)
     values[0, 0], values[3, 4] = np.nan, 5.0
-    picture = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "Speed [m/s]")
+    picture = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "Speed [m/s]", ("amplitude [deg]", "frequency [deg/s]"))
     (left, bottom, wide, high), ((low, top), (down, up)) = picture.box, picture.limits
     n_rows, n_columns, _ = picture.pixels.shape
 

@@ -71,13 +71,12 @@ def cockpit():
 
 def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
-    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
+    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH, gait_map_picture
     from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES
     from laticauda.cockpit.scene import FIELD_OF_VIEW
-    from laticauda.figures.gait_map import gait_map_picture
 
     values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
-    (left, bottom, wide, high), limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "")[1:]
+    (left, bottom, wide, high), limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "", ("", ""))[1:]
     across, up = (
         (value - low) / (top - low) for value, (low, top) in zip((amplitude_deg, frequency_deg_s), limits, strict=True)
     )

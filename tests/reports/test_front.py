@@ -49,7 +49,7 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
         one for one in efficiency_settings().groups if (one.gait, one.robot) == ("lateral_undulation", "mamba")
     )
     assert len(points) == len(group.cases)
-    trial = lc.swim(SOUGHT.scenario.robot, group.cases[2], 2.0)
+    trial = lc.swim(SOUGHT.scenario.robot, group.cases[2].gait, 2.0)
     assert points[2] == pytest.approx([trial.mechanical_power, trial.forward_velocity], rel=1e-10)
 
 

@@ -1,11 +1,16 @@
 """A map on a board beside the robot, computed in the background or from a stored sweep, and clicked to set the gait."""
 
+# matplotlib's own annotations are partial; this package hands on typed figures and axes.
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportAttributeAccessIssue=false
+# pyright: reportUnknownArgumentType=false
+
 import math
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.cockpit.controls import joints_name
 from laticauda.cockpit.files import received_sweep
@@ -13,7 +18,7 @@ from laticauda.cockpit.live import Live
 from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES, OF_GAITS, Chart, Map, base_of, map_of_gaits, with_numbers
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.errors import LaticaudaError
-from laticauda.figures.gait_map import Picture, gait_map_picture
+from laticauda.figures import style
 from laticauda.scenarios import Scenario
 
 WIDTH, HEIGHT = 1.8, 1.35  # [m]
@@ -25,6 +30,10 @@ WAITING = (
 )
 OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Click the map to swim so."
 HINT = "A sweep of `laticauda sweep`: its folder packed as .zip, or its Dataset as .nc"
+SIZE = (3.4, 2.55)  # [in]
+BOX = (0.17, 0.19, 0.65, 0.68)  # of the axes in the picture: left, bottom, width, height, as shares
+POINT = 14.0  # size of a single one [pt^2]
+Values = Float[np.ndarray, "n_y n_x"] | Float[np.ndarray, " n_points"]
 
 
 class Board:
@@ -220,3 +229,47 @@ def _differences(sweep: Map, scenario: Scenario) -> str:
     other = [f"{name} {here[name]}" for name, value in sweep.about.items() if here[name] != value]
     text = f"**{sweep.name}**: {of}. A click sets the numbers of a trial."
     return text + (f" Here it is {', '.join(other)}." if other else "")
+
+
+# ---- the picture ---------------------------------------------------------------------------------------------------
+
+
+class Picture(NamedTuple):
+    """A picture of the map, for a screen, and where its axes are."""
+
+    pixels: Any
+    box: tuple[float, float, float, float]
+    limits: tuple[tuple[float, float], tuple[float, float]]
+
+
+def gait_map_picture(
+    across: Sequence[float], up: Sequence[float], values: Values, title: str, labels: tuple[str, str]
+) -> Picture:
+    """A figure of many trials as colors over two of their numbers; gray where there is none.
+
+    Args:
+        across: Of every column, or of every point.
+        up: Of every row, or of every point.
+        values: The figure: a table, or one value per point.
+        title: Its name, with its unit.
+        labels: What is across and what is up, with units.
+    """
+    figure = style.new_figure(*SIZE)
+    figure.set_layout_engine("none")
+    figure.set_dpi(220)
+    ax = figure.add_axes(BOX)
+    ax.set_facecolor("#c8c8c8")
+    shown = np.ma.masked_invalid(values)
+    if shown.ndim == 2:
+        mesh = ax.pcolormesh(across, up, shown, shading="nearest")
+    else:
+        mesh = ax.scatter(across, up, c=shown, s=POINT, linewidths=0.0)
+    style.dress(ax, xlabel=labels[0], ylabel=labels[1])
+    ax.set_title(title, fontsize=style.LABEL, color=style.INK)
+    bar: Any = figure.colorbar(mesh, cax=ax.inset_axes((1.04, 0.0, 0.05, 1.0)))
+    bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
+    bar.outline.set_visible(False)
+    canvas: Any = figure.canvas
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+    return Picture(pixels=pixels, box=BOX, limits=(ax.get_xlim(), ax.get_ylim()))
