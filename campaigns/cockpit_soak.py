@@ -36,8 +36,8 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
-from laticauda.cockpit.simulation import with_fin
 from laticauda.cockpit.page import FRAME
+from laticauda.cockpit.simulation import with_fin
 from laticauda.control import StraightLine
 
 GAIT = lc.lateral_undulation(

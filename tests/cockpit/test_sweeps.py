@@ -8,12 +8,12 @@ import pytest
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
+from laticauda.cockpit.board import gait_map_picture
 from laticauda.cockpit.files import opened, received_sweep
 from laticauda.cockpit.maps import with_numbers
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.simulation import changed
 from laticauda.errors import TrialFileError
-from laticauda.figures.gait_map import gait_map_picture
 from laticauda.studies import Grid, Rows, Sweep, open_sweep, run_sweep
 
 pytest.importorskip("viser")

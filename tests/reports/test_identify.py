@@ -48,7 +48,7 @@ def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
     assert "The data do not see robot.joint.actuator.servo_gain." in text
     assert "predicted by the linearized model, without refits, each group by a refit to the other groups;" in text
     assert f"estimated from the residuals, {done.found.noise_factor:.2g} times what the measurements state." in text
-    found = replace(done.found, noise="known", warnings=("Look at `this`.",))
+    found = replace(done.found, method=replace(done.found.method, noise="known"), warnings=("Look at `this`.",))
     other = identification_chapter(replace(done, found=found, is_linearized=False, by_group=None)).html({})
     assert "predicted by a refit to all others; beside it" in other
     assert "the noise is taken as stated." in other
