@@ -88,6 +88,13 @@ def test_what_is_written_is_read_back_equal_to_the_last_bit(machine: Machine):
     assert decode(Machine, encode(machine)) == machine
 
 
+def test_a_member_that_may_be_absent_says_its_kind():
+    hint = Spring | None
+    assert encode(Steel(stiffness=2.0), hint) == {"kind": "steel", "stiffness": 2.0}
+    assert decode(hint, encode(Slack(), hint)) == Slack()
+    assert decode(hint, encode(None, hint)) is None
+
+
 def test_a_table_says_no_more_than_it_has_to():
     machine = Machine(name="m", joints=(Joint(), Joint(axis="pitch")) * 2, spring=Slack(), shape=Square(side=2.0))
     assert encode(machine) == {

@@ -337,7 +337,8 @@ def encode(value: Any, hint: Any = None) -> Any:
     """
     if is_dataclass(value):
         thing: Any = value
-        return {**({} if _kinds(hint) is None else {"kind": name_of(thing.__class__)}), **_table(thing)}
+        has_kind = any(_kinds(one) is not None for one in (hint, *get_args(hint)))  # of `X | None` too
+        return {**({"kind": name_of(thing.__class__)} if has_kind else {}), **_table(thing)}
     if isinstance(value, Unknown):
         return {"kind": value.kind, **value.table}
     if isinstance(value, Mapping):

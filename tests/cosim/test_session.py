@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cosim import Session
-from laticauda.cosim.requests import FIRST_GAIT, read_scenario
+from laticauda.cosim.messages import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
 from laticauda.simulate import plant

@@ -13,7 +13,7 @@ import laticauda as lc
 from laticauda.errors import StorageFailed
 from laticauda.studies import Front, Optimization, hypervolume, optimize
 from laticauda.studies.optimization import evaluate, losses
-from laticauda.studies.search import Search
+from laticauda.studies.optimize import Search
 
 kills = campaign("optimize_kills")
 BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}

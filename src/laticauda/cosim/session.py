@@ -7,8 +7,16 @@ from collections.abc import Callable, Mapping
 from typing import Any, cast
 
 from laticauda.codec import BadKey
-from laticauda.cosim.messages import PROTOCOL_VERSION, Message, read_message, write_message
-from laticauda.cosim.requests import HELD, MADE_FROM, check_fields, read_scenario
+from laticauda.cosim.messages import (
+    HELD,
+    MADE_FROM,
+    PROTOCOL_VERSION,
+    Message,
+    check_fields,
+    read_message,
+    read_scenario,
+    write_message,
+)
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__

@@ -12,8 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.cosim.messages import Message
-from laticauda.cosim.requests import commanded
+from laticauda.cosim.messages import Message, commanded
 from laticauda.errors import BadArgument, one_of, positive, within
 from laticauda.interfaces import Command, OpenLoop, Plant, Start
 from laticauda.scenarios import Scenario, Spatial

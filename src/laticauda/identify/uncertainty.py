@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from laticauda.errors import one_of, whole
 from laticauda.extras import optional_import
-from laticauda.identify.estimates import quantile_of
+from laticauda.identify.fitting import quantile_of
 from laticauda.identify.least_squares import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress

@@ -6,11 +6,10 @@ from pathlib import Path
 
 from laticauda.errors import TrialFileError
 from laticauda.files import read_bytes
-from laticauda.logs.c3d import read_c3d
+from laticauda.logs.array_files import mat_columns
 from laticauda.logs.column_maps import ColumnMap, load_column_map
-from laticauda.logs.matlab import mat_columns
 from laticauda.logs.measuring import measured_trial
-from laticauda.logs.tables import Table, csv_table, qtm_table
+from laticauda.logs.tables import Table, csv_table, qtm_table, read_c3d
 from laticauda.logs.tabular import parquet_columns
 from laticauda.trial import Format, Trial
 

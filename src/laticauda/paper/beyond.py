@@ -14,7 +14,7 @@ from laticauda.paper.settings import swimmers
 from laticauda.paper.steered import CurvedRun, CurvedSettings, DriftRun, DriftSettings, curved_run, drift_run
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 
 Numbers = Float[np.ndarray, " n_offsets"]
 

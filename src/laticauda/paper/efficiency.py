@@ -16,7 +16,7 @@ from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
 from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 

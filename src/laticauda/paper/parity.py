@@ -16,7 +16,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot, load_water
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of
 from laticauda.simulate import swim
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 from laticauda.trial import Trial
 
 STEPS: dict[str, tuple[float, ...]] = {

@@ -20,7 +20,7 @@ from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 from laticauda.trial import Trial, following
 from laticauda.trial.cycles import TRANSIENT
 

@@ -15,7 +15,7 @@ from laticauda.robot import Parameters, Robot, Water, load_robot, load_water
 from laticauda.scenarios import Scenario, settings_of
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 from laticauda.trial import Trial
 from laticauda.trial.contents import Setting
 from laticauda.trial.null_models import group_name

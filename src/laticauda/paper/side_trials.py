@@ -23,7 +23,7 @@ from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_c
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
 from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 
 ROBOT = "mamba"
 SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]

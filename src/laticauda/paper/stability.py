@@ -19,7 +19,7 @@ from laticauda.paper.runs import Runs, Steering, Study, Swimmer, long_enough
 from laticauda.paper.settings import at_least_one, swimmers
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.progress import Progress
+from laticauda.studies.trials import Progress
 from laticauda.trial import Trial
 from laticauda.trial.following import mean_error
 

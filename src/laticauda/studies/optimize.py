@@ -1,20 +1,190 @@
-"""Optimization: the gait, fin or number of links with the best speed, power or cost, or the front between two."""
+"""Optimization: the gait, fin or number of links with the best speed, power or cost, or the front between two.
+
+A search is determined by its bounds, its seed and the figures that it is given, and a trial by its point. So the points
+and their figures, in one file, are all that must be kept, and nothing of the search's state: a search that was stopped
+is asked the same again, is given from the file what it was given before, and goes on as if nothing had happened, to the
+same bits. Nothing in the file is executed. It is written beside its place and moved there, so it is always that of a
+whole generation.
+
+Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread over the whole front
+at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price, J. Global Optim. 11, 1997): it needs no
+derivatives and no scale for the parameters, keeps to the bounds, and its generations are batches for the kernel. Its
+numbers do not adapt: pymoo's adaptation draws from a generator that cannot be seeded.
+"""
 
 from __future__ import annotations
 
+import io
+import json
+import zipfile
+from collections.abc import Mapping
 from contextlib import nullcontext
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.errors import BadArgument, instance, whole
-from laticauda.studies.checkpoint import CHECKPOINT, JOB, Checkpoint
-from laticauda.studies.folder import as_stored, owned
+from laticauda.extras import optional_import
+from laticauda.files import write
+from laticauda.studies.folder import as_stored, check_same, owned, storage
 from laticauda.studies.front import Front, unbeaten
 from laticauda.studies.optimization import VIOLATION, Optimization, evaluate, losses
-from laticauda.studies.progress import Progress, silent
-from laticauda.studies.search import LEAST_POPULATION, POPULATION, Search, versions
-from laticauda.studies.trials import Column, Table
+from laticauda.studies.trials import QUANTITIES, Column, Progress, Table, silent
+
+CHECKPOINT, JOB = "checkpoint.npz", "optimization"
+DEFINITION, POINTS = "definition", "points"
+COLUMNS = (*QUANTITIES, VIOLATION)
+
+
+@dataclass(kw_only=True)
+class Checkpoint:
+    """Every point that was tried so far, in the order of the search; in a folder, or in memory alone."""
+
+    definition: Mapping[str, Any]
+    """What the points depend on."""
+    n_names: int
+    """Number of parameters."""
+    folder: Path | None = None
+    """Where the file is; None keeps nothing."""
+    points: Table = field(init=False)
+    """As the search asked for them."""
+    found: dict[str, Column] = field(init=False)
+    """What they came to, by name."""
+
+    def __post_init__(self) -> None:
+        """Begin with none."""
+        self.points = np.empty((0, self.n_names))
+        self.found = {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
+
+    def load(self) -> None:
+        """Take over what is stored, if anything.
+
+        Raises:
+            ValueError: If the folder holds something else, or another optimization: the message names what differs.
+        """
+        if self.folder is None or not (self.folder / CHECKPOINT).exists():
+            return
+        try:
+            content = io.BytesIO((self.folder / CHECKPOINT).read_bytes())
+            with np.load(content, allow_pickle=False) as file:
+                stored: Any = json.loads(str(file[DEFINITION]))
+                points, columns = file[POINTS], {name: file[name] for name in COLUMNS}
+        except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            raise BadArgument("folder", f"must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}") from error
+        check_same(self.folder, JOB, stored, self.definition)
+        if points.ndim != 2 or any(len(column) != len(points) for column in columns.values()):
+            raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
+        self.points, self.found = points, columns
+
+    def first(self, count: int) -> tuple[Table, dict[str, Column]]:
+        """The points that were tried first, and what they came to.
+
+        Args:
+            count: How many of them.
+        """
+        return self.points[:count], {name: column[:count] for name, column in self.found.items()}
+
+    def add(self, points: Table, found: dict[str, Column]) -> None:
+        """Take a generation in, and store it.
+
+        Args:
+            points: As the search asked for them.
+            found: What they came to.
+
+        Raises:
+            StorageFailed: If the file cannot be written; the older one stays.
+        """
+        before = len(self.points)
+        self.points = np.concatenate((self.points, points))
+        self.found = {name: np.concatenate((column, found[name])) for name, column in self.found.items()}
+        if self.folder is None:
+            return
+        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: self.points, **self.found}
+        with storage(self.folder, f"{before} trials are stored"):
+            write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))
+
+
+POPULATION = {1: 40, 2: 100}
+"""Points in a generation, by number of objectives."""
+LEAST_POPULATION = 4  # differential evolution combines four of them
+
+
+class Search:
+    """A seeded search, between its questions and the answers to them.
+
+    Args:
+        low: Least value of every parameter.
+        high: Greatest value of every parameter.
+        n_objectives: 1 or 2.
+        population: Points in a generation.
+        seed: Of everything random.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+
+    def __init__(
+        self,
+        low: Float[np.ndarray, " n_names"],
+        high: Float[np.ndarray, " n_names"],
+        *,
+        n_objectives: int,
+        population: int,
+        seed: int,
+    ) -> None:
+        core = _pymoo("core.problem")
+        self._problem = core.Problem(n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high)
+        self._algorithm = _algorithm(n_objectives, population)
+        forever = _pymoo("core.termination").NoTermination()
+        self._algorithm.setup(self._problem, termination=forever, seed=seed, verbose=False)
+        self._generation: Any = None
+
+    def ask(self) -> Table:
+        """The next generation; no rows if the search has no new points to try."""
+        self._generation = self._algorithm.ask()
+        if self._generation is None or len(self._generation) == 0:
+            return np.empty((0, self._problem.n_var))
+        return np.array(self._generation.get("X"), dtype=float)
+
+    def tell(
+        self, losses: Float[np.ndarray, "n_points n_objectives"], violation: Float[np.ndarray, " n_points"]
+    ) -> None:
+        """What the points of the last generation came to.
+
+        Args:
+            losses: Smaller is better; of points that are not feasible any finite number.
+            violation: 0 for points that are feasible, else how far they are from that.
+        """
+        self._generation.set("F", losses)
+        self._generation.set("G", violation[:, np.newaxis])
+        for individual in self._generation:
+            individual.evaluated.update(("F", "G"))
+        self._algorithm.tell(infills=self._generation)
+
+
+def versions() -> dict[str, str]:
+    """Of what the search's numbers depend on besides its arguments.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+    return {"numpy": np.__version__, "pymoo": str(_pymoo("version").__version__)}
+
+
+def _algorithm(n_objectives: int, population: int) -> Any:
+    if n_objectives > 1:
+        return _pymoo("algorithms.moo.nsga2").NSGA2(pop_size=population)
+    control = _pymoo("operators.control").NoParameterControl
+    de = _pymoo("algorithms.soo.nonconvex.de").DE
+    return de(pop_size=population, variant="DE/rand/1/bin", F=0.6, CR=0.9, control=control)
+
+
+def _pymoo(module: str) -> Any:
+    return optional_import("An optimization", "pymoo", "scale", f"pymoo.{module}")
+
 
 BUDGET = 4000
 

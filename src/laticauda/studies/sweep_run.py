@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import one_of, whole
-from laticauda.studies.progress import Progress, silent
 from laticauda.studies.store import Store, open_sweep, regions_of
 from laticauda.studies.sweep import Regions, Sweep
-from laticauda.studies.trials import COSTS, FIGURES, swim_points
+from laticauda.studies.trials import COSTS, FIGURES, Progress, silent, swim_points
 
 if TYPE_CHECKING:
     import xarray

@@ -1,7 +1,7 @@
 """Trials at many points of a scenario's numbers: which points there may be, and what they come to."""
 
 import itertools
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -137,3 +137,11 @@ def scenarios_at(scenario: Scenario, names: tuple[str, ...], table: Table) -> li
     used = [root for root in _ROOTS if roots[root]]
     rows = map(tuple, table.tolist())
     return [replace(scenario, **{_ROOTS[root]: part(root, row) for root in used}) for row in rows]
+
+
+Progress = Callable[[int, int], None]
+"""Called now and then with the number of runs done, and of all."""
+
+
+def silent(done: int, total: int) -> None:
+    """Progress that nobody wants to know."""

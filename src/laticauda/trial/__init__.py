@@ -1,11 +1,11 @@
 """The `Trial`, the time-stamped log of one run: its figures, its Dataset, comparisons, and what was measured."""
 
-from laticauda.trial.compare import ComparedFigure, compare
+from laticauda.trial.several import ComparedFigure, compare
 from laticauda.trial.contents import FORCE_COMPONENTS
 from laticauda.trial.cycles import CycleMean
-from laticauda.trial.figures import Figure
+from laticauda.trial.trial import Figure
 from laticauda.trial.formats import Format
-from laticauda.trial.joining import joined
+from laticauda.trial.several import joined
 from laticauda.trial.measured import (
     MeasuredTrial,
     MeasuredTrials,

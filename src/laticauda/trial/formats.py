@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     import xarray
 
 _OURS = {
-    "nc": "laticauda.logs.netcdf",
+    "nc": "laticauda.logs.array_files",
     "mcap": "laticauda.logs.mcap_trials",
     "parquet": "laticauda.logs.tabular",
-    "mat": "laticauda.logs.matlab",
+    "mat": "laticauda.logs.array_files",
     "csv": "laticauda.logs.tabular",
 }
 

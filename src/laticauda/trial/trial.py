@@ -3,10 +3,10 @@
 What is sampled stands in `contents`; the figures of the run are declared here and defined in `metrics`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
@@ -14,10 +14,37 @@ from laticauda.trial import formats, metrics
 from laticauda.trial.contents import NOT_NEEDED, Contents, shapes_of
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.dataset import fields_of, to_dataset
-from laticauda.trial.figures import Figure
 
 if TYPE_CHECKING:
     import xarray
+
+
+class Figure:
+    """One figure of a run: a property of `Trial`, worked out once, that tables show with its unit and title.
+
+    Args:
+        unit: Its unit; "" for a pure number.
+        title: What it is, in a few words.
+        of: The figure of a trial; it raises a ValueError that says why there is none.
+    """
+
+    def __init__(self, unit: str, title: str, of: Callable[[Any], float]) -> None:
+        self.name = ""
+        self.unit, self.title, self._of = unit, title, of
+        self.__doc__ = f"{title[0].upper()}{title[1:]} [{unit or '-'}]."
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, trial: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, trial: object, owner: type) -> float: ...
+    def __get__(self, trial: object, owner: type) -> Self | float:
+        if trial is None:
+            return self
+        found = vars(trial)[self.name] = float(self._of(trial))  # found there from now on
+        return found
 
 
 class Trial(Contents):

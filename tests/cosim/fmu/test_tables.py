@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import laticauda as lc
 from laticauda.cosim.fmu import entry
-from laticauda.cosim.fmu.linking import tables_in_c
+from laticauda.cosim.fmu.exporting import tables_in_c
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.interfaces import Start
 from laticauda.planar.layout import layout

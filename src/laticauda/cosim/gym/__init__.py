@@ -18,12 +18,12 @@ registration = optional_import("Learning", "gymnasium", "learn", "gymnasium.envs
 
 if TYPE_CHECKING:
     from laticauda.cosim.gym.baselines import StableBaselines as StableBaselines
-    from laticauda.cosim.gym.efficiency import Efficiency as Efficiency
+    from laticauda.cosim.gym.tasks import Efficiency as Efficiency
     from laticauda.cosim.gym.environments import SwimmingEnv as SwimmingEnv, SwimmingVectorEnv as SwimmingVectorEnv
     from laticauda.cosim.gym.episodes import Episodes as Episodes, Pilots as Pilots
-    from laticauda.cosim.gym.following import PathFollowing as PathFollowing
-    from laticauda.cosim.gym.station import StationKeeping as StationKeeping
-    from laticauda.cosim.gym.steps import Range as Range, Sight as Sight, Step as Step
+    from laticauda.cosim.gym.tasks import PathFollowing as PathFollowing
+    from laticauda.cosim.gym.tasks import StationKeeping as StationKeeping
+    from laticauda.cosim.gym.swimming import Range as Range, Sight as Sight, Step as Step
     from laticauda.cosim.gym.swimming import Swimming as Swimming, swimmer as swimmer
 
 IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")

@@ -14,11 +14,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from laticauda.codec import BadKey, decode
-from laticauda.cosim.gym.efficiency import Efficiency
 from laticauda.cosim.gym.episodes import BOUND, Episodes
-from laticauda.cosim.gym.following import PathFollowing
-from laticauda.cosim.gym.station import StationKeeping
 from laticauda.cosim.gym.swimming import Swimming, swimmer
+from laticauda.cosim.gym.tasks import Efficiency, PathFollowing, StationKeeping
 from laticauda.errors import BadArgument, one_of, whole
 from laticauda.scenarios import Changes
 

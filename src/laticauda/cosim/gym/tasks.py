@@ -1,0 +1,248 @@
+"""The tasks: follow a line in a current, swim at a speed with the least power, stay where one is."""
+
+import math
+
+import numpy as np
+
+from laticauda.control.path_following import refuse_offset
+from laticauda.cosim.gym.swimming import (
+    ACROSS,
+    ALONG,
+    HEADING_RATE,
+    PHASE,
+    Numbers,
+    Range,
+    Sight,
+    Step,
+    Swimming,
+    check_ends,
+    in_body_axes,
+    log_square,
+)
+from laticauda.errors import BadArgument
+from laticauda.quantities import quantity, value
+
+
+@value
+class Steered(Swimming):
+    """A robot whose offset steers it, in a current that is not seen.
+
+    Raises:
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+    """
+
+    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
+    max_current: float = quantity("m/s", "Fastest water of an episode, in any direction", ge=0.0, default=0.06)
+    power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=100.0)
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        super().__post_init__()
+        refuse_offset(self.scenario.robot, self.gait, self.max_offset)
+
+    @property
+    def actions(self) -> tuple[Range, ...]:
+        """The offset."""
+        return (Range(name="offset", low=-self.max_offset, high=self.max_offset),)
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """The current."""
+        return (
+            Range(name="current_speed", low=0.0, high=self.max_current),
+            Range(name="current_direction", low=-math.pi, high=math.pi),
+        )
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """Phase and offset of the gait."""
+        return (*PHASE, Sight(name="offset", of=lambda step: step.after.offset, unit=self.max_offset))
+
+
+@value
+class PathFollowing(Steered):
+    """Follow the x axis, in a current that is not seen; the action is what steering adds, as for line of sight.
+
+        r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + P/P_1)
+
+    Raises:
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+    """
+
+    max_cross_track_error: float = quantity("m", "At the start, to either side", ge=0.0, default=1.0)
+    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(60.0))
+    cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
+    speed_unit: float = quantity("m/s", "v_1, speed along the path that is worth 1 per second", gt=0.0, default=0.1)
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """Where an episode begins, in which water."""
+        return (
+            Range(name="y", low=-self.max_cross_track_error, high=self.max_cross_track_error),
+            Range(name="heading", low=-self.max_heading, high=self.max_heading),
+            *super().draws,
+        )
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """Place beside the path, heading to it, velocity over ground; phase and offset of the gait."""
+        return (
+            Sight(name="cross_track_error", of=lambda step: step.after.y),
+            Sight(name="sin_heading", of=lambda step: np.sin(step.after.heading)),
+            Sight(name="cos_heading", of=lambda step: np.cos(step.after.heading)),
+            HEADING_RATE,
+            ALONG,
+            ACROSS,
+            *super().sights,
+        )
+
+    def reward(self, step: Step) -> Numbers:
+        """Progress along the path, less what distance from it and power cost in `step`."""
+        progress = (step.after.x - step.before.x) / self.speed_unit
+        error = log_square(step.after.y, self.cross_track_tolerance)
+        return progress - step.interval * (error + step.power / self.power_unit)
+
+
+@value
+class Efficiency(Swimming):
+    """Swim at the speed that is asked for with the least power, in still water; the actions are the gait.
+
+        r = -h (((u - v)/v_1)^2 + P/P_1)
+
+    u is what the center of mass covers in the interval along the mean heading, divided by the interval.
+
+    Raises:
+        ValueError: If a field is out of its range, or the amplitude could take a joint beyond its limit.
+    """
+
+    amplitudes: tuple[float, float] = quantity(
+        "rad", "What may be asked for", ge=0.0, default=(0.0, math.radians(45.0))
+    )
+    frequencies: tuple[float, float] = quantity(
+        "rad/s", "What may be asked for", ge=0.0, default=(0.0, math.radians(130.0))
+    )
+    phase_shifts: tuple[float, float] = quantity(
+        "rad", "What may be asked for", default=(math.radians(10.0), math.radians(70.0))
+    )
+    speeds: tuple[float, float] = quantity(
+        "m/s", "Between which every episode draws the speed v that is asked for", ge=0.0, default=(0.03, 0.15)
+    )
+    speed_tolerance: float = quantity("m/s", "v_1, error of the speed that costs 1 per second", gt=0.0, default=0.02)
+    power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        super().__post_init__()
+        check_ends(self, "rad", "amplitudes", "phase_shifts")
+        check_ends(self, "rad/s", "frequencies")
+        check_ends(self, "m/s", "speeds")
+        chain = self.scenario.robot.planar()
+        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
+            room = joint.limit - abs(self.gait.offset)
+            if abs(g) * self.amplitudes[1] > room:
+                raise BadArgument(
+                    "amplitudes[1]",
+                    f"must be <= {room / abs(g):.4g} rad, or joint {i} goes beyond its limit of "
+                    f"{joint.limit:.4g} rad; got {self.amplitudes[1]}",
+                )
+
+    @property
+    def actions(self) -> tuple[Range, ...]:
+        """Amplitude, frequency, phase shift."""
+        return (
+            Range(name="amplitude", low=self.amplitudes[0], high=self.amplitudes[1]),
+            Range(name="frequency", low=self.frequencies[0], high=self.frequencies[1]),
+            Range(name="phase_shift", low=self.phase_shifts[0], high=self.phase_shifts[1]),
+        )
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """The speed asked for."""
+        return (Range(name="speed_ref", low=self.speeds[0], high=self.speeds[1]),)
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """The speed asked for and the speed there is, the power, and the gait as the generator has it."""
+        return (
+            Sight(name="speed_ref", of=lambda step: step.drawn["speed_ref"], unit=0.1),
+            Sight(name="speed", of=_speed, unit=0.1),
+            ACROSS,
+            HEADING_RATE,
+            Sight(name="power", of=lambda step: step.power, unit=self.power_unit),
+            *PHASE,
+            Sight(name="amplitude", of=lambda step: step.after.amplitude, unit=self.amplitudes[1]),
+            Sight(name="frequency", of=lambda step: step.after.frequency, unit=self.frequencies[1]),
+            Sight(name="phase_shift", of=lambda step: step.after.phase_shift),
+        )
+
+    def reward(self, step: Step) -> Numbers:
+        """What error of the speed and power cost in `step`."""
+        error = (_speed(step) - step.drawn["speed_ref"]) / self.speed_tolerance
+        return -step.interval * (error * error + step.power / self.power_unit)
+
+
+def _speed(step: Step) -> Numbers:
+    """u of a step [m/s]."""
+    heading = 0.5 * (step.before.heading + step.after.heading)
+    x, y = step.after.x - step.before.x, step.after.y - step.before.y
+    return (np.cos(heading) * x + np.sin(heading) * y) / step.interval
+
+
+@value
+class StationKeeping(Steered):
+    """Stay at the origin in a current that is not seen; the actions are what steering adds, and the frequency.
+
+        r = -h (ln(1 + (d/d_1)^2) + P/P_1)
+
+    Raises:
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+    """
+
+    frequencies: tuple[float, float] = quantity(
+        "rad/s", "What may be asked for", ge=0.0, default=(0.0, math.radians(130.0))
+    )
+    max_distance: float = quantity("m", "At the start, along each axis", ge=0.0, default=1.0)
+    distance_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        super().__post_init__()
+        check_ends(self, "rad/s", "frequencies")
+
+    @property
+    def actions(self) -> tuple[Range, ...]:
+        """Offset and frequency."""
+        return (*super().actions, Range(name="frequency", low=self.frequencies[0], high=self.frequencies[1]))
+
+    @property
+    def draws(self) -> tuple[Range, ...]:
+        """Where an episode begins, in which water."""
+        return (
+            Range(name="x", low=-self.max_distance, high=self.max_distance),
+            Range(name="y", low=-self.max_distance, high=self.max_distance),
+            Range(name="heading", low=-math.pi, high=math.pi),
+            *super().draws,
+        )
+
+    @property
+    def sights(self) -> tuple[Sight, ...]:
+        """Where the origin is seen, velocity over ground; phase, frequency and offset of the gait."""
+        return (
+            Sight(name="origin_along", of=lambda step: _origin(step)[0]),
+            Sight(name="origin_across", of=lambda step: _origin(step)[1]),
+            ALONG,
+            ACROSS,
+            HEADING_RATE,
+            *PHASE,
+            Sight(name="frequency", of=lambda step: step.after.frequency, unit=self.frequencies[1]),
+            Sight(name="offset", of=lambda step: step.after.offset, unit=self.max_offset),
+        )
+
+    def reward(self, step: Step) -> Numbers:
+        """What distance and power cost in `step`."""
+        distance = log_square(np.hypot(step.after.x, step.after.y), self.distance_tolerance)
+        return -step.interval * (distance + step.power / self.power_unit)
+
+
+def _origin(step: Step) -> tuple[Numbers, Numbers]:
+    return in_body_axes(step.after, -step.after.x, -step.after.y)
