@@ -81,7 +81,7 @@ def test_a_list_of_points_is_a_map_of_dots(tmp_path):
 def test_a_quantity_that_no_trial_has_is_drawn_gray():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        picture = gait_map_picture((1.0, 2.0), (1.0, 2.0, 3.0), np.full((3, 2), np.nan), "Nothing [-]")
+        picture = gait_map_picture((1.0, 2.0), (1.0, 2.0, 3.0), np.full((3, 2), np.nan), "Nothing [-]", ("", ""))
     assert tuple(picture.pixels[picture.pixels.shape[0] // 2, picture.pixels.shape[1] // 2]) == (200, 200, 200)
 
 
