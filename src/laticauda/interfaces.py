@@ -23,7 +23,7 @@ CONTROLLERS: dict[str, str] = {
     "path-following": "laticauda.control.path_following",
     "spatial-path-following": "laticauda.control.spatial_following",
     "model-predictive": "laticauda.control.predictive",
-    "offset-steps": "laticauda.control.excitation",
+    "offset-steps": "laticauda.control.averaging",
 }
 """Where the controllers are that come with the package; they are imported when one is named."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")

@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import AveragedModel
-from laticauda.control.observer import BEND, PSI, AveragedObserver
+from laticauda.control.averaged import BEND, PSI, AveragedObserver
 
 FREQUENCY = 1.5
 MODEL = AveragedModel(

@@ -14,7 +14,7 @@ import water_oracle as oracle
 from laticauda import mujoco_water as water
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water import Element, GeomCoefficients
-from laticauda.mujoco_water.geoms import lamb
+from laticauda.mujoco_water.elements import lamb
 
 STILL = "ignore:body .* floats freely"
 

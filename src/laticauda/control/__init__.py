@@ -4,8 +4,7 @@ Knows no model and no hardware: the same controller steers the planar model and 
 """
 
 from laticauda.control.averaged import AveragedModel
-from laticauda.control.averaging import fit_averaged
-from laticauda.control.excitation import OffsetSteps
+from laticauda.control.averaging import OffsetSteps, fit_averaged
 from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
 from laticauda.control.heading import HeadingController, HeadingEstimate

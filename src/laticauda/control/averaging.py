@@ -2,18 +2,22 @@
 
 What is compared are differences over one period, (q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the
 gait's ripple and exact, with nothing differentiated. All but four numbers enter linearly; those four, three time
-constants and an exponent, are each searched along a line with the others solved for.
+constants and an exponent, are each searched along a line with the others solved for. `OffsetSteps` is a maneuver that
+tells them: one gait, and offsets that are held one after the other.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from laticauda.control.averaged import AveragedModel
 from laticauda.errors import BadArgument
-from laticauda.robot import Water
+from laticauda.gaits import Gait
+from laticauda.interfaces import Command, Controller, Observation
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Robot, Water
 from laticauda.trial import Trial
 
 Array = np.ndarray
@@ -175,9 +179,9 @@ def _late(time: Array, values: Array, lag: float) -> Array:
     """What a first-order lag makes of a signal that is held from sample to sample, from 0 at the start."""
     late = np.empty_like(values)
     now = 0.0
-    for k, (value, keep) in enumerate(zip(values, np.exp(-np.diff(time, append=time[-1]) / lag), strict=True)):
+    for k, (held, keep) in enumerate(zip(values, np.exp(-np.diff(time, append=time[-1]) / lag), strict=True)):
         late[k] = now
-        now = value + (now - value) * keep
+        now = held + (now - held) * keep
     return late
 
 
@@ -196,3 +200,46 @@ def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, f
         low, high = (low, right) if misfit(left) < misfit(right) else (left, high)
     found = math.exp(0.5 * (low + high))
     return found, [float(value) for value in np.linalg.lstsq(basis(found), data, rcond=None)[0]]
+
+
+# To both sides, small and large; ends without, so that the turn can be seen to end.
+OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.0, 0.0))
+
+
+@value
+class OffsetSteps(Controller[int]):
+    """A controller that looks at nothing and steers by a list; the trial keeps the offset among its signals.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    gait: Gait = option("What swims")
+    offsets: tuple[float, ...] = quantity("rad", "One after the other, the last one from then on", default=OFFSETS)
+    interval: float = quantity("s", "How long each is held", default=12.0, gt=0.0)
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        if not self.offsets:
+            raise BadArgument("offsets", "must hold at least one offset in rad, got none")
+
+    @property
+    def duration(self) -> float:
+        """Of the whole list [s]."""
+        return self.interval * len(self.offsets)
+
+    def init(self) -> int:
+        """How many offsets were asked for: none."""
+        return 0
+
+    def step(self, state: int, observation: Observation) -> tuple[int, Command]:
+        """The next offset, whatever the `observation` is; `state` counts them."""
+        offset = self.offsets[min(state, len(self.offsets) - 1)]
+        return state + 1, Command(gait=self.gait, offset=offset)
+
+    def signals(self, state: int) -> Mapping[str, float]:
+        """The offset that is held in `state`, for the log."""
+        return {"offset": self.offsets[min(state, len(self.offsets)) - 1]}
+
+    def check(self, robot: Robot) -> None:
+        """Every `robot` will do: a joint beyond its limit ends the run."""

@@ -10,7 +10,7 @@ from laticauda.extensions import Extensible
 
 State = TypeVar("State")
 PATHS: dict[str, str] = dict.fromkeys(("straight-line", "polyline", "spline"), "laticauda.control.paths")
-# The modules of the paths take these from here and check their fields themselves, whatever they are given.
+# The modules of the paths take these from here, and check their fields themselves: no hook of the tests does before.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]
 Points: TypeAlias = Float[np.ndarray, "n_points 2"]

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
-from laticauda.control.averaged import AveragedModel
+from laticauda.control.averaged import BEND, PSI, SPEED, SWAY, AveragedModel, AveragedObserver, ObserverState, X, Y
 from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import LineOfSight
 from laticauda.control.heading import HeadingController
-from laticauda.control.observer import BEND, PSI, SPEED, SWAY, AveragedObserver, ObserverState, X, Y
 from laticauda.control.path_following import refuse_offset
 from laticauda.control.planning import Given, HorizonProblem, Plan, plan
 from laticauda.errors import BadArgument, positive

@@ -13,7 +13,7 @@ from laticauda.estimation.samples import Sample
 from laticauda.interfaces import Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
-from laticauda.robot.reduction import reduce_to_plane
+from laticauda.robot.body import reduce_to_plane
 
 Status: TypeAlias = Literal["tracking", "bridging", "lost"]
 

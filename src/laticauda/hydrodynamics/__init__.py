@@ -1,6 +1,5 @@
 """What section and environment make of a body: drag and added mass per element, and how a fin bends in water."""
 
-from laticauda.hydrodynamics.bending import bending_frequencies
-from laticauda.hydrodynamics.coefficients import Coefficients, immersion_factor, link_coefficients
+from laticauda.hydrodynamics.coefficients import Coefficients, bending_frequencies, immersion_factor, link_coefficients
 
 __all__ = ["Coefficients", "bending_frequencies", "immersion_factor", "link_coefficients"]

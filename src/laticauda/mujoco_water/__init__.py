@@ -11,8 +11,7 @@ It knows no robot of laticauda's. It needs the extra `spatial`.
 """
 
 from laticauda.mujoco_water.checks import stable_step
-from laticauda.mujoco_water.elements import Element
-from laticauda.mujoco_water.geoms import GeomCoefficients, geom_element
+from laticauda.mujoco_water.elements import Element, GeomCoefficients, geom_element
 from laticauda.mujoco_water.ground import Contact, Terrain
 from laticauda.mujoco_water.water import Water, attach, compiled
 

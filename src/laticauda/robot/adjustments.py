@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 
 from laticauda.codec import BadKey, Table, arguments_of, check_keys, decode, encode, table_of
 from laticauda.quantities import quantities_of
+from laticauda.robot.body import Actuator, Joint
 from laticauda.robot.effectors import CaudalFin, Tether
-from laticauda.robot.joints import Actuator, Joint
 from laticauda.robot.robot import Robot
 
 Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]

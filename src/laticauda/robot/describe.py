@@ -6,11 +6,10 @@ from dataclasses import replace
 from itertools import groupby
 from typing import TypeVar
 
-from laticauda.robot.catalog import load_robot, robot_names
+from laticauda.robot.body import Actuator, Joint, Module
 from laticauda.robot.effectors import CaudalFin
 from laticauda.robot.environment import Ground, Water
-from laticauda.robot.joints import Actuator, Joint
-from laticauda.robot.modules import Module
+from laticauda.robot.files import load_robot, robot_names
 from laticauda.robot.robot import Robot
 
 Row = tuple[str, str]

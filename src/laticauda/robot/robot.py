@@ -7,10 +7,8 @@ from typing import TypeVar
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, label, whole
 from laticauda.quantities import option, quantity, value
+from laticauda.robot.body import Joint, Module, Reduction, reduce_to_plane
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
-from laticauda.robot.joints import Joint
-from laticauda.robot.modules import Module
-from laticauda.robot.reduction import Reduction, reduce_to_plane
 
 Effector = TypeVar("Effector", Thruster, PectoralFin)
 

@@ -12,7 +12,7 @@ ones turn what is behind the hinge to the right.
 from typing import NamedTuple
 
 from laticauda.robot import CaudalFin, Joint, Module, Piece, Robot
-from laticauda.robot.bending import Hinge
+from laticauda.robot.effectors import Hinge
 
 Three = tuple[float, float, float]
 AXES: dict[str, Three] = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}

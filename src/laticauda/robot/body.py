@@ -1,0 +1,196 @@
+"""The body: rigid modules with their cross-sections, the joints between them with the actuators that drive them.
+
+The planar reduction makes modules that only bend out of the swimming plane one rigid link.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from laticauda.errors import BadArgument
+from laticauda.quantities import option, quantity, value
+
+
+@value
+class Actuator:
+    """What turns a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
+
+    The servo's defaults are those of the Hitec HSR-5990TG, the servo of Mamba's joints, at 7.4 V. Hitec's figures, as a
+    table of its robot servos from 2007 has them [1]: 24 / 30 kg cm and 0.17 / 0.14 s per 60 deg at 6.0 / 7.4 V, hence
+    30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They hold at the output shaft, so the gear's losses at
+    stall and at full speed are in them already, and the friction given here comes on top of them: 0 by default.
+
+    `tracking` says how much of its reference a joint does that is `prescribed`, the offset not counted: joints under
+    `pd` control or with `servo`s lose amplitude by themselves and do not look at it.
+
+    Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across the motor of the
+    sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 % efficient. `servo_gain` is an
+    assumption: full duty at an error of 10 deg.
+
+    References:
+        [1] "HSR Serial Communication", table "Hitec Robot Servos" of 2007-09-23, scribd.com/document/317975179.
+        [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
+    """
+
+    proportional_gain: float = quantity("N m/rad", "k_p of the `pd` law", ge=0.0, default=20.0)
+    derivative_gain: float = quantity("N m s/rad", "k_d of the `pd` law", ge=0.0, default=5.0)
+    stall_torque: float = quantity("N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9)
+    no_load_speed: float = quantity("rad/s", "Speed of the servo at full duty and no torque", gt=0.0, default=7.5)
+    servo_gain: float = quantity("1/rad", "Duty of the servo per angle error", gt=0.0, default=5.7)
+    friction_torque: float = quantity("N m", "Dry friction of the gear, beyond the figures", ge=0.0, default=0.0)
+    viscous_friction: float = quantity("N m s/rad", "Viscous friction of the gear, likewise", ge=0.0, default=0.0)
+    voltage: float = quantity("V", "Supply of the servo", gt=0.0, default=7.4)
+    stall_current: float = quantity("A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6)
+    idle_current: float = quantity("A", "Current of the servo at rest without load", ge=0.0, default=0.0)
+    tracking: float = quantity(
+        "", "Share of the oscillation that a `prescribed` joint does", gt=0.0, le=1.5, default=1.0
+    )
+
+    @property
+    def stall_power(self) -> float:
+        """Power at full duty and standstill, V I_stall [W]."""
+        return self.voltage * self.stall_current
+
+    @property
+    def idle_power(self) -> float:
+        """Power at rest without load [W]."""
+        return self.voltage * self.idle_current
+
+
+@value
+class Joint:
+    """A driven hinge between two modules, with the skin that keeps the water out.
+
+    Its limit is by default the servo's travel.
+    """
+
+    counted = ("axis",)  # keys that may be lists in an entry of a file with a `count`
+    axis: Literal["yaw", "pitch"] = option("`yaw` bends the body in the plane, `pitch` out of it", default="yaw")
+    limit: float = quantity("rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0)
+    actuator: Actuator = option("What drives it", default_factory=Actuator)
+    stiffness: float = quantity("N m/rad", "k_s of the skin", ge=0.0, default=0.0)
+    damping: float = quantity("N m s/rad", "d_s of the skin", ge=0.0, default=0.0)
+
+
+@value
+class Section:
+    """Elliptic cross-section of a module."""
+
+    half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0)
+    half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0)
+
+    @property
+    def area(self) -> float:
+        """Area pi a b [m^2]."""
+        return math.pi * self.half_height * self.half_width
+
+
+@value
+class Module:
+    """One rigid piece of the body, of constant cross-section.
+
+    A fluid coefficient that is None is the water's; a number overrides the water's on this module only.
+    """
+
+    counted = ()  # keys that may be lists in an entry of a file with a `count`
+    length: float = quantity("m", "Whole length 2l", gt=0.0, le=100.0)
+    mass: float = quantity("kg", "Mass m", gt=0.0)
+    section: Section = option("Cross-section")
+    tangential_friction: float | None = quantity("", "C_f, or None for the water's", ge=0.0, default=None)
+    normal_drag: float | None = quantity("", "C_D, or None for the water's", ge=0.0, default=None)
+    added_mass: float | None = quantity("", "C_A, or None for the water's", ge=0.0, default=None)
+    added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
+    center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
+    inertia: float | None = quantity(
+        "kg m^2", "About the center of mass, vertical axis; None for a uniform rod's", gt=0.0, default=None
+    )
+
+    def __post_init__(self) -> None:
+        if abs(self.center) > self.half_length:
+            raise BadArgument(
+                "center",
+                f"must lie inside the module, between {-self.half_length:g} and "
+                f"{self.half_length:g} m, got {self.center}",
+            )
+
+    @property
+    def half_length(self) -> float:
+        """Half length l [m]."""
+        return 0.5 * self.length
+
+    @property
+    def moment_of_inertia(self) -> float:
+        """J about the center of mass: `inertia` if given, else m l^2 / 3 [kg m^2]."""
+        return self.mass * self.half_length**2 / 3.0 if self.inertia is None else self.inertia
+
+    @property
+    def volume(self) -> float:
+        """Displaced volume pi a b 2l [m^3]."""
+        return self.section.area * self.length
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduction:
+    """Which modules became which link, and where they sit in it."""
+
+    modules: tuple[Module, ...]
+    """The links, tail first."""
+    link: tuple[int, ...]
+    """For each old module the link that it is part of [-]."""
+    shift: tuple[float, ...]
+    """For each old module the position of its middle in the link, from the link's middle [m]."""
+
+
+def reduce_to_plane(modules: Sequence[Module], joints: Sequence[Joint]) -> Reduction:
+    """Merge modules that are joined by pitch joints; these are held at 0.
+
+    Raises:
+        ValueError: If modules to be merged differ in section or fluid coefficients. No single section has the drag and
+            the added mass of two different ones, so there is nothing right to put in their place.
+    """
+    groups: list[list[int]] = [[0]]
+    for i, joint in enumerate(joints, start=1):
+        if joint.axis == "pitch":
+            _check_alike(modules, groups[-1][0], i)
+            groups[-1].append(i)
+        else:
+            groups.append([i])
+    links: list[Module] = []
+    shifts: list[float] = []
+    for group in groups:
+        merged, middles = _merge([modules[i] for i in group])
+        links.append(merged)
+        shifts.extend(middles)
+    owner = tuple(k for k, group in enumerate(groups) for _ in group)
+    return Reduction(modules=tuple(links), link=owner, shift=tuple(shifts))
+
+
+def _check_alike(modules: Sequence[Module], first: int, other: int) -> None:
+    for name in ("section", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
+        if getattr(modules[first], name) != getattr(modules[other], name):
+            raise ValueError(
+                f"`modules[{other}].{name}` must equal that of `modules[{first}]`, because a pitch joint makes them "
+                f"one link of the planar model, got {getattr(modules[other], name)}."
+            )
+
+
+def _merge(pieces: Sequence[Module]) -> tuple[Module, list[float]]:
+    """One rigid module in place of `pieces` in a row, and where their middles lie in it [m]."""
+    if len(pieces) == 1:
+        return pieces[0], [0.0]
+    first = pieces[0]
+    length = math.fsum(piece.length for piece in pieces)
+    mass = math.fsum(piece.mass for piece in pieces)
+    middles: list[float] = []
+    start = -0.5 * length
+    for piece in pieces:
+        middles.append(start + piece.half_length)
+        start += piece.length
+    centers = [middle + piece.center for middle, piece in zip(middles, pieces, strict=True)]
+    center = sum(piece.mass * x for piece, x in zip(pieces, centers, strict=True)) / mass
+    inertia = sum(
+        piece.moment_of_inertia + piece.mass * (x - center) ** 2  # parallel axes
+        for piece, x in zip(pieces, centers, strict=True)
+    )
+    return replace(first, length=length, mass=mass, center=center, inertia=inertia), middles
