@@ -1,14 +1,15 @@
 """References and switches from outside: what a robot on a bus needs, and what both bodies do with them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from laticauda import eel_like, load_robot
+from laticauda import Wave, eel_like, load_robot
 from laticauda.gaits import Generator
 from laticauda.interfaces import Command, Start
-from laticauda.robot import load_water
+from laticauda.robot import Joint, load_water
 from laticauda.simulate import plant
 
 GAIT = eel_like(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40), offset=0.2)
@@ -91,3 +92,39 @@ def test_what_does_not_fit_is_refused(model):
     stiff = body(model, "prescribed")
     with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
         stiff.step(stiff.init(Start(), Command(gait=GAIT)), Command(gait=GAIT, references=(0.0,) * 8), 0.01)
+
+
+def driven_fin_body(model: str):
+    robot = load_robot("mamba-fin")
+    assert robot.caudal_fin is not None
+    driven = replace(robot, caudal_fin=replace(robot.caudal_fin, joint=Joint()))
+    return plant(driven, load_water("paper-eel"), model=model, joints="servo")
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_driven_fin_goes_to_one_more_reference_and_by_the_gait_without_it(model):
+    plant_, wave = driven_fin_body(model), Wave(amplitude=0.5, frequency=2.0)
+    gait = replace(GAIT, fin=wave)
+    begin = plant_.init(Start(), Command(gait=gait))
+    by_gait = plant_.march(begin, Command(gait=gait, references=(0.1,) * 8), 2.0, 0.5)[1]
+    held, log, failure = plant_.march(begin, Command(gait=gait, references=(*(0.1,) * 8, -0.4)), 2.0, 0.5)
+    assert failure is None
+    assert np.ptp(by_gait.signals["fin_angle_ref"]) > 0.5
+    np.testing.assert_array_equal(log.signals["fin_angle_ref"][1:], -0.4)
+    assert log.signals["fin_angle_0"][-1] == pytest.approx(-0.4, abs=0.02)
+    np.testing.assert_allclose(log.joint_angle[-1], 0.1, atol=0.02)
+    for wave_rows in plant_.generator:  # they stand where they stood
+        np.testing.assert_array_equal(held.values[wave_rows], begin.values[wave_rows])
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_motor_of_a_driven_fin_is_switched_off_by_one_more_entry(model):
+    plant_ = driven_fin_body(model)
+    command = Command(gait=GAIT, references=(0.2,) * 9, enabled=(*(True,) * 8, False))
+    _, log, _ = plant_.march(plant_.init(Start(), command), command, 1.0, 0.1)
+    weak = np.abs(log.signals["fin_torque"]).max()
+    on = replace(command, enabled=(True,) * 8)
+    _, log, _ = plant_.march(plant_.init(Start(), on), on, 1.0, 0.1)
+    assert weak < 0.1 * np.abs(log.signals["fin_torque"]).max()
+    with pytest.raises(ValueError, match="one entry per joint, 8 of them, or one more for the fin, got 10"):
+        plant_.step(plant_.init(Start(), on), replace(on, references=(0.0,) * 10), 0.01)

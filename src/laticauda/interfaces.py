@@ -42,10 +42,11 @@ class Command:
     """The same for the pitch joints; positive turns down [rad]."""
     references: tuple[float, ...] | None = None
     """Reference of every joint, from somewhere else, held until the next command: the gait and the offsets do not count
-    then, and the reference generator stands still. For joints driven by pd control or servos [rad]."""
+    then, and the reference generator stands still. For joints driven by pd control or servos. One more may follow for a
+    driven fin, which moves by the gait without it [rad]."""
     enabled: tuple[bool, ...] | None = None
     """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
-    are on. For joints driven by pd control or servos [-]."""
+    are on. For joints driven by pd control or servos. One more may follow for a driven fin [-]."""
 
     @property
     def steered(self) -> Gait:
@@ -56,16 +57,16 @@ class Command:
             pitch = replace(pitch, offset=pitch.offset + self.pitch_offset)
         return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
 
-    def check_held(self, n_joints: int, joints: JointLaw) -> None:
+    def check_held(self, robot: Robot, joints: JointLaw) -> None:
         """Refuse references and switches that do not fit a plant.
 
         Args:
-            n_joints: How many joints the plant drives.
+            robot: Whose joints the plant drives.
             joints: By what law.
 
         Raises:
-            ValueError: If there are not as many as joints, a reference is no finite number, or the joints are
-                prescribed.
+            ValueError: If there are not as many as joints, a driven fin counted or not, a reference is no finite
+                number, or the joints are prescribed.
         """
         for name in ("references", "enabled"):
             values = getattr(self, name)
@@ -77,8 +78,10 @@ class Command:
                     f"must be None for prescribed joints, which can neither jump nor go limp; `pd` and "
                     f"`servo` joints can, got {len(values)} of them",
                 )
-            if len(values) != n_joints:
-                raise BadArgument(name, f"must have one entry per joint, {n_joints} of them, got {len(values)}")
+            n, most = robot.n_joints, len(robot.driven_joints)
+            if len(values) not in (n, most):
+                rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
+                raise BadArgument(name, f"{rule}, got {len(values)}")
         # One sum tells for all of them, a hundred times a second; only if something is wrong, which one.
         if self.references is not None and not _all_finite(self.references):
             for i, angle in enumerate(self.references):

@@ -21,7 +21,7 @@ def test_a_schedule_is_read(tmp_path):
         ("[[faults]]\ntime = 1", "key `faults[0].kind`: is missing; every Fault needs it"),
         ('[[faults]]\nkind = "leek"', "did you mean `leak`?"),
         ('[[faults]]\nkind = "leak"\nnodes = 1', "key `faults[0].nodes`: is not known; did you mean `node`?"),
-        ('[[faults]]\nkind = "leak"\nnode = 19', "key `faults[0].node`: must be between 0 and 18, got 19"),
+        ('[[faults]]\nkind = "leak"\nnode = 20', "key `faults[0].node`: must be between 0 and 19, got 20"),
         ('[[faults]]\nkind = "body_lost"\nnode = 1', "`faults[0].node`: must be left out for `body_lost`, got 1"),
         ('[[faults]]\nkind = "leak"\ntime = -1', "`faults[0].time`: must be >= 0 s, got -1"),
         ('[[faults]]\nkind = "frame_loss"\nshare = 2', "`faults[0].share`: must be between 0 and 1, got 2"),

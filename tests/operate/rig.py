@@ -56,7 +56,7 @@ class Rig:
     last_beat: float = -1.0
 
     def __post_init__(self) -> None:
-        n = self.robot.n_joints
+        n = len(self.robot.driven_joints)
         self.states = [NodeState.READY] * n
         self.angle, self.asked, self.waiting = np.zeros(n), np.zeros(n), np.zeros(n)
 
@@ -122,7 +122,9 @@ class Rig:
 
     def _frame(self) -> PoseSample:
         chain = self.robot.planar()
-        theta = link_angles(self.angle[[j.axis == "yaw" for j in self.robot.joints]], angle=self.heading)
+        theta = link_angles(
+            self.angle[: self.robot.n_joints][[j.axis == "yaw" for j in self.robot.joints]], angle=self.heading
+        )
         tail = link_centers(chain, self.position, theta)[0]
         c, s = np.cos(theta[0]), np.sin(theta[0])
         rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -378,3 +378,30 @@ def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     assert read_operation(result.recording).header.twin is not None
     truth = swum.truth.center_of_mass[:2]
     assert np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3  # it coasted while it stopped
+
+
+def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
+    text = 'kind = "robot"\nextends = "mamba-fin"\nname = "driven"\n[caudal_fin.joint]\nlimit_deg = 90\n'
+    (tmp_path / "driven.toml").write_text(text)
+    robot = lc.load_robot(tmp_path / "driven.toml")
+    body = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    settings = LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2))
+    tank_ = Tank(VirtualRobot(robot, body), settings)
+    assert [node.number for node in tank_.nodes] == list(range(1, 10))
+    wave = lc.Wave(amplitude=0.4, frequency=GAIT.frequency, phase=0.7)
+    what = operation(
+        robot=str(tmp_path / "driven.toml"), gait=replace(GAIT, fin=wave), following=None, duration=8.0, ramp=1.0
+    )
+    twin = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    result = operate_stepped(what, tmp_path, tank_, twin=twin)
+    assert result.accepted, result.reason
+    trial, truth = result.trial, tank_.body.trial("0")
+    assert trial is not None
+    angle, reference = trial.fin_angle[:, 0], trial.signals["fin_angle_ref"]
+    late = trial.time > 3.0
+    assert np.ptp(reference[late]) == pytest.approx(0.8, abs=0.05)
+    assert np.abs(angle - reference)[late].max() < 0.25  # the servo lags
+    assert 0.6 < np.ptp(truth.fin_angle[:, 0]) < 0.9
+    assert trial.forward_velocity > 0.03
+    assert np.linalg.norm(trial.center_of_mass[-1] - tank_.truth.center_of_mass[:2]) < 0.3
+    assert lc.load_trial(tmp_path / "session.nc").equals(trial)

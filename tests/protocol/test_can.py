@@ -29,7 +29,7 @@ from laticauda.protocol import (
 from laticauda.protocol.can import database
 from laticauda.protocol.dbc import FILE, dbc_text
 
-NODES = st.integers(1, 18)
+NODES = st.integers(1, 19)
 
 
 def steps(unit: float):
@@ -41,7 +41,7 @@ ANGLES, MILLIS, CENTIS = steps(1e-4), steps(1e-3), steps(1e-2)
 FLAGS = [field.name for field in dataclasses.fields(Heartbeat) if field.type in (bool, "bool")]
 MESSAGES = st.one_of(
     st.builds(EmergencyStop, reason=st.integers(0, 255)),
-    st.builds(NodeCommand, node=st.integers(0, 18), order=st.sampled_from(Order), angle=ANGLES),
+    st.builds(NodeCommand, node=st.integers(0, 19), order=st.sampled_from(Order), angle=ANGLES),
     st.builds(Sync, counter=st.integers(0, 65535)),
     st.builds(References, group=st.integers(0, 4), angles=st.tuples(ANGLES, ANGLES, ANGLES, ANGLES)),
     st.builds(JointState, node=NODES, angle=ANGLES, rate=MILLIS, current=MILLIS, torque=MILLIS),
@@ -122,17 +122,19 @@ def test_no_frame_says_nan():
         encode(References(group=0, angles=(math.nan, 0.0, 0.0, 0.0)))
 
 
-def test_there_are_18_nodes():
-    with pytest.raises(ValueError, match=r"`node` must be a number from 1 to 18, got 19\."):
-        encode(JointState(node=19, angle=0.0, rate=0.0, current=0.0, torque=0.0))
+def test_there_are_19_nodes():
+    with pytest.raises(ValueError, match=r"`node` must be a number from 1 to 19, got 20\."):
+        encode(JointState(node=20, angle=0.0, rate=0.0, current=0.0, torque=0.0))
 
 
-def test_references_of_18_joints_are_five_frames():
+def test_references_of_18_joints_are_five_frames_and_so_are_those_with_a_fin():
     frames = references([0.1 * k for k in range(18)])
     assert [frame.group for frame in frames] == [0, 1, 2, 3, 4]
     assert frames[4].angles == (pytest.approx(1.6), pytest.approx(1.7), 0.0, 0.0)
-    with pytest.raises(ValueError, match=r"`angles` must be 1 to 18 numbers, one per joint, got 19\."):
-        references([0.0] * 19)
+    with_fin = references([*[0.1 * k for k in range(18)], -0.5])
+    assert with_fin == (*frames[:4], References(group=4, angles=(*frames[4].angles[:2], -0.5, 0.0)))
+    with pytest.raises(ValueError, match=r"`angles` must be 1 to 19 numbers, one per joint, got 20\."):
+        references([0.0] * 20)
 
 
 def test_a_stop_goes_before_all_else_and_references_before_their_sync():

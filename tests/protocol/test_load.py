@@ -34,10 +34,11 @@ def test_davis_gives_eight_bytes_135_bits():
     assert [frame_bits(n) for n in (0, 8)] == [55, 135]  # 55 + 10 s
 
 
-def test_eighteen_modules_at_100_hz_fit():
-    load = bus_load()
+@pytest.mark.parametrize(("n_nodes", "share"), [(18, 0.432), (19, 0.452)])
+def test_eighteen_modules_at_100_hz_fit_and_a_driven_fin_beside_them(n_nodes, share):
+    load = bus_load(n_nodes)
     assert load.fits
-    assert load.share == pytest.approx(0.43, abs=0.01)
+    assert load.share == pytest.approx(share, abs=0.001)
     answers = next(kind for kind in load.traffic if kind.name == "JointState")
     assert answers.delay < 0.005  # half a period
 
@@ -47,8 +48,8 @@ def test_a_tenth_of_the_bit_rate_is_too_little():
 
 
 def test_bad_arguments_are_refused():
-    with pytest.raises(ValueError, match=r"`n_nodes` must be <= 18, got 19\."):
-        bus_load(19)
+    with pytest.raises(ValueError, match=r"`n_nodes` must be <= 19, got 20\."):
+        bus_load(20)
     with pytest.raises(ValueError, match=r"`n_bytes` must be <= 8, got 9\."):
         frame_bits(9)
     with pytest.raises(ValueError, match=r"`rate` must be > 0 Hz, got 0\."):

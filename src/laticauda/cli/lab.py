@@ -23,7 +23,8 @@ class Body:
     """What swims, where."""
 
     robot: str = option(
-        "A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer", default="mamba-modules"
+        "A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer, and a fin",
+        default="mamba-modules",
     )
     water: str = option("A preset or a TOML file", default="paper-lateral")
     model: Literal["planar", "spatial"] = option(

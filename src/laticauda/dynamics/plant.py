@@ -72,7 +72,7 @@ class ModelPlant(ABC, Generic[ModelType]):
     usual_dt: ClassVar[float]
     """Step of prescribed joints [s]."""
     generator: ClassVar[tuple[slice, ...]]
-    """The waves in a state vector that references from outside replace."""
+    """The waves in a state vector that references from outside replace, that of a driven fin at last."""
 
     def __post_init__(self) -> None:
         """Fill in what the settings leave open."""
@@ -140,9 +140,8 @@ class ModelPlant(ABC, Generic[ModelType]):
         if link_forces:
             force = self._link_forces(state, command, samples, every, dt)
             log = replace(log, link_force={name: force[i] for i, name in enumerate(FORCES)})
-        if command.references is not None:
-            for wave in self.generator:
-                end[wave] = state.values[wave]
+        for wave in self._held_waves(command):
+            end[wave] = state.values[wave]
         return PlantState(values=end), log, None
 
     def what_went_wrong(self, time: float) -> str:
@@ -230,23 +229,35 @@ class ModelPlant(ABC, Generic[ModelType]):
         """What the three waves are to become; held references stand on waves that stand still."""
         check_waves(self.robot, command.gait)
         yaw, pitch, fin = command.gait.targets(command.offset, command.pitch_offset)
-        return (yaw, pitch, fin) if command.references is None else (STILL, STILL, fin)
+        if command.references is None:
+            return yaw, pitch, fin
+        return STILL, STILL, STILL if self._holds_fin(command) else fin
+
+    def _holds_fin(self, command: Command) -> bool:
+        """Whether a command's references are for the driven fin, too."""
+        return command.references is not None and len(command.references) > self.robot.n_joints
+
+    def _held_waves(self, command: Command) -> tuple[slice, ...]:
+        """The waves in a state vector that a command's references replace."""
+        if command.references is None:
+            return ()
+        return self.generator if self._holds_fin(command) else self.generator[:-1]
 
     def _begun(self, state: PlantState, command: Command) -> np.ndarray:
         """A copy of the state vector in which waves stand still at their crest, where references are held."""
         values = state.values.copy()
-        for wave in self.generator if command.references is not None else ():
-            values[wave] = CREST
+        for wave in self._held_waves(command):
+            values[wave] = CREST[: wave.stop - wave.start]
         return values
 
     def _hold(self, joints: np.ndarray, command: Command) -> None:
-        """Put references from outside into the joints' numbers (see `joint_numbers`), and switch motors off."""
-        command.check_held(self.robot.n_joints, self.joints)
+        """Put references from outside into the driven joints' numbers (`joint_numbers`), and switch motors off."""
+        command.check_held(self.robot, self.joints)
         if command.references is not None:
-            joints[:, 0] = command.references
+            joints[: len(command.references), 0] = command.references
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
-            off = np.logical_not(command.enabled)
+            off = np.flatnonzero(np.logical_not(command.enabled))
             joints[off, _DRIVE : _DRIVE + 4] = 0.0
             joints[off, -1] = 0.0
 

@@ -102,7 +102,14 @@ def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
 
 
 def step_twin(
-    plant: Plant[Any], state: TwinState, reference: Vector, joint_angle: Vector | None, coupling: float, dt: float
+    plant: Plant[Any],
+    state: TwinState,
+    reference: Vector,
+    joint_angle: Vector | None,
+    coupling: float,
+    dt: float,
+    *,
+    fin: tuple[float, ...] = (),
 ) -> tuple[TwinState, Displacement] | None:
     """The twin after some time, and what it did; None if it diverged, or is not what the robot is.
 
@@ -115,13 +122,15 @@ def step_twin(
         joint_angle: phi of the robot; None where it is not known [rad].
         coupling: k [-].
         dt: [s].
+        fin: phi_ref of a driven fin, or nothing, which leaves it straight [rad].
     """
+    fin = fin[: len(plant.robot.driven_joints) - plant.robot.n_joints]
     astray = 0.0
     if joint_angle is not None:
         apart = joint_angle - state.joint_angle
         reference = reference + coupling * apart
         astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
-    then, log, trouble = plant.march(state.plant, _held(reference), dt, dt)
+    then, log, trouble = plant.march(state.plant, _held(reference, fin), dt, dt)
     # The water's own motion is the filter's affair.
     drift = np.array(getattr(plant.environment, "current", (0.0, 0.0)))
     velocity, rate = log.center_of_mass_velocity[-1, :2] - drift, float(log.heading_rate[-1])
@@ -143,5 +152,5 @@ def step_twin(
     return after, Displacement(along=along, across=across, turn=after.heading - state.heading)
 
 
-def _held(reference: Vector) -> Command:
-    return Command(gait=STILL, references=tuple(reference.tolist()))
+def _held(reference: Vector, fin: tuple[float, ...] = ()) -> Command:
+    return Command(gait=STILL, references=(*reference.tolist(), *fin))

@@ -190,7 +190,8 @@ class Estimator(StateEstimator):
         posterior, displacement = state.posterior, None
         if state.twin is not None and self.plant is not None:
             joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
-            then = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt)
+            fin = state.fin_reference
+            then = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=fin)
             if then is None:
                 state = replace(state, twin=None, twin_failed=True)
                 posterior = None if posterior is None else self.model.reopened(posterior)
@@ -210,7 +211,9 @@ class Estimator(StateEstimator):
         if twin is None and self.plant is not None and not state.twin_failed:
             twin = start_twin(self.plant, reference)
             posterior = None if posterior is None else self.twin_model.reopened(posterior)
-        return replace(state, reference=reference, frequency=sample.frequency, twin=twin, posterior=posterior)
+        fin = tuple(sample.angle[self.robot.n_joints :].tolist())
+        state = replace(state, reference=reference, fin_reference=fin, frequency=sample.frequency)
+        return replace(state, twin=twin, posterior=posterior)
 
     def _without_play(self, sample: JointSample) -> Vector:
         """The joint angles, from the sensors and the side on which the gears touch."""

@@ -137,6 +137,8 @@ class FilterState:
     """[s]."""
     reference: Vector
     """phi_ref in force [rad]."""
+    fin_reference: tuple[float, ...] = ()
+    """The same of a driven fin, which the twin needs; empty without [rad]."""
     lagged: Vector
     """phi_ref after the filter that stands for the joints' lag [rad]."""
     lagged_rate: Vector

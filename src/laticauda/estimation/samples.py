@@ -71,7 +71,7 @@ class ReferenceSample:
     time: float
     """When it took effect, at the Sync [s]."""
     angle: Vector
-    """phi_ref of every joint of the robot, or of its yaw joints only [rad]."""
+    """phi_ref of every joint of the robot, and of a driven fin, or of its yaw joints only [rad]."""
     frequency: float = 0.0
     """Of the gait, an angular frequency; 0 while no gait runs [rad/s]."""
 
@@ -101,14 +101,14 @@ def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
     Args:
         robot: Whose joints they are.
         name: What `angle` is called, for the message.
-        angle: One number per joint of the robot, or per yaw joint.
+        angle: One number per joint of the robot, or per yaw joint; that of a driven fin may follow the former.
 
     Raises:
         ValueError: If there are as many as neither.
     """
     is_yaw = [joint.axis == "yaw" for joint in robot.joints]
-    if angle.size == len(is_yaw):
-        return angle[is_yaw]
+    if angle.size in (len(is_yaw), len(robot.driven_joints)):
+        return angle[: len(is_yaw)][is_yaw]
     if angle.size == sum(is_yaw):
         return angle
     raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}")

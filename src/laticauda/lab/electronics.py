@@ -19,13 +19,13 @@ class Electronics:
     """What has a memory between body and firmware: heat, play of the gears, accelerometers, the supply.
 
     Args:
-        robot: With all of its joints.
+        robot: With all of its joints, and those of its fin.
         settings: The tank's numbers.
         random: Where the noise comes from.
     """
 
     def __init__(self, robot: Robot, settings: LabSettings, random: np.random.Generator) -> None:
-        actuators = [joint.actuator for joint in robot.joints]
+        actuators = [joint.actuator for joint in robot.driven_joints]
         self.settings, self._random = settings, random
         self._gain = np.array([a.servo_gain for a in actuators])
         self._stall_torque = np.array([a.stall_torque for a in actuators])
@@ -34,6 +34,7 @@ class Electronics:
         self._voltage = np.array([a.voltage for a in actuators])
         self._idle = robot.idle_power
         n = len(actuators)
+        self._modules = [*range(robot.n_joints), 0][:n]  # that carry the nodes; a driven fin's is in the last one
         self.zero_error = random.uniform(-1.0, 1.0, n) * settings.nodes.zero_error
         self.play = np.zeros(n)
         self.duty, self.current = np.zeros(n), np.zeros(n)
@@ -84,11 +85,11 @@ class Electronics:
     def accelerate(self, truth: Truth, dt: float) -> None:
         """See the modules at the end of a step of the regular clock, for the accelerometers."""
         poses = truth.modules
-        self._positions = [*self._positions[-2:], poses.position[:-1]]
+        self._positions = [*self._positions[-2:], poses.position[self._modules]]
         if len(self._positions) == 3:
             before, middle, now = self._positions
             felt = (now - 2.0 * middle + before) / dt**2 + np.array([0.0, 0.0, GRAVITY])
-            self._acceleration = np.einsum("nij,ni->nj", poses.rotation[:-1], felt)
+            self._acceleration = np.einsum("nij,ni->nj", poses.rotation[self._modules], felt)
 
     def forget(self, truth: Truth) -> None:
         """The robot was carried elsewhere: no acceleration comes from that, and no work."""

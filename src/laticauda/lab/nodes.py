@@ -62,7 +62,7 @@ class Node:
     """One module's microcontroller.
 
     Args:
-        number: 1 to 18.
+        number: 1 to 19.
         settings: Its times and limits.
         limit: Largest angle of the joint to either side [rad].
     """

@@ -38,8 +38,9 @@ class Tank:
     """
 
     def __init__(self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
-        if not 1 <= body.robot.n_joints <= N_NODES:
-            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, got {body.robot.n_joints}")
+        joints = body.robot.driven_joints
+        if not 1 <= len(joints) <= N_NODES:
+            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, a driven fin's among them, got {len(joints)}")
         self.settings = settings or LabSettings()
         self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
@@ -47,7 +48,6 @@ class Tank:
         self.electronics = Electronics(body.robot, self.settings, motors)
         self.cameras = Cameras(self.settings.mocap, cameras)
         self.meter = Multimeter(self.settings.supply, supply)
-        joints = body.robot.joints
         self.nodes = [Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
         self.time = 0.0
         self._ticks = self._frames = 0

@@ -34,7 +34,7 @@ class Truth:
     heading: float
     """Mean link angle (6) [rad]."""
     joint_angle: Float[np.ndarray, " n_joints"]
-    """Of all joints of the robot; a planar world holds the pitch joints at 0 [rad]."""
+    """Of all joints of the robot, then of a driven fin; a planar world holds the pitch joints at 0 [rad]."""
     joint_rate: Float[np.ndarray, " n_joints"]
     """[rad/s]."""
     joint_torque: Float[np.ndarray, " n_joints"]
@@ -71,6 +71,7 @@ class VirtualRobot:
                 f"must have the {robot.n_joints} joints of the robot, or its {len(driven)} yaw joints, "
                 f"got {plant.robot.n_joints}",
             )
+        driven += range(robot.n_joints, len(robot.driven_joints))  # the fin
         self.robot, self.plant, self.depth = robot, plant, depth
         self.driven = np.array(driven, dtype=int)
         self.start = start or Start()
@@ -97,7 +98,7 @@ class VirtualRobot:
         """Let `dt` [s] pass.
 
         Args:
-            references: Where every joint's servo is to go [rad].
+            references: Where every joint's servo is to go, and a driven fin's [rad].
             on: Whether its motor is on.
             dt: [s].
 
@@ -129,7 +130,9 @@ class VirtualRobot:
         )
 
     def _truth(self, log: Log) -> Truth:
-        angle, rate, torque = map(self._all_joints, (log.joint_angle[-1], log.joint_rate[-1], log.joint_torque[-1]))
+        angle = self._all_joints(log, log.joint_angle, "fin_angle_0")
+        rate = self._all_joints(log, log.joint_rate, "fin_rate_0")
+        torque = self._all_joints(log, log.joint_torque, "fin_torque")
         center = log.center_of_mass[-1]
         if center.size == 2:
             center = np.array([center[0], center[1], -self.depth])
@@ -146,13 +149,13 @@ class VirtualRobot:
             joint_rate=rate,
             joint_torque=torque,
             electrical_work=self._work + (0.0 if log.electrical_work is None else float(log.electrical_work[-1])),
-            modules=module_poses(self.robot, center, rotation, angle, ballast_depth=ballast),
+            modules=module_poses(self.robot, center, rotation, angle[: self.robot.n_joints], ballast_depth=ballast),
         )
 
-    def _all_joints(self, values: np.ndarray) -> np.ndarray:
-        """Of all joints, from those that the plant has; the others are held."""
-        full = np.zeros(self.robot.n_joints)
-        full[self.driven] = values
+    def _all_joints(self, log: Log, values: np.ndarray, of_fin: str) -> np.ndarray:
+        """The last values of all joints, from those that the plant has, and of a driven fin; the others are held."""
+        full = np.zeros(len(self.robot.driven_joints))
+        full[self.driven] = np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]
         return full
 
     @staticmethod

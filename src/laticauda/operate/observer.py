@@ -69,9 +69,13 @@ class PassiveObserver:
         """What says where the robot is."""
         return KinematicEstimator(robot=self.robot, mount=self.mount)
 
+    @property
+    def _n_nodes(self) -> int:
+        return len(self.robot.driven_joints)
+
     def init(self, now: float) -> ObserverState:
         """Before any message and frame, at the time `now` [s]."""
-        return ObserverState(modules=no_reports(self.robot.n_joints), posture=self.kinematics.init(), begun=now)
+        return ObserverState(modules=no_reports(self._n_nodes), posture=self.kinematics.init(), begun=now)
 
     def step(
         self,
@@ -96,7 +100,7 @@ class PassiveObserver:
             if any(isinstance(message, JointState) for _, message in cycle):
                 state = self._with_joints(state, cycle[-1][0], state.modules.angle)
         if not state.posture.joints and now - state.begun > STRAIGHT_AFTER:
-            state = self._with_joints(state, now, np.zeros(self.robot.n_joints))
+            state = self._with_joints(state, now, np.zeros(self._n_nodes))
         for arrival, frame in frames:
             posture = self.kinematics.step(state.posture, replace(frame, time=arrival))
             tracked = state.tracked_time if frame.is_lost else arrival
@@ -121,7 +125,7 @@ class PassiveObserver:
         """
         if now - state.begun < STRAIGHT_AFTER:
             return ""
-        modules, n = state.modules, self.robot.n_joints
+        modules, n = state.modules, self._n_nodes
         if state.largest_node > n:
             return (
                 f"Module {state.largest_node} is heard, and {self.robot.name} has {n} joints: choose the robot that is "

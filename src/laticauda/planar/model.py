@@ -33,7 +33,10 @@ class PlanarPlant(ModelPlant[Planar]):
 
     name: ClassVar[str] = "planar"
     usual_dt: ClassVar[float] = 0.05
-    generator: ClassVar[tuple[slice, ...]] = (slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME),)
+    generator: ClassVar[tuple[slice, ...]] = (
+        slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME),
+        slice(rows.FIN_PHASE - rows.TIME, rows.FIN_OFFSET_RATE + 1 - rows.TIME),
+    )
 
     def __post_init__(self) -> None:
         """Reduce the robot to the plane, and fill in what the settings leave open."""
@@ -97,9 +100,11 @@ class PlanarPlant(ModelPlant[Planar]):
         S[rows.TIME : rows.TIME + rows.LOG_STATE] = values[: rows.LOG_STATE]
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = values[rows.LOG_STATE :].reshape(2, -1)
-        joints = body[a.tail_link + 1 :, rows.ENVELOPE : rows.STALL_POWER + 1]
-        joints[:, 0] *= gait.joint_envelope(self.robot.n_links)
+        driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
+        joints = body[driven, rows.ENVELOPE : rows.STALL_POWER + 1]
+        joints[: self.robot.n_joints, 0] *= gait.joint_envelope(self.robot.n_links)
         self._hold(joints, command)
+        body[driven, rows.ENVELOPE : rows.STALL_POWER + 1] = joints
         return S
 
     @property

@@ -85,7 +85,7 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
     longest frame that may just have begun, and for all of higher priority that can come meanwhile.
 
     Args:
-        n_nodes: Joint modules, 1 to 18.
+        n_nodes: Joint modules and a driven fin's, 1 to 19.
         rate: Sync frames per second [Hz].
         bitrate: [bit/s].
 

@@ -1,6 +1,7 @@
 """What goes over the robot's CAN bus, as values: one class per message of `mamba.dbc`.
 
-Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of the code.
+Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of the code; the node
+behind the last of them drives a driven fin.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from typing import TypeAlias
 
 from laticauda.errors import BadArgument, LaticaudaError
 
-N_NODES = 18
+N_NODES = 19  # Mamba's 18 joints, and a driven fin
 PER_FRAME = 4  # references in one frame
 N_GROUPS = -(-N_NODES // PER_FRAME)
 EVERY_NODE = 0
@@ -207,7 +208,8 @@ def references(angles: Sequence[float]) -> tuple[References, ...]:
     """The frames that carry the references of all joints.
 
     Args:
-        angles: phi_ref of every joint, tail first [rad]; 1 to 18 of them. Places beyond the last joint are zero.
+        angles: phi_ref of every joint, tail first, then of a driven fin [rad]; 1 to 19 of them. Places beyond the last
+            one are zero.
 
     Raises:
         ValueError: If there are more joints than nodes, or none.

@@ -78,11 +78,15 @@ class Robot:
         return math.fsum(module.volume for module in self.modules) + fin
 
     @property
+    def driven_joints(self) -> tuple[Joint, ...]:
+        """All joints with an actuator: those of the body, tail first, then that of a driven fin."""
+        fin = self.caudal_fin.joint if self.caudal_fin else None
+        return self.joints if fin is None else (*self.joints, fin)
+
+    @property
     def idle_power(self) -> float:
         """What the robot draws at rest: electronics and idle actuators [W]."""
-        fin = self.caudal_fin.joint if self.caudal_fin else None
-        joints = self.joints if fin is None else (*self.joints, fin)
-        return self.electronics_power + sum(joint.actuator.idle_power for joint in joints)
+        return self.electronics_power + sum(joint.actuator.idle_power for joint in self.driven_joints)
 
     def planar(self) -> "Robot":
         """The robot as the planar model sees it: pitch joints held at 0, what they join merged to one link.

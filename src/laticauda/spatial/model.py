@@ -38,7 +38,11 @@ class SpatialPlant(ModelPlant[Spatial]):
 
     name: ClassVar[str] = "spatial"
     usual_dt: ClassVar[float] = 0.01
-    generator: ClassVar[tuple[slice, ...]] = (slice(rows.PHASE, rows.OFFSET_RATE + 1), slice(rows.PITCH, rows.FIN))
+    generator: ClassVar[tuple[slice, ...]] = (
+        slice(rows.PHASE, rows.OFFSET_RATE + 1),
+        slice(rows.PITCH, rows.FIN),
+        slice(rows.FIN, rows.STATE_ROWS),
+    )
 
     def __post_init__(self) -> None:
         """Choose a root, refuse what does not go together, and fill in what the settings leave open."""
@@ -133,7 +137,7 @@ class SpatialPlant(ModelPlant[Spatial]):
             given[rows.RAMP] = 0.0
         turned = joints[:, rows.WAVE] == rows.YAW_WAVE
         joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
-        self._hold(joints[: self.robot.n_joints, rows.ENVELOPE :], command)
+        self._hold(joints[: len(self.robot.driven_joints), rows.ENVELOPE :], command)
         return given, joints
 
     def _let_go(self) -> tuple[np.ndarray, np.ndarray]:

@@ -119,6 +119,46 @@ def test_pitch_joints_get_the_references_of_the_gaits_second_wave():
     assert np.abs(samples[-1].angle[1::2]).max() > 1e-3
 
 
+DRIVEN_FIN = """
+kind = "robot"
+extends = "mamba-fin"
+name = "mamba-driven"
+
+[caudal_fin.joint]
+limit_deg = 90
+"""
+
+
+def test_a_driven_fin_is_the_node_behind_the_last_joint_and_follows_its_wave(tmp_path):
+    (tmp_path / "driven.toml").write_text(DRIVEN_FIN)
+    gait = replace(GAIT, fin=lc.Wave(amplitude=0.4, frequency=2.0, phase=0.2, offset=0.02))
+    run = running(robot=str(tmp_path / "driven.toml"), gait=gait, following=None, rate=100.0)
+    begun = run.state.begun
+    assert begun is not None
+    run.tick(80)
+    samples = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
+    generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
+    state = generator.init(gait)
+    for sample in samples:
+        state = generator.step(state, gait, sample.time - begun - state.time)
+        assert sample.angle[8] == pytest.approx(generator.fin(state, gait)[0], abs=1e-12)
+        assert sample.angle[:8] == pytest.approx(generator.joints(state, gait)[0], abs=1e-12)
+    assert abs(samples[-1].angle[8]) > 0.03
+    groups = [m for m in run.outputs.messages if isinstance(m, References)]
+    assert [m.group for m in groups] == [0, 1, 2]
+    assert groups[2].angles == (pytest.approx(run.state.reference.references[8]), 0.0, 0.0, 0.0)
+    run.until("done")
+    assert run.rig.angle[8] == pytest.approx(0.0, abs=0.07)
+
+
+def test_a_robot_whose_fins_module_is_silent_is_not_operated(tmp_path):
+    (tmp_path / "driven.toml").write_text(DRIVEN_FIN)
+    run = run_of(Operator(operation=operation(robot=str(tmp_path / "driven.toml"))))
+    run.rig.dead = {8}
+    run.until("done")
+    assert "Module 9 is not heard" in run.state.failure
+
+
 def test_without_a_pitch_wave_pitch_joints_are_held_at_zero():
     run = running(robot="mamba-modules")
     run.tick(50)

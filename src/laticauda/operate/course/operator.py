@@ -75,7 +75,7 @@ class Operator:
 
     def init(self) -> OperatorState:
         """The state before the first tick."""
-        n = self.robot.n_joints
+        n = len(self.robot.driven_joints)
         return OperatorState(
             supervisor=self.supervisor.init(),
             limits=within_limits(n),

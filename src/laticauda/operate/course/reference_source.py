@@ -21,7 +21,7 @@ class ReferenceState:
     """The references so far, and what makes them."""
 
     references: References
-    """phi_ref of every joint, all axes [rad]."""
+    """phi_ref of every joint, all axes, then of a driven fin [rad]."""
     origin: References
     """Where straightening began [rad]."""
     since: float = 0.0
@@ -61,7 +61,7 @@ class ReferenceSource:
 
     def init(self) -> ReferenceState:
         """Straight."""
-        straight = np.zeros(self.robot.n_joints)
+        straight = np.zeros(len(self.robot.driven_joints))
         return ReferenceState(references=straight, origin=straight)
 
     def start_straightening(self, state: ReferenceState, now: float, angle: References) -> ReferenceState:
@@ -124,7 +124,8 @@ class ReferenceSource:
         assert state.command is not None and state.generator is not None  # `begin` made them
         gait = state.command.steered
         generator = self.generator.step(state.generator, gait, now - state.time)
-        references = self.generator.joints(generator, gait)[0]
+        fin = self.generator.fin(generator, gait)[0]
+        references = np.append(self.generator.joints(generator, gait)[0], fin)[: state.references.size]
         return replace(state, references=references, generator=generator, time=now)
 
     def signals(self, state: ReferenceState) -> dict[str, float]:

@@ -46,8 +46,10 @@ class OperationRecorder:
     def __init__(self, path: str | Path, header: Header, *, chunk_seconds: float = 0.5) -> None:
         self._recorder = Recorder(path, chunk_seconds=chunk_seconds)
         self._recorder.metadata(HEADER, header.texts())
-        self._joints = tuple(f"joint_{i}" for i in range(header.run.robot.n_joints))
-        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(header.run.robot.joints) if joint.axis == "yaw")
+        robot = header.run.robot
+        self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
+        self._driven = (*self._joints, "fin_joint")[: len(robot.driven_joints)]
+        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
 
     @property
     def path(self) -> Path:
@@ -64,7 +66,7 @@ class OperationRecorder:
         time = sample.time if received is None else not_negative("received", received, "s")
         self._array(topic_of(sample), time, sample)
         if isinstance(sample, JointSample):
-            names = self._joints if sample.angle.size == len(self._joints) else self._yaw
+            names = next(n for n in (self._driven, self._joints, self._yaw) if sample.angle.size == len(n))
             rate, torque = (() if value is None else value for value in (sample.rate, sample.torque))
             self._recorder.joint_state("/joint_states", time, names, sample.angle, rate, torque)  # pyright: ignore
         elif isinstance(sample, PoseSample) and not sample.is_lost:

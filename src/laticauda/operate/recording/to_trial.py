@@ -74,10 +74,13 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     torque = _torque(log, time)
     joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time)}
     work = None if torque is None else joint_work(time, torque, observed["joint_rate"])
+    fin = _of_fin(log, time)
+    if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
+        work = work + joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
     end = _ending(log)
     return Trial.measured(
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
-        signals=_signals(log, time, run),
+        signals={**_signals(log, time, run), **fin},
         scenario=replace(log.header.run, notes={"source": "recording", **power_source, **log.header.run.notes}),
         version=log.version,
         status=end.message if end is not None else "The recording reached its end.",
@@ -150,6 +153,22 @@ def _torque(log: OperationLog, time: Column) -> Table | None:
         for column, is_known in zip(table.T, known.T, strict=True)
     ]
     return np.stack(columns, axis=1)
+
+
+def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
+    """What a driven fin did at some times, as its module says, and its reference: signals as of a simulated one."""
+    n, found = log.header.run.robot.n_joints, dict[str, Column]()
+    samples = sorted((one for one in log.of(JointSample) if np.isfinite(one.angle[n:]).any()), key=lambda one: one.time)
+    for name, signal in (("angle", "fin_angle_0"), ("rate", "fin_rate_0"), ("torque", "fin_torque")):
+        known = [(one.time, getattr(one, name)[n]) for one in samples if getattr(one, name) is not None]
+        if known:
+            found[signal] = np.interp(time, *np.array(known).T)
+    held = [(one.time, one.angle[n]) for one in log.of(ReferenceSample) if one.angle.size > n]
+    if held:
+        when, reference = np.array(held).T
+        at = np.searchsorted(when, time, side="right") - 1
+        found["fin_angle_ref"] = np.where(at >= 0, reference[at], 0.0)
+    return found
 
 
 def _references(log: OperationLog, time: Column) -> Table | None:
