@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, not_negative, positive, whole
+from laticauda.errors import BadArgument
 from laticauda.gaits import reference
 from laticauda.gaits.gait import Gait
 from laticauda.gaits.reference import WaveState
+from laticauda.quantities import option, quantity, value
 
 Reference = tuple[float, float, float]
 
@@ -30,7 +31,7 @@ class GeneratorState:
     """That of a driven fin."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class Generator:
     """Turns a gait, which may change at any time, into joint references that a body can follow.
 
@@ -49,20 +50,18 @@ class Generator:
         [0.071, -0.265, -0.476]
     """
 
-    n_links: int
-    """n, the number of links [-]."""
-    axes: tuple[str, ...] | None = None
-    """How every joint turns, tail first; None: all of them yaw."""
-    bandwidth: float = 10.0
-    """Of the critically damped filters on amplitude, frequency, phase shift and offset [rad/s]."""
-    ramp: float = 1.0
-    """T of the smooth start; 0 means none [s]."""
+    n_links: int = quantity("", "n, the number of links", ge=1)
+    axes: tuple[str, ...] | None = option("How every joint turns, tail first; None: all of them yaw", default=None)
+    bandwidth: float = quantity(
+        "rad/s",
+        "Of the filters on amplitude, frequency, phase shift and offset",
+        default=10.0,
+        gt=0.0,
+    )
+    ramp: float = quantity("s", "T of the smooth start; 0 means none", default=1.0, ge=0.0)
 
     def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "n_links", whole("n_links", self.n_links, 1))
-        object.__setattr__(self, "bandwidth", positive("bandwidth", self.bandwidth, "rad/s"))
-        object.__setattr__(self, "ramp", not_negative("ramp", self.ramp, "s"))
+        """Check what goes together."""
         if self.axes is not None and len(self.axes) != self.n_links - 1:
             raise BadArgument("axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}")
 

@@ -118,7 +118,9 @@ def layout(
     records[:, rows.HEADING_SHARE] = [(len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)]
     for i, body in enumerate(bodies):
         if body.strips is not None:
-            _write_strips(strips[first_strip[i] : first_strip[i + 1]], body.strips)
+            water = body.strips
+            own = np.stack((water.position, water.c_t, water.c_n, water.lambda_2, water.lambda_3), axis=1)
+            strips[first_strip[i] : first_strip[i + 1], : rows.STRIP_LAMBDA_3 + 1] = own
     for thruster in robot.thrusters:
         _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
     law = _write_joints(records, robot, fin, joints)
@@ -289,14 +291,6 @@ def _added_mass(body: _Body) -> tuple[float, ...]:
     return mu_t, mu_n, moment_t, moment_n, inertia
 
 
-def _write_strips(strips: np.ndarray, water: Coefficients) -> None:
-    strips[:, rows.STRIP_POSITION] = water.position
-    strips[:, rows.STRIP_C_T] = water.c_t
-    strips[:, rows.STRIP_C_N] = water.c_n
-    strips[:, rows.STRIP_LAMBDA_2] = water.lambda_2
-    strips[:, rows.STRIP_LAMBDA_3] = water.lambda_3
-
-
 def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruster) -> None:
     along, across = thruster.thrust * np.cos(thruster.angle), thruster.thrust * np.sin(thruster.angle)
     x = robot.modules[link].length / 2.0 + thruster.x
@@ -325,13 +319,7 @@ def _write_joints(
 
 
 def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> tuple[float, ...]:
-    return (
-        plate.x + module.length / 2.0,
-        plate.y,
-        plate.angle,
-        half_density * plate.area,
-        plate.lift_slope,
-        plate.stall_angle,
-        plate.stall_sharpness,
-        plate.parasitic_drag,
-    )
+    """The rows of a pectoral fin."""
+    place = plate.x + module.length / 2.0, plate.y, plate.angle
+    shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag
+    return *place, half_density * plate.area, *shape

@@ -15,7 +15,7 @@ from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout, layout
 from laticauda.planar.specialize import specialize
-from laticauda.robot import Environment, Robot, law_of
+from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
@@ -112,7 +112,22 @@ class PlanarPlant(ModelPlant[Planar]):
         return rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
 
     def _stable_step(self) -> float:
-        return _stable_step(self.robot, self.coefficients, self.environment)
+        """The time constant of the link that the drag stops fastest."""
+        along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
+        c, fin = self.coefficients, self.robot.caudal_fin
+        free = [c] if c.fin is None or fin is None or not fin.hinges else [c, c.fin]
+        rate = max(
+            float(slope.max())
+            for e in free
+            for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
+        )
+        if not rate < 1.0 / LEAST_DT:
+            raise BadArgument(
+                "environment",
+                f"must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
+                f"within {1.0 / rate:.3g} s; lower its coefficients",
+            )
+        return 1.0 / rate if rate > 0.0 else math.inf
 
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
@@ -178,21 +193,3 @@ class PlanarPlant(ModelPlant[Planar]):
 def _at(row: int) -> int:
     """Where a state row of the header stands in a state vector or a sample."""
     return row - rows.TIME
-
-
-def _stable_step(robot: Robot, c: Coefficients, environment: Environment) -> float:
-    """Step up to which drag may be treated explicitly: the time constant of the link that it stops fastest [s]."""
-    along, across = law_of(environment).steepest(1.0)  # links of a swimming robot are slower
-    free = [c] if c.fin is None or robot.caudal_fin is None or not robot.caudal_fin.hinges else [c, c.fin]
-    rate = max(
-        float(slope.max())
-        for e in free
-        for slope in (across * e.c_n / (e.mass + e.mu_n), along * e.c_t / (e.mass + e.mu_t))
-    )
-    if not rate < 1.0 / LEAST_DT:
-        raise BadArgument(
-            "environment",
-            f"must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
-            f"within {1.0 / rate:.3g} s; lower its coefficients",
-        )
-    return 1.0 / rate if rate > 0.0 else math.inf

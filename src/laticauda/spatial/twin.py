@@ -18,6 +18,8 @@ from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
+TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
+
 
 class Twin:
     """A robot, its place and a model's settings in MuJoCo. A resource: one march at a time."""
@@ -146,8 +148,7 @@ def stepping(joints: JointLaw) -> ModuleType:
     Args:
         joints: Whose formula is compiled beside the built-in ones, if it is none of them.
     """
-    made_for = dict.fromkeys(("drives", "stepping"), ("joint_law",))
-    return specialized("laticauda.spatial", made_for, {"joint_law": joints.own})
+    return specialized("laticauda.spatial", TEMPLATES, {"joint_law": joints.own})
 
 
 def land_of(environment: Environment, setup: Spatial) -> Ground | None:

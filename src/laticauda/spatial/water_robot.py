@@ -137,10 +137,8 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
                 law=law_of(environment),
             )
         )
-    for (
-        body,
-        piece,
-    ) in bodies:  # the plate as a whole floats, its opening included, as it is its whole that has the mass
+    # The plate as a whole floats, its opening included, as it is its whole that has the mass.
+    for body, piece in bodies:
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
         volume = fin.volume * piece.length / fin.length
         place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
