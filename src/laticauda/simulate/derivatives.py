@@ -157,10 +157,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
         ValueError: If there is none of that name, or it counts something.
     """
     known = parameters(scenario)
-    try:
-        found = tuple(look_up(name, known) for name in names)
-    except ValueError as err:
-        raise ValueError(str(err).replace("`points`", "`names`", 1)) from None
+    found = tuple(look_up(name, known, "names") for name in names)
     for parameter in found:
         if parameter.is_whole:
             raise BadArgument("names", f"must be of numbers that may change a little, got `{parameter.name}`, a count")
