@@ -24,7 +24,7 @@ from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import UNITS, changed
 from laticauda.simulate.runner import Progress, swim
-from laticauda.trial import Trial, metrics
+from laticauda.trial import Trial
 
 DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change
 
@@ -97,10 +97,8 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
     failures: dict[str, str] = {}
     for duration, members in _by_duration(scenarios, everyone).items():
         runs = runs_of([scenarios[i] for i in members])
-        weights = np.array([metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs])
         found = collected(
             runs,
-            weights,
             duration,
             SAMPLE_INTERVAL,
             problem.threads,

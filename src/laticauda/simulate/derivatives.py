@@ -234,7 +234,7 @@ def slopes(
         derived.append(replace(run, plant=plant, slope=entry.rows))
         weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * STEP * entry.weight
     found = collected(
-        derived, weights, duration, sample_interval, threads, progress, look=look, with_joints=with_joints
+        derived, duration, sample_interval, threads, progress, weights=weights, look=look, with_joints=with_joints
     )
     undefined = complex(math.nan, math.nan)
     return replace(found, figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()})

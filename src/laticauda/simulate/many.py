@@ -9,7 +9,7 @@ from typing import TypeVar, Unpack, cast
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from laticauda.errors import BadArgument, instance, one_of, positive, whole
+from laticauda.errors import BadArgument, instance, one_of, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar import rows
@@ -115,11 +115,7 @@ def swim_many(
     """
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
     runs = runs_of(scenarios)
-    weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
-    weights = np.array([weight[id(run.plant)] for run in runs])
-    found = collected(
-        runs, weights, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device
-    )
+    found = collected(runs, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device)
     named = dict(found.figures)
     end = np.stack((named.pop("x"), named.pop("y")), axis=1)
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
@@ -193,12 +189,12 @@ class Collected:
 
 def collected(
     runs: Sequence[Run],
-    weights: Inexact[np.ndarray, " n_runs"],
     duration: float,
     sample_interval: float,
     threads: int | None,
     progress: Progress | None,
     *,
+    weights: Inexact[np.ndarray, " n_runs"] | None = None,
     device: str = "cpu",
     look: Look | None = None,
     with_joints: bool = False,
@@ -207,17 +203,15 @@ def collected(
 
     Args:
         runs: What swims how.
-        weights: What the robots carry [N].
         duration: See `swim_many` [s].
         sample_interval: See `swim_many` [s].
         threads: See `swim_many`.
         progress: See `swim_many`.
+        weights: What the robots carry [N]; complex if their runs have slopes.
         device: See `swim_many`.
         look: Called once per block, in the threads that compute, before the next one overwrites its log; cpu only.
         with_joints: Whether it finds what the joints did in the log, too.
     """
-    positive("duration", duration, "s")
-    positive("sample_interval", sample_interval, "s")
     if duration > MOST_SAMPLES * sample_interval:
         raise BadArgument(
             "duration",
@@ -231,15 +225,18 @@ def collected(
         from laticauda.planar.cuda import march_many as march_on_gpu
 
         march = march_on_gpu
-    n = len(runs)
-    numbers = np.full((len(UNITS), n), np.nan, dtype=weights.dtype)
+    n, carried = len(runs), weights
+    if carried is None:
+        weight = {id(run.plant): metrics.carried_weight(run.plant.robot, run.plant.environment) for run in runs}
+        carried = np.array([weight[id(run.plant)] for run in runs])
+    numbers = np.full((len(UNITS), n), np.nan, dtype=carried.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
     def figures(block: Block) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
         mine = [runs[int(i)] for i in block.index]
         if look is not None:
             look(mine, block)
-        return block.index, block.n_samples, _figures(mine, weights[block.index], block)
+        return block.index, block.n_samples, _figures(mine, carried[block.index], block)
 
     n_intervals = max(1, round(duration / sample_interval))
     finished = 0
