@@ -143,8 +143,8 @@ def sensitivities(
         figures=tuple(UNITS),
         parameters=chosen[0],
         point=np.array(point),
-        values=figures[:, :, 0].real,
-        jacobian=figures.imag / STEP,
+        values=np.real(figures[:, :, 0]),
+        jacobian=np.imag(figures) / STEP,
         succeeded=found.succeeded[:: len(names)],
         status=found.status[:: len(names)],
     )
