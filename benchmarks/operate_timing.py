@@ -21,9 +21,10 @@ from pathlib import Path
 from _timing import print_load
 
 import laticauda as lc
+from laticauda.control import Following
 from laticauda.figures import save_figure, timing_sheet
 from laticauda.operate.session import operate
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
 
 BUS = "udp_multicast:239.74.163.2:43119"
 

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import laticauda as lc
-from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
+from laticauda.control import StraightLine
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
@@ -264,13 +264,7 @@ def follow(model: Model, bandwidth: float) -> list[Trial]:
     found: list[Trial] = []
     for row in FOLLOWED:
         body = plant(model.robots[row.has_fin], model.water, joints=model.joints, offset_bandwidth=bandwidth)
-        controller = PathFollowing(
-            gait=model.gait(row.gait),
-            path=StraightLine(),
-            guidance=LineOfSight(look_ahead_distance=settings.look_ahead_distance),
-            heading=HeadingController(gain=settings.gain, max_offset=settings.max_offset),
-            interval=settings.control_interval,
-        )
+        controller = settings.steering().controller(model.gait(row.gait), StraightLine(), settings.control_interval)
         start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
         found.append(run(body, controller, settings.duration, start=start, until=_is_there(settings.distance)))
     return found

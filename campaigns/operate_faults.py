@@ -40,17 +40,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import laticauda as lc
+from laticauda.control import Following
 from laticauda.gaits import envelope_of
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
+from laticauda.operate.loop import run_stepped
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder
-from laticauda.operate.recording.sink import PlainSink
+from laticauda.operate.recording.recorder import OperationRecorder, PlainSink
 from laticauda.operate.safety.transitions import BY_EVENT
 from laticauda.operate.session import header_of
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Operation
-from laticauda.operate.stepped import run_stepped
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
 from laticauda.protocol import NodeState
 
 KINDS = (

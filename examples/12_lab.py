@@ -9,10 +9,11 @@ network port and a serial line between them; on the robot, `laticauda operate` i
 from math import degrees, radians
 
 import laticauda as lc
+from laticauda.control import Following
 from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.operate.course.operator import Operator
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Operation
-from laticauda.operate.stepped import run_stepped
+from laticauda.operate.loop import run_stepped
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
 operation = Operation(
     name="desk",

@@ -145,13 +145,7 @@ def identified() -> Figure:
         return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints)
 
     def followed(row: MeasuredPathFollowing) -> float:
-        controller = lc.PathFollowing(
-            gait=row.gait,
-            path=lc.StraightLine(),
-            guidance=lc.LineOfSight(look_ahead_distance=settings.look_ahead_distance),
-            heading=lc.HeadingController(gain=settings.gain, max_offset=settings.max_offset),
-            interval=settings.control_interval,
-        )
+        controller = settings.steering().controller(row.gait, lc.StraightLine(), settings.control_interval)
         start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
         there = settings.distance
         trial = lc.run(

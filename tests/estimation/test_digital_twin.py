@@ -10,7 +10,7 @@ from operate.tank import campaign, perfect, swimming
 import laticauda as lc
 from laticauda.estimation import Estimator, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.digital_twin import start_twin, step_twin
-from laticauda.operate.recording.schema import ESTIMATE, SCHEMAS
+from laticauda.operate.recording.entries import ESTIMATE, SCHEMAS
 
 BODY = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
 

@@ -15,18 +15,17 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.control import Following
 from laticauda.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.drivers import Clock, DeviceFailed
-from laticauda.operate.keys import Keys
-from laticauda.operate.loop import run_loop
+from laticauda.operate.loop import TankDevices, TankTime, run_loop, run_stepped
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder
-from laticauda.operate.recording.sink import PlainSink, RecordingSink
+from laticauda.operate.recording.recorder import OperationRecorder, PlainSink, RecordingSink
 from laticauda.operate.session import header_of, operate, operate_stepped, result_of, table
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation
-from laticauda.operate.stepped import TankDevices, TankTime, run_stepped
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
+from laticauda.operate.terminal import Keys
 from laticauda.protocol import NodeState, bus_address
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40))

@@ -49,13 +49,10 @@ class Route:
         Args:
             gait: What swims.
         """
-        from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing
+        from laticauda.control import Following
 
-        law: Any = LineOfSight(look_ahead_distance=0.18)
-        if self.guidance == "integral-line-of-sight":
-            law = IntegralLineOfSight(look_ahead_distance=0.18, integral_gain=0.12)
-        heading = HeadingController(gain=0.4, max_offset=math.radians(20.0))
-        return PathFollowing(gait=gait, path=self.path(), guidance=law, heading=heading)
+        guidance: Any = self.guidance.replace("-", "_")
+        return replace(Following(guidance=guidance).controller(gait), path=self.path())
 
 
 @value

@@ -60,8 +60,8 @@ class Operate(Command):
     def _operate(self, operation: "Operation", folder: Path | None) -> Any:
         from laticauda.files import read_text
         from laticauda.operate.drivers import Clock
-        from laticauda.operate.keys import Keys, Terminal
         from laticauda.operate.session import operate
+        from laticauda.operate.terminal import Keys, Terminal
         from laticauda.simulate import plant
 
         text = read_text(self.file)
@@ -100,7 +100,7 @@ class Operate(Command):
 
     def _shown(self, operation: "Operation") -> Any:
         """What shows the ticks: the dashboard, or plain lines on standard error."""
-        from laticauda.operate.dashboard import Dashboard, Lines
+        from laticauda.operate.terminal import Dashboard, Lines
 
         if self.no_dashboard or self.json or not sys.stdout.isatty():
             return Lines(sys.stderr)

@@ -10,7 +10,7 @@ from laticauda.quantities import option, value
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
     from laticauda.operate import OperationLog, Rerun
-    from laticauda.operate.timing import Timing
+    from laticauda.operate.recording.entries import Timing
 
 
 @value

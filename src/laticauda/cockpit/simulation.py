@@ -8,7 +8,7 @@ from typing import Any, TypedDict, Unpack, cast
 import numpy as np
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
+from laticauda.control import Following, PathFollowing, StraightLine
 from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Plant, Start
@@ -22,9 +22,6 @@ TICK = 0.025  # time between two samples [s]
 # For how long the amplitude is 0 before another kind of gait begins: 10 time constants of the generator's filter leave
 # some 1e-3 of it.
 FADE = 1.0  # [s]
-# The paper's path following of Mamba.
-GUIDANCE = LineOfSight(look_ahead_distance=0.18)
-HEADING = HeadingController(gain=0.4, max_offset=math.radians(20.0))
 N_HINGES = 3  # of a fin that bends
 STILL = (0.0, 0.0)
 
@@ -219,7 +216,7 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
         elif isinstance(motion, PathFollowing):
             motion = replace(motion, gait=gait, path=path)
         else:
-            motion = PathFollowing(gait=gait, path=path, guidance=GUIDANCE, heading=HEADING)
+            motion = replace(Following().controller(gait), path=path)
     elif "gait" in changes:
         motion = replace(motion, gait=gait) if isinstance(motion, PathFollowing) else gait
     if "model" in changes or "joints" in changes:

@@ -8,7 +8,7 @@ from laticauda.control.averaging import OffsetSteps, fit_averaged
 from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
 from laticauda.control.heading import HeadingController, HeadingEstimate
-from laticauda.control.path_following import HEADING_ESTIMATES, PathFollowing, PathFollowingState
+from laticauda.control.path_following import HEADING_ESTIMATES, Following, PathFollowing, PathFollowingState
 from laticauda.control.paths import Polyline, Spline, StraightLine
 from laticauda.control.predictive import ModelPredictive, PredictiveState
 from laticauda.control.spatial_following import SpatialPathFollowing, SpatialPathFollowingState
@@ -16,6 +16,7 @@ from laticauda.control.spatial_following import SpatialPathFollowing, SpatialPat
 __all__ = [
     "HEADING_ESTIMATES",
     "AveragedModel",
+    "Following",
     "Guidance",
     "HeadingController",
     "HeadingEstimate",

@@ -1,7 +1,7 @@
 """State estimation: where the robot is and how it moves, from joint samples and motion-capture frames."""
 
 from laticauda.estimation.digital_twin import Displacement, TwinState
-from laticauda.estimation.estimate import Estimate, Mount, StateEstimator
+from laticauda.estimation.samples import Estimate, Mount, StateEstimator
 from laticauda.estimation.filter import Estimator
 from laticauda.estimation.filter_state import EstimatorState, FilterState
 from laticauda.estimation.kinematics import KinematicEstimator, KinematicState

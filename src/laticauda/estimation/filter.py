@@ -15,7 +15,6 @@ import numpy as np
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
-from laticauda.estimation.estimate import Estimate, StateEstimator
 from laticauda.estimation.filter_state import (
     EstimatorState,
     FilterState,
@@ -28,7 +27,15 @@ from laticauda.estimation.filter_state import (
     within_horizon,
 )
 from laticauda.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
-from laticauda.estimation.samples import JointSample, PoseSample, ReferenceSample, Sample, yaw_joints
+from laticauda.estimation.samples import (
+    Estimate,
+    JointSample,
+    PoseSample,
+    ReferenceSample,
+    Sample,
+    StateEstimator,
+    yaw_joints,
+)
 from laticauda.gaits.reference import filter_step
 from laticauda.interfaces import Plant
 from laticauda.kinematics import center_of_mass, heading, link_angles

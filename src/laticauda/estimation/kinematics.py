@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
-from laticauda.estimation.estimate import Estimate, StateEstimator
-from laticauda.estimation.samples import JointSample, PoseSample, Sample, yaw_joints
+from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Sample, StateEstimator, yaw_joints
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import quantity, value
 from laticauda.robot import Robot

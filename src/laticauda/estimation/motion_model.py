@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from laticauda.estimation.digital_twin import Displacement, TwinState
-from laticauda.estimation.estimate import Mount
 from laticauda.estimation.filter_state import Gaussian, Matrix, Noise, Vector
+from laticauda.estimation.samples import Mount
 from laticauda.kinematics import link_angles, link_centers
 from laticauda.robot import Robot
 

@@ -1,16 +1,21 @@
-"""What state estimation takes in: motion-capture frames, joint samples and references.
+"""What state estimation takes in and gives: samples, where on the robot the markers sit, estimates.
 
 Every sample says when it was taken, on the one clock of the recording. They may arrive late and out of order.
 """
 
+import math
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite, not_negative
+from laticauda.errors import BadArgument, finite, instance, not_negative
+from laticauda.interfaces import Observation
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
+from laticauda.robot.body import reduce_to_plane
 
 Vector: TypeAlias = Float[np.ndarray, " _"]
 
@@ -112,3 +117,97 @@ def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
     if angle.size == sum(is_yaw):
         return angle
     raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}")
+
+
+Status: TypeAlias = Literal["tracking", "bridging", "lost"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Estimate(Observation):
+    """What an estimator says can be seen of the robot, in the plane, and how sure that is; a controller takes it."""
+
+    status: Status
+    """`tracking`: motion capture sees the robot; `bridging`: a drop-out is being bridged; `lost`: for too long [-]."""
+    age: float
+    """Time since the last frame that was accepted [s]."""
+    center_of_mass_std: float = 0.0
+    """Standard deviation of p per axis; 0 where the estimator does not know [m]."""
+    heading_std: float = 0.0
+    """Of the heading; 0 where the estimator does not know [rad]."""
+    current: Float[np.ndarray, " 2"] | None = None
+    """Velocity the water moves to; None where it is not estimated [m/s]."""
+    current_std: float = 0.0
+    """Its standard deviation along its less certain direction [m/s]."""
+
+
+@value
+class Mount:
+    """Where the marker body sits.
+
+    The paper's is on "the last module", the one that also carries the caudal fin: the tail, module 0 here.
+    """
+
+    module: int = quantity("", "which module of the robot carries it, 0 = tail", ge=0, default=0)
+    offset: tuple[float, float] = quantity(
+        "m", "its place from the middle of that module: toward the head, to the left", default=(0.0, 0.0)
+    )
+    angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
+
+    def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
+        """The link of `robot.planar()` that carries it, and its place from the middle of that link [m].
+
+        Args:
+            robot: Whose module it is; its pitch joints are straight.
+
+        Raises:
+            ValueError: If the robot has no such module.
+        """
+        instance("robot", robot, Robot)
+        if self.module >= len(robot.modules):
+            raise BadArgument("module", f"must be < {len(robot.modules)}, the number of modules, got {self.module}")
+        plane = reduce_to_plane(robot.modules, robot.joints)
+        along, across = self.offset
+        return plane.link[self.module], (plane.shift[self.module] + along, across)
+
+    def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
+        """The angle of the link that a measured `rotation` means, in [-pi, pi] [rad]."""
+        return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
+
+
+@value
+class StateEstimator:
+    """From samples, one by one, to estimates: base of `Estimator` and `KinematicEstimator`. Its state is a value.
+
+    Raises:
+        ValueError: If a field is out of its range, or the robot has no module that carries the markers.
+    """
+
+    robot: Robot = option("what swims; its planar reduction counts, pitch joints are straight")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+    bridging_after: float = quantity("s", "without a frame for longer, the status is `bridging`", gt=0.0, default=0.05)
+    lost_after: float = quantity("s", "without a frame for longer, the status is `lost`", gt=0.0, default=1.5)
+
+    def __post_init__(self) -> None:
+        """Refuse a mount that is not on the robot."""
+        _ = self.on_link
+
+    @cached_property
+    def on_link(self) -> tuple[int, tuple[float, float]]:
+        """See `Mount.on_link`."""
+        return self.mount.on_link(self.robot)
+
+    def init(self) -> Any:
+        """The state before the first sample."""
+        raise NotImplementedError
+
+    def step(self, state: Any, sample: Sample) -> Any:
+        """The state that follows `state` by one more `sample`."""
+        raise NotImplementedError
+
+    def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
+        """Where the robot is in `state`, at `time` [s] or at the last sample; None before that is known."""
+        raise NotImplementedError
+
+    def status_at(self, age: float) -> Status:
+        """What the time since the last accepted frame, `age` [s], means."""
+        return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"

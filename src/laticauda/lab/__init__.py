@@ -1,8 +1,8 @@
 """The virtual tank: Mamba's modules on a CAN bus, cameras and a power meter, around a `Plant` that is handed in."""
 
-from laticauda.lab.assistant import assist
+from laticauda.lab.tank import assist
 from laticauda.lab.faults import KINDS, Fault, FaultFileError, Faults, fault_from_words, load_faults
-from laticauda.lab.mocap import BODY
+from laticauda.lab.instruments import BODY
 from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.lab.serving import Lab, LabAddresses
 from laticauda.lab.settings import LabSettings, MocapSettings, NodeSettings, SupplySettings

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from laticauda.errors import LaticaudaError
-from laticauda.lab.mocap import BODY, MARKERS
+from laticauda.lab.instruments import BODY, MARKERS
 from laticauda.protocol import MocapFrame, ProtocolError
 from laticauda.protocol.qtm import (
     BANNER,

@@ -1,5 +1,7 @@
 """The tank on real wires and at a real pace: a CAN bus, a server for the cameras, a serial line for the meter."""
 
+import os
+import select
 import threading
 import time
 from collections.abc import Callable
@@ -7,12 +9,71 @@ from dataclasses import dataclass
 from typing import Any
 
 from laticauda.errors import positive
-from laticauda.lab.qtm_server import LOOPBACK, QtmServer
-from laticauda.lab.serial_line import SerialLine
+from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.lab.tank import Tank
 from laticauda.protocol import BusAddress, open_bus
 from laticauda.protocol.can import python_can
+from laticauda.protocol.meter import LineReader
 from laticauda.protocol.qtm import PORT
+
+
+class SerialLine:
+    """Answers lines in a thread of its own.
+
+    Args:
+        answer: What to say to a line.
+    """
+
+    def __init__(self, answer: Callable[[str], bytes]) -> None:
+        self._answer = answer
+        self._reader = LineReader()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="meter", daemon=True)
+        self.path = ""
+
+    def start(self) -> None:
+        """Make the pseudo-terminal; its `path` is what pyserial opens.
+
+        Raises:
+            ServerFailed: If the operating system has none.
+        """
+        try:
+            import tty
+
+            self._ours, self._theirs = os.openpty()
+        except (ImportError, OSError) as error:
+            raise ServerFailed(f"The meter's line cannot be opened: {error}.") from error
+        tty.setraw(self._theirs)
+        os.set_blocking(self._ours, False)
+        self.path = os.ttyname(self._theirs)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Hang up."""
+        self._ended.set()
+        self._thread.join(2.0)
+        for end in (self._ours, self._theirs):
+            os.close(end)
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            ready, _, _ = select.select([self._ours], [], [], 0.1)
+            if not ready:
+                continue
+            try:
+                data = os.read(self._ours, 4096)
+            except OSError:  # nobody has the other end open
+                self._ended.wait(0.1)
+                continue
+            for line in self._reader.feed(data):
+                self._write(self._answer(line))
+
+    def _write(self, data: bytes) -> None:
+        try:
+            os.write(self._ours, data)
+        except OSError:  # nobody reads, and the line is full
+            pass
+
 
 WORST_LAG = 0.5  # s; a lab that is further behind its clock lets the clock wait
 LONGEST_WAIT = 0.1  # s; how long Ctrl-C and other threads wait at most

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from laticauda.operate.recording.header import Header as Header
     from laticauda.operate.recording.log import OperationLog as OperationLog, read_operation as read_operation
     from laticauda.operate.recording.recorder import OperationRecorder as OperationRecorder
-    from laticauda.operate.recording.rerun import (
+    from laticauda.operate.recording.log import (
         Rerun as Rerun,
         rerun_controller as rerun_controller,
         rerun_estimator as rerun_estimator,

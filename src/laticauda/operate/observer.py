@@ -17,7 +17,7 @@ from laticauda.estimation import Estimate, JointSample, KinematicEstimator, Kine
 from laticauda.operate.drivers import Clock
 from laticauda.operate.drivers.worker import hardware
 from laticauda.operate.loop import Wired, connected
-from laticauda.operate.safety.modules import Modules, no_reports, updated
+from laticauda.operate.safety.limits import Modules, no_reports, updated
 from laticauda.operate.settings import Connection
 from laticauda.protocol import CanMessage, Heartbeat, JointState
 from laticauda.protocol.can import python_can

@@ -12,17 +12,15 @@ from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState
 from laticauda.operate.drivers import Clock
-from laticauda.operate.keys import Keys
-from laticauda.operate.loop import Show, connected, run_loop
+from laticauda.operate.loop import Show, connected, run_loop, run_stepped
+from laticauda.operate.recording.entries import Timing
 from laticauda.operate.recording.header import Header
 from laticauda.operate.recording.log import read_operation
-from laticauda.operate.recording.recorder import OperationRecorder
-from laticauda.operate.recording.sink import PlainSink, RecordingSink
+from laticauda.operate.recording.recorder import OperationRecorder, PlainSink, RecordingSink
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of
 from laticauda.operate.settings import Operation
-from laticauda.operate.stepped import run_stepped
-from laticauda.operate.timing import Timing
+from laticauda.operate.terminal import Keys
 from laticauda.scenarios import Experiment
 from laticauda.trial import Trial, following
 

@@ -11,17 +11,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda.control import (
-    Guidance,
-    HeadingController,
-    IntegralLineOfSight,
-    LineOfSight,
-    Path,
-    PathFollowing,
-    Polyline,
-    Spline,
-    StraightLine,
-)
+from laticauda.control import Following
 from laticauda.errors import BadArgument
 from laticauda.estimation import Mount
 from laticauda.gaits import Gait
@@ -32,52 +22,6 @@ from laticauda.robot import Robot, Water, load_robot, load_water
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
-
-
-@value
-class Following:
-    """Path following; an operation without it swims its gait open loop."""
-
-    waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
-    smooth: bool = option("a smooth curve through the waypoints instead of straight legs", default=False)
-    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
-    look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
-    integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
-    gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
-    max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
-    heading_estimate: str = option("raw, or cycle_mean over the last gait cycle", default="raw")
-    interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
-
-    def __post_init__(self) -> None:
-        """Check the waypoints, and the laws' own numbers by the laws."""
-        if self.waypoints is not None and len(self.waypoints) < 2:
-            raise BadArgument("waypoints", f"must be at least two points [x, y] in m, got {self.waypoints!r}")
-        self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
-
-    @property
-    def path(self) -> Path[Any]:
-        """Where to go."""
-        if self.waypoints is None:
-            return StraightLine()
-        return Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
-
-    def controller(self, gait: Gait) -> PathFollowing:
-        """The controller, as in simulation.
-
-        Args:
-            gait: What swims along the path.
-        """
-        law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
-        if self.guidance == "integral_line_of_sight":
-            law = IntegralLineOfSight(look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain)
-        return PathFollowing(
-            gait=gait,
-            path=self.path,
-            guidance=law,
-            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
-            heading_estimate=self.heading_estimate,
-            interval=self.interval,
-        )
 
 
 @value

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from laticauda.control import IntegralLineOfSight, LineOfSight, Spline, StraightLine
 from laticauda.interfaces import Observation, Start
 from laticauda.paper.runs import Runs, Steering, Swimmer, long_enough
-from laticauda.paper.settings import swimmers
+from laticauda.paper.settings import path_following_settings, swimmers
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Model
 from laticauda.trial import Trial
@@ -25,12 +25,12 @@ def drift_laws() -> tuple[Steering, ...]:
     """Line of sight and its integral at the same gains, and line of sight at the paper's; all with the raw heading."""
     plain = LineOfSight(look_ahead_distance=1.62)
     integral = IntegralLineOfSight(look_ahead_distance=1.62, integral_gain=0.12)
-    short = LineOfSight(look_ahead_distance=0.18)
-    limit = math.radians(20.0)  # that of the paper
+    paper = path_following_settings().steering()
+    limit = paper.max_offset
     return (
         Steering(name="line of sight", guidance=plain, gain=0.25, max_offset=limit),
         Steering(name="integral line of sight", guidance=integral, gain=0.25, max_offset=limit),
-        Steering(name="line of sight, the paper's gains", guidance=short, gain=0.4, max_offset=limit),
+        replace(paper, name="line of sight, the paper's gains"),
     )
 
 
@@ -131,12 +131,6 @@ def drift_run(settings: DriftSettings, law: Steering, model: Model, runs: Runs) 
 Waypoints = tuple[tuple[float, float], ...]
 
 
-def curved_law() -> Steering:
-    """Line of sight at the paper's gains, raw heading."""
-    guidance = LineOfSight(look_ahead_distance=0.18)
-    return Steering(name="the paper's gains", guidance=guidance, gain=0.4, max_offset=math.radians(20.0))
-
-
 @value
 class CurvedSettings:
     """Every swimmer along one curve."""
@@ -145,7 +139,7 @@ class CurvedSettings:
         "What the curve goes through; x and y in world axes",
         default=((0.0, 0.0), (2.0, 1.0), (4.0, 0.0), (6.0, -1.0), (8.0, 0.0)),
     )
-    law: Steering = option("How every swimmer is steered", default_factory=curved_law)
+    law: Steering = option("How every swimmer is steered", default_factory=lambda: path_following_settings().steering())
     most_duration: float = quantity("s", "After which a run ends before the end of the curve", gt=0.0, default=150.0)
     control_interval: float = quantity("s", "Between two control instants", gt=0.0, default=0.1)
     swimmers: tuple[Swimmer, ...] = option("Who swims, from the begin of the curve, at rest", default_factory=swimmers)

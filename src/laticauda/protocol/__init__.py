@@ -5,7 +5,7 @@ No heavy library is loaded until a frame is encoded or a bus is opened.
 
 from laticauda.protocol.bus import BusAddress, BusFailed, bus_address, open_bus
 from laticauda.protocol.can import decode, encode, from_frame, from_node, to_frame
-from laticauda.protocol.load import BusLoad, Traffic, bus_load, frame_bits
+from laticauda.protocol.bus import BusLoad, Traffic, bus_load, frame_bits
 from laticauda.protocol.messages import (
     EVERY_NODE,
     FAULTS,

@@ -1,15 +1,19 @@
-"""Buses of python-can: in one process, between processes of one computer, or the real one."""
+"""The robot's CAN bus: which one of python-can's it is, how it is opened, and whether the robot's frames fit on it."""
 
 import ipaddress
+import math
 import socket
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal, cast
 
-from laticauda.errors import BadArgument, LaticaudaError
+from laticauda.errors import BadArgument, LaticaudaError, positive, whole
 from laticauda.extras import optional_import
 from laticauda.protocol.can import python_can
+from laticauda.protocol.dbc import LAYOUTS, Layout
+from laticauda.protocol.messages import N_NODES, PER_FRAME
 from laticauda.quantities import option, quantity, value
 
-BITRATE = 1_000_000  # bit/s
 GROUP, PORT = "239.74.163.2", 43113
 CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
 """The usual ones."""
@@ -111,3 +115,130 @@ def _deafen(bus: Any, address: BusAddress) -> None:
         return packet if packet is None or packet[1][0] == ours or packet[1][0].startswith("127.") else None
 
     bus._multicast.recv = recv
+
+
+BITRATE = 1_000_000.0  # [bit/s]
+SLOW_RATES = {"Loads": 20.0, "Acceleration": 20.0, "Heartbeat": 10.0}  # [Hz]
+RARE = ("EmergencyStop", "NodeCommand", "CommandReply")  # no share of the load worth counting
+
+
+@dataclass(frozen=True, kw_only=True)
+class Traffic:
+    """One kind of frame on the bus."""
+
+    name: str
+    """Its name in the DBC file [-]."""
+    identifier: int
+    """The first of its identifiers [-]."""
+    frames: int
+    """How many of them come every period [-]."""
+    rate: float
+    """[Hz]."""
+    bits: int
+    """Of one frame, in the worst case [bit]."""
+    share: float
+    """Of the bus [-]."""
+    delay: float
+    """From when the last one of them could be sent until it has arrived, in the worst case [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BusLoad:
+    """What the bus has to carry."""
+
+    traffic: tuple[Traffic, ...]
+    """By priority, the first one first."""
+
+    @property
+    def share(self) -> float:
+        """Of the time, the bus is busy at most so much [-]."""
+        return math.fsum(kind.share for kind in self.traffic)
+
+    @property
+    def fits(self) -> bool:
+        """Whether every frame has arrived before the next one of its kind is due."""
+        return self.share < 1.0 and all(kind.delay < 1.0 / kind.rate for kind in self.traffic)
+
+
+def frame_bits(n_bytes: int) -> int:
+    """The longest that a frame with an 11-bit identifier can be on the wire, with the pause of 3 bits behind it.
+
+        8 s + 47 + floor((34 + 8 s - 1) / 4)
+
+    Of the 44 bits besides the s data bytes, 34 are subject to bit stuffing, as the data are: after five equal bits
+    comes one of the other kind, and that one may be the first of the next five.
+
+    Args:
+        n_bytes: s, 0 to 8.
+
+    Returns:
+        [bit].
+
+    Raises:
+        ValueError: If there is no such frame.
+
+    References:
+        R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien, "Controller Area Network (CAN) schedulability analysis:
+        Refuted, revisited and revised", Real-Time Systems 35, 2007, eq. (1).
+    """
+    if whole("n_bytes", n_bytes, 0) > 8:
+        raise BadArgument("n_bytes", f"must be <= 8, got {n_bytes}")
+    return 8 * n_bytes + 47 + (34 + 8 * n_bytes - 1) // 4
+
+
+def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BITRATE) -> BusLoad:
+    """The load of the robot's bus in the worst case.
+
+    Every period has a Sync, the references, and a JointState of every node; sensors and heartbeats come at their own
+    slower rates (`SLOW_RATES`). The delays are those of the sufficient test of Davis et al. 2007: a frame waits for the
+    longest frame that may just have begun, and for all of higher priority that can come meanwhile.
+
+    Args:
+        n_nodes: Joint modules and a driven fin's, 1 to 19.
+        rate: Sync frames per second [Hz].
+        bitrate: [bit/s].
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+    if whole("n_nodes", n_nodes, 1) > N_NODES:
+        raise BadArgument("n_nodes", f"must be <= {N_NODES}, got {n_nodes}")
+    positive("rate", rate, "Hz")
+    positive("bitrate", bitrate, "bit/s")
+    kinds: list[tuple[Layout, int, float]] = []
+    for layout in sorted(LAYOUTS, key=lambda layout: layout.identifier):
+        if layout.name not in RARE:
+            count = n_nodes if layout.per_node else -(-n_nodes // PER_FRAME) if layout.count > 1 else 1
+            kinds.append((layout, count, SLOW_RATES.get(layout.name, rate)))
+    return BusLoad(traffic=tuple(_traffic(kinds, k, bitrate) for k in range(len(kinds))))
+
+
+def _traffic(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float) -> Traffic:
+    layout, count, rate = kinds[at]
+    bits = frame_bits(layout.length)
+    return Traffic(
+        name=layout.name,
+        identifier=layout.identifier + layout.per_node,
+        frames=count,
+        rate=rate,
+        bits=bits,
+        share=count * rate * bits / bitrate,
+        delay=_delay(kinds, at, bitrate),
+    )
+
+
+def _delay(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float) -> float:
+    """Worst-case response time of the last frame of kind `at` [s]; infinite if there is none."""
+    layout, count, rate = kinds[at]
+    own = frame_bits(layout.length) / bitrate
+    blocked = max(frame_bits(other.length) for other, _, _ in kinds) / bitrate
+    ahead = [(n * frame_bits(other.length) / bitrate, r) for other, n, r in kinds[:at]]
+    bit = 1.0 / bitrate
+    wait = blocked + (count - 1) * own
+    while True:
+        needed = blocked + (count - 1) * own + sum(math.ceil((wait + bit) * r) * time for time, r in ahead)
+        if needed > 1.0 / rate:
+            return math.inf
+        if needed <= wait:
+            return wait + own
+        wait = needed

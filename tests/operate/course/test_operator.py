@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from operate.rig import CAMERAS_AHEAD, Rig, Run, run_of
 
 import laticauda as lc
+from laticauda.control import Following
 from laticauda.estimation import ReferenceSample
 from laticauda.gaits import Generator
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.safety.transitions import BY_EVENT
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Following, Limits, Operation, Placement
+from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, Placement
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
 
 GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
@@ -66,12 +67,11 @@ def test_an_operation_goes_through_its_phases_and_ends_limp_in_idle():
     ]
 
 
-def test_the_start_is_logged_and_the_currents_of_rest_and_run_are_apart():
+def test_the_start_is_logged_and_the_current_of_the_run_is_none_at_rest():
     run = running()
     run.until("done")
     assert run.state.prepared.start == pytest.approx((1.0, 0.5, 0.1), abs=1e-3)
     assert run.state.idle.mean == pytest.approx(1.18)
-    assert run.state.drawn.mean == pytest.approx(2.18)
     assert any("p_y(0) = 0.5000 m" in event.message for event in run.events)
 
 

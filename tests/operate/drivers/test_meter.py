@@ -2,7 +2,7 @@ import time
 
 import pytest
 
-from laticauda.lab.serial_line import SerialLine
+from laticauda.lab.serving import SerialLine
 from laticauda.operate.drivers import Clock, DeviceFailed, MeterDriver
 from laticauda.protocol import MeterIdentity, MeterReading
 from laticauda.protocol.meter import DISPLAYED, IDENTITY, RESTART, displayed_text, encode_answer, identity_text

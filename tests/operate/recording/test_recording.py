@@ -15,7 +15,7 @@ from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.logs import open_recording, read_messages
 from laticauda.operate import Event, Header, OperationRecorder, PowerReading, read_operation
-from laticauda.operate.timing import Tick
+from laticauda.operate.recording.entries import Tick
 from laticauda.scenarios import Experiment
 
 RUN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from laticauda.operate.safety.limits import Reports, compare, within_limits
-from laticauda.operate.safety.modules import no_reports
+from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
 from laticauda.operate.safety.supervisor import Supervisor, SupervisorState, safety_table
 from laticauda.operate.safety.transitions import ACTIONS, BY_EVENT, REQUESTS, RULES, STATES
 from laticauda.operate.settings import Limits

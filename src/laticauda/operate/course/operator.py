@@ -13,12 +13,11 @@ import numpy as np
 
 from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.interfaces import Plant
-from laticauda.operate.course import intake, preparing
+from laticauda.operate.course import preparing
 from laticauda.operate.course.reference_source import ReferenceSource
-from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared
+from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared, take_in
 from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety.limits import Reports, compare, within_limits
-from laticauda.operate.safety.modules import no_reports
+from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
 from laticauda.operate.safety.supervisor import Entry, Supervisor
 from laticauda.operate.safety.transitions import BY_EVENT, cause_of, phase_after, phase_with
 from laticauda.operate.settings import Operation
@@ -98,7 +97,7 @@ class Operator:
         """
         before = state
         state = state if state.since is not None else replace(state, since=now)
-        state, samples = intake.step(self.operation, self.estimator, state, now, inputs)
+        state, samples = take_in(self.operation, self.estimator, state, now, inputs)
         state, wrong = self._monitored(state, before, now, inputs)
         state, events = self._prepared(state, now)
         state, requests = self._requested(state, now)

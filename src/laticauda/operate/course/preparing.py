@@ -5,20 +5,26 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
-from laticauda.operate.course.calibration import CalibrationFailed, Places, Stillness, joint_zeros, marker_yaw
-from laticauda.operate.course.state import OperatorState
+from laticauda.errors import LaticaudaError
+from laticauda.operate.course.state import OperatorState, Places
 from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety.modules import complaints
+from laticauda.operate.safety.limits import complaints
 from laticauda.operate.safety.transitions import phase_after
 from laticauda.operate.settings import Operation
+from laticauda.quantities import quantity, value
 
 GRANT_TIME = 5.0  # in which the supervisor has to let the robot move [s]
 CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
 COLLECT_TIME = 1.0  # of samples for a calibration [s]
 LEAST_FRAMES = 5  # that have to see the marker body meanwhile [-]
 Answer = tuple[OperatorState, tuple[Event, ...]]
+
+
+class CalibrationFailed(LaticaudaError, RuntimeError):
+    """The robot or its instruments are not as the calibration needs them: it says what to do."""
 
 
 def step(operation: Operation, state: OperatorState, now: float) -> Answer:
@@ -191,3 +197,91 @@ _STEPS: dict[str, Callable[[Operation, OperatorState, float], Answer]] = {
     "idle_current": _idle_current,
     "settling": _settling,
 }
+
+
+# ---- what is measured before a run -----------------------------------------------------------------------------------
+
+
+def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float) -> Float[np.ndarray, " n_joints"]:
+    """What every joint reports while the robot lies straight: the median of the samples.
+
+    Args:
+        angle: What the limp joints reported [rad]; nan where one did not.
+        largest: Beyond this, the robot was not straight [rad].
+
+    Returns:
+        The zeros [rad].
+
+    Raises:
+        CalibrationFailed: If a joint was not heard, or is further from zero.
+    """
+    if not np.isfinite(angle).any(axis=0).all():
+        node = int(np.argmin(np.isfinite(angle).any(axis=0))) + 1
+        raise CalibrationFailed(f"The joint zeros cannot be measured: module {node} did not report its angle.")
+    zero = np.nanmedian(angle, axis=0)
+    worst = int(np.argmax(np.abs(zero)))
+    if abs(zero[worst]) > largest:
+        raise CalibrationFailed(
+            f"The joint zeros cannot be measured: module {worst + 1} reports {math.degrees(zero[worst]):.1f} deg, more "
+            f"than {math.degrees(largest):.1f}; lay the robot straight against a ruler."
+        )
+    return zero
+
+
+def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) -> float:
+    """The direction of the marker body to its module, from the straight robot.
+
+    All links of a straight robot point the same way, so the module's direction is the robot's, which somebody knows:
+    it lies along a wall, or along a rope.
+
+    Args:
+        rotation: From the marker body to the tank frame [-].
+        heading: Of the straight robot, tank frame [rad].
+
+    Returns:
+        [rad], in [-pi, pi).
+
+    Raises:
+        CalibrationFailed: If there is no sample.
+    """
+    if not len(rotation):
+        raise CalibrationFailed("The marker body cannot be calibrated: the motion capture did not see it.")
+    yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    mean = math.atan2(float(np.mean(np.sin(yaw))), float(np.mean(np.cos(yaw))))
+    return wrap_to_pi(mean - heading)
+
+
+@value
+class Stillness:
+    """Whether something has been still for long enough."""
+
+    speed: float = quantity("m/s", "slower than this is still", gt=0.0)
+    rate: float = quantity("rad/s", "turning slower than this is still", gt=0.0)
+    duration: float = quantity("s", "for how long it has to be", gt=0.0)
+
+    def step(self, places: Places, now: float, x: float, y: float, heading: float) -> tuple[Places, bool]:
+        """One more look. Means over two halves of the time are compared, so noise does not count as motion.
+
+        Args:
+            places: As the last call returned it; () at the start.
+            now: [s].
+            x: Of the center of mass [m].
+            y: Likewise [m].
+            heading: [rad].
+
+        Returns:
+            The places within the time, and whether it was still for all of it.
+        """
+        begin = now - self.duration
+        places = (*(place for place in places if place[0] > begin - 1e-9), (now, x, y, heading))
+        middle = now - 0.5 * self.duration
+        early = [place for place in places if place[0] <= middle]
+        late = [place for place in places if place[0] > middle]
+        if places[0][0] > begin + 0.1 * self.duration or not early or not late:
+            return places, False
+        gone, *way = (
+            sum(place[i] for place in late) / len(late) - sum(place[i] for place in early) / len(early)
+            for i in range(4)
+        )
+        speed, rate = math.hypot(way[0], way[1]) / gone, way[2] / gone
+        return places, speed <= self.speed and abs(rate) <= self.rate

@@ -10,7 +10,7 @@ from laticauda.gaits import Generator
 from laticauda.gaits.generator import GeneratorState
 from laticauda.gaits.reference import smooth_start
 from laticauda.interfaces import Command, Controller, Observation
-from laticauda.operate.safety.modules import Numbers as References
+from laticauda.operate.safety.limits import Numbers as References
 from laticauda.robot import Robot
 
 ROUNDING = 1e-9  # of sums of ticks [s]

@@ -1,21 +1,91 @@
-"""What a tick of an operation takes, keeps and gives."""
+"""What a tick of an operation takes, keeps and gives, and how what came in becomes samples and an estimate."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.estimation import Estimate, PoseSample
+from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
 from laticauda.interfaces import Command
-from laticauda.operate.course.calibration import ClockState, MeanCurrent, Places
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Event, Measurement, PowerReading
-from laticauda.operate.safety.limits import LimitState
-from laticauda.operate.safety.modules import Modules
+from laticauda.operate.safety.limits import LimitState, Modules, updated
 from laticauda.operate.safety.supervisor import SupervisorState
 from laticauda.operate.safety.transitions import PHASES
+from laticauda.operate.settings import CaptureVolume, Operation
 from laticauda.protocol import CanMessage
+from laticauda.quantities import quantity, value
+
+Places = tuple[tuple[float, float, float, float], ...]
+
+
+class ClockState(NamedTuple):
+    """What is known of another clock: the smallest differences of this window of time and of the one before."""
+
+    smallest: float
+    """Since the window began, own clock minus the other [s]."""
+    before: float
+    """In the window before [s]."""
+    began: float
+    """The window, own clock [s]."""
+
+    @property
+    def offset(self) -> float:
+        """Own clock minus the other, with the smallest latency in it [s]."""
+        return min(self.smallest, self.before)
+
+
+@value
+class ClockOffset:
+    """The difference of two clocks from the frames with the smallest latency.
+
+    A frame is never early: own time of arrival minus its stamp is the offset plus a latency >= 0. The smallest one of
+    the last seconds is the best estimate, and the smallest latency itself stays in it. What is older is forgotten:
+    clocks drift, and the cameras' clock may jump, when their computer stalls or the measurement is begun anew.
+    """
+
+    window: float = quantity(
+        "s", "a smallest latency counts for this long at least, and for twice as long at most", gt=0.0, default=5.0
+    )
+
+    def init(self) -> ClockState | None:
+        """Nothing known."""
+        return None
+
+    def step(self, state: ClockState | None, arrival: float, stamp: float) -> ClockState:
+        """What is known after one more frame.
+
+        Args:
+            state: As the last call returned it, or `init`.
+            arrival: Of the frame, own clock [s].
+            stamp: Of the frame, the other clock [s].
+        """
+        difference = arrival - stamp
+        if state is None or arrival - state.began >= 2.0 * self.window:
+            return ClockState(smallest=difference, before=difference, began=arrival)
+        if arrival - state.began >= self.window:
+            return ClockState(smallest=difference, before=state.smallest, began=arrival)
+        return state._replace(smallest=min(state.smallest, difference))
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeanCurrent:
+    """A mean over the readings of a time: I_0 at rest."""
+
+    total: float = 0.0
+    """Sum [A]."""
+    count: int = 0
+    """Number of readings [-]."""
+
+    def step(self, current: float) -> "MeanCurrent":
+        """With one more reading of a `current` [A]."""
+        return MeanCurrent(total=self.total + current, count=self.count + 1)
+
+    @property
+    def mean(self) -> float | None:
+        """[A]; None without a reading."""
+        return self.total / self.count if self.count else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,8 +167,6 @@ class OperatorState:
     """The last one of the power meter."""
     idle: MeanCurrent = field(default_factory=MeanCurrent)
     """Current at rest, before the run."""
-    drawn: MeanCurrent = field(default_factory=MeanCurrent)
-    """Current of the run."""
     reference: ReferenceState
     """The references of the joints."""
     prepared: Prepared
@@ -124,3 +192,82 @@ class OperatorState:
     def is_done(self) -> bool:
         """Whether nothing is left to do."""
         return self.phase == "done"
+
+
+# ---- what came in ----------------------------------------------------------------------------------------------------
+
+
+def take_in(
+    operation: Operation, estimator: StateEstimator, state: OperatorState, now: float, inputs: Inputs
+) -> tuple[OperatorState, tuple[Measurement, ...]]:
+    """The latest of everything, and the estimate.
+
+    Args:
+        operation: Whose tank and calibration they are.
+        estimator: The state estimation.
+        state: Before.
+        now: [s].
+        inputs: What came in since the last tick.
+
+    Returns:
+        The state, and what the estimator got, in that order; then the power meter's readings.
+    """
+    modules = updated(state.modules, inputs.messages)
+    samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
+    for arrival, frame in inputs.frames:
+        clock = ClockOffset().step(state.clock, arrival, frame.time)
+        pose = _pose(operation.tank, frame, clock.offset, state.prepared.marker_turned)
+        samples.append(pose)
+        state = replace(state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival)
+    rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)
+    if state.phase == "calibrating":
+        rotations = (*state.prepared.rotation, *rotations)
+    state = replace(state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations))
+    for reading in inputs.readings:
+        idle = state.idle.step(reading.current) if state.phase == "idle_current" else state.idle
+        state = replace(state, reading=reading, idle=idle)
+    return _estimated(estimator, state, now, samples), (*samples, *inputs.readings)
+
+
+def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) -> PoseSample:
+    """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
+    rotation = frame.rotation
+    if rotation is not None:
+        rotation = _about_z(-tank.path_heading) @ rotation @ _about_z(-turned)
+    position = tank.to_path(frame.position)
+    return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
+
+
+def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
+    """The estimate with the samples; an error in it stops the robot, and not the program."""
+    after = state.estimator
+    try:
+        for sample in samples:
+            after = estimator.step(after, sample)
+        return replace(state, estimator=after, estimate=estimator.estimate(after, now))
+    except Exception as error:
+        return replace(state, estimate=None, error=f"state estimation: {error}")
+
+
+def _references(state: OperatorState) -> tuple[ReferenceSample, ...]:
+    """The references that went out at the last tick."""
+    if state.now is None or not state.supervisor.sends_references:
+        return ()
+    gait = state.reference.command.gait if state.phase == "running" and state.reference.command else None
+    frequency = 0.0 if gait is None else gait.frequency
+    return (ReferenceSample(time=state.now, angle=state.reference.references, frequency=frequency),)
+
+
+def _joints(state: OperatorState, modules: Modules) -> tuple[JointSample, ...]:
+    """What the modules answered to the Sync with which the last tick ended."""
+    fresh = modules.angle_time >= (np.inf if state.now is None else state.now)
+    if state.now is None or not fresh.any():
+        return ()
+    angle, rate, torque = (np.where(fresh, one, np.nan) for one in (modules.angle, modules.rate, modules.torque))
+    return (JointSample(time=state.now, angle=angle, rate=rate, torque=torque),)
+
+
+def _about_z(angle: float) -> np.ndarray:
+    """A rotation about the vertical [-]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

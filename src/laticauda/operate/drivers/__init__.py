@@ -5,7 +5,7 @@ wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
 """
 
 from laticauda.operate.drivers.can import CanDriver
-from laticauda.operate.drivers.clock import Clock
+from laticauda.operate.drivers.worker import Clock
 from laticauda.operate.drivers.meter import MeterDriver
 from laticauda.operate.drivers.mocap import MocapDriver
 from laticauda.operate.drivers.worker import DeviceFailed

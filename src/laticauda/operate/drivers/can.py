@@ -7,8 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from laticauda.operate.drivers.clock import Clock
-from laticauda.operate.drivers.worker import DeviceFailed, Worker
+from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker
 from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, from_node, open_bus, to_frame
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]

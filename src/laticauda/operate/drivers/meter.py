@@ -8,8 +8,7 @@ import threading
 import time
 from typing import Any
 
-from laticauda.operate.drivers.clock import Clock
-from laticauda.operate.drivers.worker import DeviceFailed, Worker, hardware
+from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker, hardware
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import ProtocolError
 from laticauda.protocol.meter import (

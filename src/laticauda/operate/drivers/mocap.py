@@ -12,8 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from laticauda.estimation import PoseSample
-from laticauda.operate.drivers.clock import Clock
-from laticauda.operate.drivers.worker import DeviceFailed, Worker, hardware
+from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker, hardware
 from laticauda.protocol.qtm import BodyPose, body_pose
 
 CONNECT_TIME = 5.0  # [s, wall clock]

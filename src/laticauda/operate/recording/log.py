@@ -1,21 +1,20 @@
-"""Reading a recording: samples, estimates, commands and events in the order in which they were recorded."""
+"""Reading a recording: its entries in their order, and these once more through an estimator or a controller."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from laticauda.codec import decode, keys_of
-from laticauda.errors import TrialFileError
-from laticauda.estimation import Estimate
-from laticauda.interfaces import Command
+from laticauda.errors import BadArgument, TrialFileError, instance
+from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
+from laticauda.interfaces import Command, Controller, Plant
 from laticauda.logs import Logged, open_recording
-from laticauda.operate.recording.entries import Decision, Event, Measurement
+from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing, timing_of
 from laticauda.operate.recording.header import FORMATS, HEADER, Header, header_from_texts, named_today
 from laticauda.operate.recording.recorder import COMMAND, TICK
-from laticauda.operate.recording.schema import SCHEMAS
-from laticauda.operate.timing import Tick, Timing, timing_of
 
 Entry = Measurement | Estimate | Decision | Event | Tick
 
@@ -43,6 +42,14 @@ class OperationLog:
         ticks = self.of(Tick)
         rate = self.header.run.notes.get("rate")
         return timing_of(ticks, 1.0 / float(rate)) if ticks and rate is not None else None
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """When the run began and ended; without such events minus and plus infinity [s]."""
+        events: list[Event] = self.of(Event)
+        begin = max((event.time for event in events if event.kind == "start"), default=-math.inf)
+        end = min((event.time for event in events if event.kind == "stop" and event.time >= begin), default=math.inf)
+        return begin, end
 
     def of(self, *kinds: type[Any]) -> list[Any]:
         """The entries of some `kinds` of class, in their order."""
@@ -101,3 +108,91 @@ def _entry(logged: Logged) -> Entry:
     if logged.topic == TICK:
         return Tick(*content["data"])
     return SCHEMAS[logged.topic].unpack(logged.topic, content["data"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rerun:
+    """The commands of a controller that ran again, beside those that were recorded."""
+
+    recorded: tuple[Decision, ...]
+    """What was decided then."""
+    again: tuple[Decision, ...]
+    """What is decided now, at the same instants."""
+
+    @property
+    def n_different(self) -> int:
+        """Instants at which the two commands are not the same, bit for bit [-]."""
+        return sum(one.command != two.command for one, two in zip(self.recorded, self.again, strict=True))
+
+    @property
+    def largest_difference(self) -> float:
+        """Of the two offsets of the joints [rad]."""
+        pairs = zip(self.recorded, self.again, strict=True)
+        return max((abs(one.command.offset - two.command.offset) for one, two in pairs), default=0.0)
+
+
+def rerun_estimator(
+    log: OperationLog, estimator: StateEstimator | None = None, *, plant: Callable[..., Plant[Any]] | None = None
+) -> list[Estimate]:
+    """What an estimator makes of the recorded samples, in their order, at the times of the recorded estimates.
+
+    Args:
+        log: The recording.
+        estimator: None takes the recorded one; then the estimates are the recorded ones, bit for bit.
+        plant: `laticauda.plant`, which makes a recorded estimator's digital twin again; needed only if it had one.
+
+    Raises:
+        ValueError: If there is no estimator, or its twin would have to be made and `plant` was not given.
+    """
+    chosen = _recorded_estimator(log, plant) if estimator is None else estimator
+    state = chosen.init()
+    found: list[Estimate] = []
+    for entry in log.entries:
+        if isinstance(entry, PoseSample | JointSample | ReferenceSample):
+            state = chosen.step(state, entry)
+        elif isinstance(entry, Estimate):
+            estimate = chosen.estimate(state, entry.time)
+            if estimate is not None:
+                found.append(estimate)
+    return found
+
+
+def rerun_controller(
+    log: OperationLog, controller: Controller[Any] | None = None, estimates: list[Estimate] | None = None
+) -> Rerun:
+    """What a controller decides on the recorded estimates, at the recorded control instants of the run.
+
+    Args:
+        log: The recording.
+        controller: None takes the recorded one; then the commands are the recorded ones, bit for bit.
+        estimates: Others than the recorded ones.
+
+    Raises:
+        ValueError: If there is no controller, or an instant has no estimate.
+    """
+    chosen: Any = log.header.controller if controller is None else controller
+    if chosen is None:
+        raise BadArgument("controller", "must be given: the recording holds none, got None")
+    begin, end = log.span
+    recorded = [item for item in log.of(Decision) if begin <= item.time <= end]
+    known = {item.time: item for item in (log.of(Estimate) if estimates is None else estimates)}
+    state, again = chosen.init(), list[Decision]()
+    for decision in recorded:
+        if decision.time not in known:
+            raise BadArgument("estimates", f"must have one at every control instant, got none at {decision.time} s")
+        state, command = chosen.step(state, known[decision.time])
+        instance("command", command, Command)
+        again.append(Decision(time=decision.time, command=command, signals={}))
+    return Rerun(recorded=tuple(recorded), again=tuple(again))
+
+
+def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | None) -> StateEstimator:
+    """The one of the recording, with its digital twin."""
+    estimator, twin = log.header.estimator, log.header.twin
+    if estimator is None:
+        raise BadArgument("estimator", "must be given: the recording holds none, got None")
+    if twin is None or not isinstance(estimator, Estimator):
+        return estimator
+    if plant is None:
+        raise BadArgument("plant", "must be `laticauda.plant`, which makes the recorded twin again, got None")
+    return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

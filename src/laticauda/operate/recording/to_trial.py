@@ -33,7 +33,7 @@ def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[E
     Raises:
         TrialFileError: If there are fewer than two.
     """
-    begin, end = run_span(log)
+    begin, end = log.span
     found = log.of(Estimate) if estimates is None else estimates
     chosen: list[Estimate] = []
     for estimate in found:
@@ -43,14 +43,6 @@ def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[E
         what = f" {log.lost}" if log.lost else ""
         raise TrialFileError(f"Cannot replay {log.path}: it holds no run of at least two estimates.{what}")
     return chosen
-
-
-def run_span(log: OperationLog) -> tuple[float, float]:
-    """When the run began and ended; without such events minus and plus infinity [s]."""
-    events = log.of(Event)
-    begin = max((event.time for event in events if event.kind == "start"), default=-np.inf)
-    end = min((event.time for event in events if event.kind == "stop" and event.time >= begin), default=np.inf)
-    return float(begin), float(end)
 
 
 def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Trial:
@@ -189,7 +181,7 @@ def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, 
         "center_of_mass_std": np.array([estimate.center_of_mass_std for estimate in run]),
         "heading_std": np.array([estimate.heading_std for estimate in run]),
     }
-    begin, end = run_span(log)
+    begin, end = log.span
     decisions = [item for item in log.of(Decision) if begin <= item.time <= end and item.signals]
     if decisions:
         when = np.array([item.time for item in decisions])
@@ -201,5 +193,5 @@ def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, 
 
 def _ending(log: OperationLog) -> Event | None:
     """The event that ended the run."""
-    begin, end = run_span(log)
+    begin, end = log.span
     return next((e for e in log.of(Event) if e.kind in ("stop", "fault") and begin <= e.time <= end), None)

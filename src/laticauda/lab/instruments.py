@@ -1,4 +1,4 @@
-"""What the cameras see of the last module, the tail: noise, lost frames, reflections, and the end of their view."""
+"""What measures the robot from outside: the cameras, and the multimeter in the supply cable."""
 
 import math
 
@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.kinematics import ModulePoses, turned_about_vertical
-from laticauda.lab.settings import MocapSettings
-from laticauda.protocol import BodyPose, MocapFrame
+from laticauda.lab.settings import MocapSettings, SupplySettings
+from laticauda.protocol import BodyPose, MeterIdentity, MeterReading, MocapFrame, meter
 
 BODY = "last-module"
 # Where the five markers sit on their body: a cross with one arm longer than the others; an assumption [m].
@@ -91,3 +91,68 @@ def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
     x, y, z = vector / angle
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
+
+
+IDENTITY = MeterIdentity(model="FLUKE 289", software="V1.16", serial="00000007")
+
+
+class Multimeter:
+    """What it shows, and its answers.
+
+    Args:
+        settings: Its numbers.
+        random: Where the noise comes from.
+    """
+
+    def __init__(self, settings: SupplySettings, random: np.random.Generator) -> None:
+        self.settings, self._random = settings, random
+        self._charge, self._elapsed, self._time = 0.0, 0.0, 0.0
+        self._live: float | None = None
+        self._began: float | None = None
+        self._sum, self._count, self._minimum, self._maximum = 0.0, 0, math.inf, -math.inf
+
+    def advance(self, current: float, dt: float) -> None:
+        """Let `dt` [s] pass at a `current` [A]."""
+        self._time += dt
+        self._charge += current * dt
+        self._elapsed += dt
+        if self._elapsed >= self.settings.meter_interval - 1e-9:
+            noise = self.settings.current_noise * float(self._random.standard_normal())
+            self._live = round(self._charge / self._elapsed + noise, 4)  # it shows four decimals
+            self._charge = self._elapsed = 0.0
+            if self._began is not None:
+                self._sum, self._count = self._sum + self._live, self._count + 1
+                self._minimum, self._maximum = min(self._minimum, self._live), max(self._maximum, self._live)
+
+    @property
+    def reading(self) -> MeterReading | None:
+        """What it shows; None: nothing yet."""
+        if self._live is None:
+            return None
+        if self._began is None or not self._count:
+            return MeterReading(live=self._live)
+        return MeterReading(
+            live=self._live,
+            average=self._sum / self._count,
+            minimum=self._minimum,
+            maximum=self._maximum,
+            duration=self._time - self._began,
+        )
+
+    def answer(self, line: str) -> bytes:
+        """What it says to a line, as it goes over the wire."""
+        word = " ".join(line.upper().split())
+        if word == meter.IDENTITY:
+            return meter.encode_answer(meter.identity_text(IDENTITY))
+        if word == meter.RESTART:
+            self._began = self._time
+            self._sum, self._count, self._minimum, self._maximum = 0.0, 0, math.inf, -math.inf
+            return meter.encode_answer()
+        if word not in (meter.MEASURE, meter.DISPLAYED):
+            return meter.encode_answer(acknowledgment=meter.Acknowledgment.SYNTAX_ERROR)
+        reading = self.reading
+        if reading is None:
+            return meter.encode_answer(acknowledgment=meter.Acknowledgment.NO_DATA)
+        if word == meter.MEASURE:
+            return meter.encode_answer(meter.live_text(reading.live))
+        return meter.encode_answer(meter.displayed_text(reading, self._time))

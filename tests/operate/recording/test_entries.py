@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from laticauda.operate.timing import Timing
+from laticauda.operate.recording.entries import Timing
 
 
 def test_missed_are_the_ticks_that_were_not_over_when_the_next_was_due():
