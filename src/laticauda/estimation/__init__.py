@@ -1,29 +1,19 @@
 """State estimation: where the robot is and how it moves, from joint samples and motion-capture frames."""
 
-from laticauda.estimation.digital_twin import Displacement, TwinState
-from laticauda.estimation.samples import Estimate, Mount, StateEstimator
-from laticauda.estimation.filter import Estimator
-from laticauda.estimation.filter_state import EstimatorState, FilterState
-from laticauda.estimation.kinematics import KinematicEstimator, KinematicState
-from laticauda.estimation.motion_model import MotionModel
-from laticauda.estimation.filter_state import Noise
-from laticauda.estimation.samples import JointSample, PoseSample, ReferenceSample, Sample
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Displacement",
-    "Estimate",
-    "Estimator",
-    "EstimatorState",
-    "FilterState",
-    "JointSample",
-    "KinematicEstimator",
-    "KinematicState",
-    "MotionModel",
-    "Mount",
-    "Noise",
-    "PoseSample",
-    "ReferenceSample",
-    "Sample",
-    "StateEstimator",
-    "TwinState",
-]
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.estimation.digital_twin import Displacement as Displacement, TwinState as TwinState
+    from laticauda.estimation.filter import Estimator as Estimator
+    from laticauda.estimation.filter_state import EstimatorState as EstimatorState, FilterState as FilterState
+    from laticauda.estimation.filter_state import Noise as Noise
+    from laticauda.estimation.kinematics import KinematicEstimator as KinematicEstimator
+    from laticauda.estimation.kinematics import KinematicState as KinematicState
+    from laticauda.estimation.motion_model import MotionModel as MotionModel
+    from laticauda.estimation.samples import Estimate as Estimate, Mount as Mount, StateEstimator as StateEstimator
+    from laticauda.estimation.samples import JointSample as JointSample, PoseSample as PoseSample
+    from laticauda.estimation.samples import ReferenceSample as ReferenceSample, Sample as Sample
+
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -113,33 +113,19 @@ class Electronics:
         torque = self._stall_torque / self._stall_current * current
         load = truth.joint_torque + s.torque_noise * noise[3]
         acceleration = self._acceleration + s.acceleration_noise * noise[4:].T
-        columns = zip(
-            angle.tolist(),
-            rate.tolist(),
-            current.tolist(),
-            self.duty.tolist(),
-            torque.tolist(),
-            load.tolist(),
-            acceleration.tolist(),
-            self.temperature.tolist(),
-            leaks.tolist(),
-            strict=True,
-        )
-        return [
-            Senses(
-                angle=a,
-                rate=r,
-                current=c,
-                duty=d,
-                torque=t,
-                load=m,
-                acceleration=(x[0], x[1], x[2]),
-                temperature=k,
-                voltage=self.voltage,
-                leak=wet,
-            )
-            for a, r, c, d, t, m, x, k, wet in columns
-        ]
+        columns = {
+            "angle": angle,
+            "rate": rate,
+            "current": current,
+            "duty": self.duty,
+            "torque": torque,
+            "load": load,
+            "acceleration": acceleration,
+            "temperature": self.temperature,
+            "leak": leaks,
+        }
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        return [Senses(**dict(zip(columns, row, strict=True)), voltage=self.voltage) for row in rows]
 
     def _heat(self, dt: float) -> None:
         """C dT/dt = R I^2 - (T - T_water) / R_th, with R = V / I_stall."""

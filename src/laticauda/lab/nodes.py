@@ -5,6 +5,7 @@ motor is on, and watches over it.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from laticauda.lab.settings import NodeSettings
@@ -48,7 +49,7 @@ class Senses:
     """Of the motor at the joint, by its current [N m]."""
     load: float = 0.0
     """By the force/torque sensor [N m]."""
-    acceleration: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    acceleration: Sequence[float] = (0.0, 0.0, 0.0)
     """By the accelerometer [m/s^2]."""
     temperature: float = 20.0
     """Of the motor [deg C]."""

@@ -3,66 +3,24 @@
 No heavy library is loaded until a frame is encoded or a bus is opened.
 """
 
-from laticauda.protocol.bus import BusAddress, BusFailed, bus_address, open_bus
-from laticauda.protocol.can import decode, encode, from_frame, from_node, to_frame
-from laticauda.protocol.bus import BusLoad, Traffic, bus_load, frame_bits
-from laticauda.protocol.messages import (
-    EVERY_NODE,
-    FAULTS,
-    N_NODES,
-    Acceleration,
-    CanMessage,
-    CommandReply,
-    EmergencyStop,
-    Heartbeat,
-    JointState,
-    Loads,
-    NodeCommand,
-    NodeState,
-    Order,
-    ProtocolError,
-    References,
-    Result,
-    Sync,
-    references,
-)
-from laticauda.protocol.meter import MeterIdentity, MeterReading
-from laticauda.protocol.qtm import BodyPose, MocapFrame
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "EVERY_NODE",
-    "FAULTS",
-    "N_NODES",
-    "Acceleration",
-    "BodyPose",
-    "BusAddress",
-    "BusFailed",
-    "BusLoad",
-    "CanMessage",
-    "CommandReply",
-    "EmergencyStop",
-    "Heartbeat",
-    "JointState",
-    "Loads",
-    "MeterIdentity",
-    "MeterReading",
-    "MocapFrame",
-    "NodeCommand",
-    "NodeState",
-    "Order",
-    "ProtocolError",
-    "References",
-    "Result",
-    "Sync",
-    "Traffic",
-    "bus_address",
-    "bus_load",
-    "decode",
-    "encode",
-    "frame_bits",
-    "from_frame",
-    "from_node",
-    "open_bus",
-    "references",
-    "to_frame",
-]
+from laticauda.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.protocol.bus import BusAddress as BusAddress, BusFailed as BusFailed, bus_address as bus_address
+    from laticauda.protocol.bus import open_bus as open_bus, BusLoad as BusLoad, Traffic as Traffic
+    from laticauda.protocol.bus import bus_load as bus_load, frame_bits as frame_bits
+    from laticauda.protocol.can import decode as decode, encode as encode, from_frame as from_frame
+    from laticauda.protocol.can import from_node as from_node, to_frame as to_frame
+    from laticauda.protocol.messages import EVERY_NODE as EVERY_NODE, FAULTS as FAULTS, N_NODES as N_NODES
+    from laticauda.protocol.messages import Acceleration as Acceleration, CanMessage as CanMessage
+    from laticauda.protocol.messages import CommandReply as CommandReply, EmergencyStop as EmergencyStop
+    from laticauda.protocol.messages import Heartbeat as Heartbeat, JointState as JointState, Loads as Loads
+    from laticauda.protocol.messages import NodeCommand as NodeCommand, NodeState as NodeState, Order as Order
+    from laticauda.protocol.messages import ProtocolError as ProtocolError, References as References, Result as Result
+    from laticauda.protocol.messages import Sync as Sync, references as references
+    from laticauda.protocol.meter import MeterIdentity as MeterIdentity, MeterReading as MeterReading
+    from laticauda.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
+
+__getattr__, __dir__, __all__ = lazy_exports()

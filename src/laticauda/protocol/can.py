@@ -116,16 +116,18 @@ BASE = {layout.name: layout.identifier for layout in LAYOUTS}
 PACKERS = {layout.name: Packer(layout) for layout in LAYOUTS}
 
 
+NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(N_GROUPS)}
+"""Numbers of the frames of one kind, by the field that says which one it is."""
+
+
 @dataclass(frozen=True)
 class _Kind:
     """How one class of message goes into a frame and comes out of it."""
 
     name: str
-    first: int  # number of the first frame: 1 for nodes, 0 for groups
-    last: int
+    number: str  # the field that says which frame it is; "" where there is but one
     signals: Callable[[Any], Sequence[Any]]  # in the order of the layout
     message: Callable[[int, Sequence[Any]], CanMessage]
-    number: Callable[[Any], int]
 
 
 def python_can() -> Any:
@@ -157,9 +159,9 @@ def encode(message: CanMessage) -> tuple[int, bytes]:
         ValueError: If there is no such node, or a number is not finite.
     """
     kind = _KINDS[type(message)]
-    number = kind.number(message)
-    if not kind.first <= number <= kind.last:
-        raise BadArgument("node", f"must be a number from {kind.first} to {kind.last}, got {number}")
+    number, known = getattr(message, kind.number) if kind.number else 0, NUMBERS[kind.number]
+    if number not in known:
+        raise BadArgument("node", f"must be a number from {known[0]} to {known[-1]}, got {number}")
     return BASE[kind.name] + number, PACKERS[kind.name].packed(kind.signals(message))
 
 
@@ -207,28 +209,21 @@ def from_frame(frame: Any) -> CanMessage | None:
     return decode(frame.arbitration_id, bytes(frame.data))
 
 
-def _plain(kind: type[Any]) -> tuple[Callable[[Any], Sequence[Any]], Callable[[int, Sequence[Any]], Any]]:
-    """Both ways for a class whose fields are its signals, in the same order."""
-    names = [field.name for field in fields(kind) if field.name != "node"]
-    makes: dict[str, Callable[[Any], Any]] = {"state": NodeState, "result": Result}
-    makes |= {f.name: bool for f in fields(kind) if f.type in (bool, "bool")}
-    made = [(at, makes[name]) for at, name in enumerate(names) if name in makes]
-    with_node = any(field.name == "node" for field in fields(kind))
+def _plain(kind: type[Any], number: str = "") -> _Kind:
+    """For a class whose fields are its signals, in the same order, but for its `number`."""
+    signals = [field for field in fields(kind) if field.name != number]
+    names = [field.name for field in signals]
+    made: list[tuple[str, Any]] = [(f.name, f.type) for f in signals if f.type in (NodeState, Order, Result, bool)]
 
-    def message(number: int, values: Sequence[Any]) -> Any:
+    def message(at: int, values: Sequence[Any]) -> Any:
         known = dict(zip(names, values, strict=True))
-        for at, make in made:
-            known[names[at]] = make(values[at])
-        return kind(node=number, **known) if with_node else kind(**known)
+        for name, make in made:
+            known[name] = make(known[name])
+        return kind(**{number: at}, **known) if number else kind(**known)
 
     # Of one name, the getter gives no tuple.
     get = attrgetter(*names)
-    return (get if len(names) > 1 else lambda m: (get(m),)), message
-
-
-def _command(number: int, values: Sequence[Any]) -> NodeCommand:
-    node, order, angle = values
-    return NodeCommand(node=node, order=Order(order), angle=angle)
+    return _Kind(kind.__name__, number, get if len(names) > 1 else lambda m: (get(m),), message)
 
 
 def _loads(number: int, values: Sequence[Any]) -> Loads:
@@ -245,39 +240,12 @@ def _references(number: int, values: Sequence[Any]) -> References:
     return References(group=number, angles=(one, two, three, four))
 
 
-def _one(message: Any) -> int:
-    return 0
-
-
-def _node(message: Any) -> int:
-    return message.node
-
-
 _KINDS: dict[type[Any], _Kind] = {
-    EmergencyStop: _Kind("EmergencyStop", 0, 0, *_plain(EmergencyStop), _one),
-    Sync: _Kind("Sync", 0, 0, *_plain(Sync), _one),
-    NodeCommand: _Kind(
-        "NodeCommand",
-        0,
-        0,
-        lambda m: (m.node, m.order, m.angle),
-        _command,
-        _one,
-    ),
-    References: _Kind(
-        "References",
-        0,
-        N_GROUPS - 1,
-        lambda m: m.angles,
-        _references,
-        lambda m: m.group,
-    ),
-    Loads: _Kind("Loads", 1, N_NODES, _load_signals, _loads, _node),
-    **{
-        kind: _Kind(kind.__name__, 1, N_NODES, *_plain(kind), _node)
-        for kind in (JointState, Acceleration, Heartbeat, CommandReply)
-    },
+    **{kind: _plain(kind) for kind in (EmergencyStop, Sync, NodeCommand)},
+    **{kind: _plain(kind, "node") for kind in (JointState, Acceleration, Heartbeat, CommandReply)},
+    References: _Kind("References", "group", attrgetter("angles"), _references),
+    Loads: _Kind("Loads", "node", _load_signals, _loads),
 }
 _BY_IDENTIFIER = {
-    BASE[kind.name] + number: (kind, number) for kind in _KINDS.values() for number in range(kind.first, kind.last + 1)
+    BASE[kind.name] + number: (kind, number) for kind in _KINDS.values() for number in NUMBERS[kind.number]
 }
