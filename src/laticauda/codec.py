@@ -337,7 +337,9 @@ def encode(value: Any, hint: Any = None) -> Any:
     """
     if is_dataclass(value):
         thing: Any = value
-        has_kind = any(_kinds(one) is not None for one in (hint, *get_args(hint)))  # of `X | None` too
+        has_kind = _kinds(hint) is not None or any(  # of `X | None` too, but in `X | Y` of that which it is
+            _kinds(one) is not None and isinstance(value, get_origin(one) or one) for one in get_args(hint)
+        )
         return {**({"kind": name_of(thing.__class__)} if has_kind else {}), **_table(thing)}
     if isinstance(value, Unknown):
         return {"kind": value.kind, **value.table}
