@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from laticauda.codec import BadKey, decode, encode, keys_of, merged
 from laticauda.errors import RobotFileError
 from laticauda.extensions import Extensible
+from laticauda.gaits import Gait, lateral_undulation
+from laticauda.interfaces import Controller
 from laticauda.quantities import option, quantity, value
 
 
@@ -93,6 +95,11 @@ def test_a_member_that_may_be_absent_says_its_kind():
     assert encode(Steel(stiffness=2.0), hint) == {"kind": "steel", "stiffness": 2.0}
     assert decode(hint, encode(Slack(), hint)) == Slack()
     assert decode(hint, encode(None, hint)) is None
+
+
+def test_what_is_no_member_says_no_kind_where_a_member_might_be():
+    scenario_motion = Gait | Controller[object]
+    assert "kind" not in encode(lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), scenario_motion)
 
 
 def test_a_table_says_no_more_than_it_has_to():
