@@ -9,6 +9,7 @@ from typing import Any, Unpack, cast
 import numpy as np
 
 from laticauda.errors import BadArgument, SimulationFailed, instance
+from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Resumed, Start
 from laticauda.packaging import __version__
 from laticauda.robot import Robot
@@ -69,17 +70,9 @@ def run(
         duration=duration,
         sample_interval=sample_interval,
     )
-    if duration > MOST_SAMPLES * sample_interval:
-        raise BadArgument(
-            "duration",
-            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}; a longer `sample_interval` lets a run be longer",
-        )
+    _check_size(duration, sample_interval)
     controller.check(plant.robot)
-    if isinstance(scenario.start, Resumed):
-        state = plant.unpack({name: np.array(one) for name, one in scenario.start.state.items()})
-    else:
-        state = plant.init(scenario.start, Command(gait=controller.gait))
+    state = _begun(plant, scenario.start, controller.gait)
     controller_state = controller.init()
     logs: list[Log] = []
     signals: list[Mapping[str, float]] = []
@@ -110,6 +103,24 @@ def run(
         succeeded=failure is None,
         state=plant.pack(state) if failure is None else {},
     )
+
+
+def _check_size(duration: float, sample_interval: float) -> None:
+    """Refuse a log that no memory holds."""
+    longest = MOST_SAMPLES * sample_interval
+    if duration > longest:
+        raise BadArgument(
+            "duration",
+            f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}; "
+            "a longer `sample_interval` lets a run be longer",
+        )
+
+
+def _begun(plant: Plant[Any], start: Start | Resumed, gait: Gait) -> Any:
+    """The plant's first state: that of a start, or the one at which a trial ended."""
+    if isinstance(start, Resumed):
+        return plant.unpack({name: np.array(one) for name, one in start.state.items()})
+    return plant.init(start, Command(gait=gait))
 
 
 def resume(
