@@ -75,16 +75,21 @@ def test_the_start_is_logged_and_the_current_of_the_run_is_none_at_rest():
     assert any("p_y(0) = 0.5000 m" in event.message for event in run.events)
 
 
-def test_the_references_of_the_run_are_those_of_the_one_generator():
-    run = running(following=None, rate=100.0)
+def references(run, generator: Generator, gait: lc.Gait):
+    """Every sample of 80 ticks of a run, with the state in which the generator, stepped along, is at its time."""
     begun = run.state.begun
     assert begun is not None
     run.tick(80)
-    asked = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
+    state = generator.init(gait)
+    for sample in run.samples:
+        if isinstance(sample, ReferenceSample) and sample.time > begun + 1e-9:
+            state = generator.step(state, gait, sample.time - begun - state.time)
+            yield sample, state
+
+
+def test_the_references_of_the_run_are_those_of_the_one_generator():
     generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
-    state = generator.init(GAIT)
-    for sample in asked:
-        state = generator.step(state, GAIT, sample.time - begun - state.time)
+    for sample, state in references(running(following=None, rate=100.0), generator, GAIT):
         assert sample.angle == pytest.approx(generator.joints(state, GAIT)[0], abs=1e-12)
 
 
@@ -132,15 +137,11 @@ limit_deg = 90
 def test_a_driven_fin_is_the_node_behind_the_last_joint_and_follows_its_wave(tmp_path):
     (tmp_path / "driven.toml").write_text(DRIVEN_FIN)
     gait = replace(GAIT, fin=lc.Wave(amplitude=0.4, frequency=2.0, phase=0.2, offset=0.02))
-    run = running(robot=str(tmp_path / "driven.toml"), gait=gait, following=None, rate=100.0)
-    begun = run.state.begun
-    assert begun is not None
-    run.tick(80)
-    samples = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
     generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
-    state = generator.init(gait)
-    for sample in samples:
-        state = generator.step(state, gait, sample.time - begun - state.time)
+    run = running(robot=str(tmp_path / "driven.toml"), gait=gait, following=None, rate=100.0)
+    samples = []
+    for sample, state in references(run, generator, gait):
+        samples.append(sample)
         assert sample.angle[8] == pytest.approx(generator.fin(state, gait)[0], abs=1e-12)
         assert sample.angle[:8] == pytest.approx(generator.joints(state, gait)[0], abs=1e-12)
     assert abs(samples[-1].angle[8]) > 0.03
