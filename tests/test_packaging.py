@@ -6,7 +6,8 @@ import pytest
 
 import laticauda as lc
 
-LAZY = ["laticauda", *(f"laticauda.{name}" for name in ("cockpit", "cosim", "identify", "operate", "simulate"))]
+NAMES = "cockpit control cosim figures fluid identify logs operate robot simulate studies trial"
+LAZY = ["laticauda", *(f"laticauda.{name}" for name in NAMES.split())]
 
 
 @pytest.mark.parametrize("package", LAZY)

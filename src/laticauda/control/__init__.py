@@ -3,36 +3,18 @@
 Knows no model and no hardware: the same controller steers the planar model and the robot in the tank.
 """
 
-from laticauda.control.averaged import AveragedModel
-from laticauda.control.averaging import OffsetSteps, fit_averaged
-from laticauda.control.frames import Path, PathFrame
-from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
-from laticauda.control.heading import HeadingController, HeadingEstimate
-from laticauda.control.path_following import HEADING_ESTIMATES, Following, PathFollowing, PathFollowingState
-from laticauda.control.paths import Polyline, Spline, StraightLine
-from laticauda.control.predictive import ModelPredictive, PredictiveState
-from laticauda.control.spatial_following import SpatialPathFollowing, SpatialPathFollowingState
+from laticauda.control.averaged import AveragedModel as AveragedModel
+from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
+from laticauda.control.frames import Path as Path, PathFrame as PathFrame
+from laticauda.control.guidance import Guidance as Guidance, IntegralLineOfSight as IntegralLineOfSight
+from laticauda.control.guidance import LineOfSight as LineOfSight
+from laticauda.control.heading import HeadingController as HeadingController, HeadingEstimate as HeadingEstimate
+from laticauda.control.path_following import HEADING_ESTIMATES as HEADING_ESTIMATES, Following as Following
+from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
+from laticauda.control.paths import Polyline as Polyline, Spline as Spline, StraightLine as StraightLine
+from laticauda.control.predictive import ModelPredictive as ModelPredictive, PredictiveState as PredictiveState
+from laticauda.control.spatial_following import SpatialPathFollowing as SpatialPathFollowing
+from laticauda.control.spatial_following import SpatialPathFollowingState as SpatialPathFollowingState
+from laticauda.packaging import lazy_exports
 
-__all__ = [
-    "HEADING_ESTIMATES",
-    "AveragedModel",
-    "Following",
-    "Guidance",
-    "HeadingController",
-    "HeadingEstimate",
-    "IntegralLineOfSight",
-    "LineOfSight",
-    "ModelPredictive",
-    "OffsetSteps",
-    "Path",
-    "PathFollowing",
-    "PathFollowingState",
-    "PathFrame",
-    "Polyline",
-    "PredictiveState",
-    "SpatialPathFollowing",
-    "SpatialPathFollowingState",
-    "Spline",
-    "StraightLine",
-    "fit_averaged",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

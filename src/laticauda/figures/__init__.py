@@ -1,18 +1,10 @@
 """Pictures of trials: one function per figure, which takes data and axes and returns the axes."""
 
-from laticauda.figures.path import path_strip
-from laticauda.figures.style import new_figure, save_figure
-from laticauda.figures.swim import follow_sheet, joint_angle, joint_torque, speed, swim_sheet
-from laticauda.figures.timing import timing_sheet
+from laticauda.figures.path import path_strip as path_strip
+from laticauda.figures.style import new_figure as new_figure, save_figure as save_figure
+from laticauda.figures.swim import follow_sheet as follow_sheet, joint_angle as joint_angle
+from laticauda.figures.swim import joint_torque as joint_torque, speed as speed, swim_sheet as swim_sheet
+from laticauda.figures.timing import timing_sheet as timing_sheet
+from laticauda.packaging import lazy_exports
 
-__all__ = [
-    "follow_sheet",
-    "joint_angle",
-    "joint_torque",
-    "new_figure",
-    "path_strip",
-    "save_figure",
-    "speed",
-    "swim_sheet",
-    "timing_sheet",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

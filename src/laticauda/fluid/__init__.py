@@ -1,13 +1,8 @@
 """Loads of the water and of the ground on one element: drag laws as values, and the plate of a pectoral fin."""
 
-from laticauda.fluid.laws import (
-    CoulombFriction,
-    DragLaw,
-    Element,
-    FunctionDrag,
-    PolynomialDrag,
-    ViscousFriction,
-    plate,
-)
+from laticauda.fluid.laws import CoulombFriction as CoulombFriction, DragLaw as DragLaw, Element as Element
+from laticauda.fluid.laws import FunctionDrag as FunctionDrag, PolynomialDrag as PolynomialDrag
+from laticauda.fluid.laws import ViscousFriction as ViscousFriction, plate as plate
+from laticauda.packaging import lazy_exports
 
-__all__ = ["CoulombFriction", "DragLaw", "Element", "FunctionDrag", "PolynomialDrag", "ViscousFriction", "plate"]
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -1,18 +1,10 @@
 """Files of trials and of other programs: formats, recordings of messages, measured tables with column maps."""
 
-from laticauda.logs.column_maps import load_column_map
-from laticauda.logs.column_maps import ColumnMap
-from laticauda.logs.loading import load_trial
-from laticauda.logs.recorder import Recorder
-from laticauda.logs.recording import Logged, Recording, open_recording, read_messages
+from laticauda.logs.column_maps import ColumnMap as ColumnMap, load_column_map as load_column_map
+from laticauda.logs.loading import load_trial as load_trial
+from laticauda.logs.recorder import Recorder as Recorder
+from laticauda.logs.recording import Logged as Logged, Recording as Recording, open_recording as open_recording
+from laticauda.logs.recording import read_messages as read_messages
+from laticauda.packaging import lazy_exports
 
-__all__ = [
-    "ColumnMap",
-    "Logged",
-    "Recorder",
-    "Recording",
-    "load_column_map",
-    "load_trial",
-    "open_recording",
-    "read_messages",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

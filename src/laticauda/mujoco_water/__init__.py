@@ -10,19 +10,11 @@
 It knows no robot of laticauda's. It needs the extra `spatial`.
 """
 
-from laticauda.mujoco_water.checks import stable_step
-from laticauda.mujoco_water.elements import Element, GeomCoefficients, geom_element
-from laticauda.mujoco_water.ground import Contact, Terrain
-from laticauda.mujoco_water.water import Water, attach, compiled
+from laticauda.mujoco_water.checks import stable_step as stable_step
+from laticauda.mujoco_water.elements import Element as Element, GeomCoefficients as GeomCoefficients
+from laticauda.mujoco_water.elements import geom_element as geom_element
+from laticauda.mujoco_water.ground import Contact as Contact, Terrain as Terrain
+from laticauda.mujoco_water.water import Water as Water, attach as attach, compiled as compiled
+from laticauda.packaging import lazy_exports
 
-__all__ = [
-    "Contact",
-    "Element",
-    "GeomCoefficients",
-    "Terrain",
-    "Water",
-    "attach",
-    "compiled",
-    "geom_element",
-    "stable_step",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

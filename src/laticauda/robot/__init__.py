@@ -1,55 +1,18 @@
 """What swims and where: robots, water and ground as validated data, their TOML files, and the presets."""
 
-from laticauda.robot.body import Actuator, Joint, Module, Section
-from laticauda.robot.describe import describe, summary, summary_rows, summary_table
-from laticauda.robot.effectors import CaudalFin, Hinge, PectoralFin, Piece, Tether, Thruster
-from laticauda.robot.environment import Environment, Ground, Water, check_fits, law_of
-from laticauda.robot.files import (
-    RobotNotFound,
-    from_toml,
-    ground_names,
-    load_ground,
-    load_robot,
-    load_water,
-    robot_names,
-    to_toml,
-    water_names,
-)
-from laticauda.robot.parameters import Parameters, load_parameters, parameter_names
-from laticauda.robot.robot import Robot, has_power_model
+from laticauda.packaging import lazy_exports
+from laticauda.robot.body import Actuator as Actuator, Joint as Joint, Module as Module, Section as Section
+from laticauda.robot.describe import describe as describe, summary as summary, summary_rows as summary_rows
+from laticauda.robot.describe import summary_table as summary_table
+from laticauda.robot.effectors import CaudalFin as CaudalFin, Hinge as Hinge, PectoralFin as PectoralFin, Piece as Piece
+from laticauda.robot.effectors import Tether as Tether, Thruster as Thruster
+from laticauda.robot.environment import Environment as Environment, Ground as Ground, Water as Water
+from laticauda.robot.environment import check_fits as check_fits, law_of as law_of
+from laticauda.robot.files import RobotNotFound as RobotNotFound, from_toml as from_toml, ground_names as ground_names
+from laticauda.robot.files import load_ground as load_ground, load_robot as load_robot, load_water as load_water
+from laticauda.robot.files import robot_names as robot_names, to_toml as to_toml, water_names as water_names
+from laticauda.robot.parameters import Parameters as Parameters, load_parameters as load_parameters
+from laticauda.robot.parameters import parameter_names as parameter_names
+from laticauda.robot.robot import Robot as Robot, has_power_model as has_power_model
 
-__all__ = [
-    "Actuator",
-    "CaudalFin",
-    "Environment",
-    "Ground",
-    "Hinge",
-    "Joint",
-    "Module",
-    "Parameters",
-    "PectoralFin",
-    "Piece",
-    "Robot",
-    "RobotNotFound",
-    "Section",
-    "Tether",
-    "Thruster",
-    "Water",
-    "check_fits",
-    "describe",
-    "from_toml",
-    "ground_names",
-    "has_power_model",
-    "law_of",
-    "load_ground",
-    "load_parameters",
-    "load_robot",
-    "load_water",
-    "parameter_names",
-    "robot_names",
-    "summary",
-    "summary_rows",
-    "summary_table",
-    "to_toml",
-    "water_names",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -1,29 +1,14 @@
 """Many trials: sweeps and searches, and what they say together."""
 
-from laticauda.studies.averaged import averaged_model
-from laticauda.studies.front import Front, hypervolume, unbeaten
-from laticauda.studies.optimization import OBJECTIVES, SPEED_POWER, Optimization
-from laticauda.studies.optimize import optimize
-from laticauda.studies.sampling import Grid, Rows, Samples
-from laticauda.studies.store import open_sweep
-from laticauda.studies.sweep import Sweep
-from laticauda.studies.sweep_run import best, count_failed, run_sweep
+from laticauda.packaging import lazy_exports
+from laticauda.studies.averaged import averaged_model as averaged_model
+from laticauda.studies.front import Front as Front, hypervolume as hypervolume, unbeaten as unbeaten
+from laticauda.studies.optimization import OBJECTIVES as OBJECTIVES, SPEED_POWER as SPEED_POWER
+from laticauda.studies.optimization import Optimization as Optimization
+from laticauda.studies.optimize import optimize as optimize
+from laticauda.studies.sampling import Grid as Grid, Rows as Rows, Samples as Samples
+from laticauda.studies.store import open_sweep as open_sweep
+from laticauda.studies.sweep import Sweep as Sweep
+from laticauda.studies.sweep_run import best as best, count_failed as count_failed, run_sweep as run_sweep
 
-__all__ = [
-    "OBJECTIVES",
-    "SPEED_POWER",
-    "Front",
-    "Grid",
-    "Optimization",
-    "Rows",
-    "Samples",
-    "Sweep",
-    "averaged_model",
-    "best",
-    "count_failed",
-    "hypervolume",
-    "open_sweep",
-    "optimize",
-    "run_sweep",
-    "unbeaten",
-]
+__getattr__, __dir__, __all__ = lazy_exports()

@@ -1,33 +1,13 @@
 """The `Trial`, the time-stamped log of one run: its figures, its Dataset, comparisons, and what was measured."""
 
-from laticauda.trial.several import ComparedFigure, compare
-from laticauda.trial.contents import FORCE_COMPONENTS
-from laticauda.trial.cycles import CycleMean
-from laticauda.trial.trial import Figure
-from laticauda.trial.formats import Format
-from laticauda.trial.several import joined
-from laticauda.trial.measured import (
-    MeasuredTrial,
-    MeasuredTrials,
-    all_measured,
-    measured_counterpart,
-    measured_setting,
-)
-from laticauda.trial.trial import FIGURES, Trial
+from laticauda.packaging import lazy_exports
+from laticauda.trial.contents import FORCE_COMPONENTS as FORCE_COMPONENTS
+from laticauda.trial.cycles import CycleMean as CycleMean
+from laticauda.trial.formats import Format as Format
+from laticauda.trial.measured import MeasuredTrial as MeasuredTrial, MeasuredTrials as MeasuredTrials
+from laticauda.trial.measured import all_measured as all_measured, measured_counterpart as measured_counterpart
+from laticauda.trial.measured import measured_setting as measured_setting
+from laticauda.trial.several import ComparedFigure as ComparedFigure, compare as compare, joined as joined
+from laticauda.trial.trial import FIGURES as FIGURES, Figure as Figure, Trial as Trial
 
-__all__ = [
-    "FIGURES",
-    "FORCE_COMPONENTS",
-    "ComparedFigure",
-    "CycleMean",
-    "Figure",
-    "Format",
-    "MeasuredTrial",
-    "MeasuredTrials",
-    "Trial",
-    "all_measured",
-    "compare",
-    "joined",
-    "measured_counterpart",
-    "measured_setting",
-]
+__getattr__, __dir__, __all__ = lazy_exports()
