@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         Spline as Spline,
         StraightLine as StraightLine,
     )
+    from laticauda.dynamics.plant import Plant as Plant
     from laticauda.fluid import (
         CoulombFriction as CoulombFriction,
         DragLaw as DragLaw,
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
         Controller as Controller,
         Observation as Observation,
         OpenLoop as OpenLoop,
-        Plant as Plant,
         Start as Start,
     )
     from laticauda.logs import load_trial as load_trial

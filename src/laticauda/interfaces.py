@@ -1,9 +1,9 @@
-"""What bodies and brains agree on: the planar model, the 3D twin and the robot in the tank are all a `Plant`."""
+"""What bodies and brains agree on: commands, observations and starts, and what a controller is."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -14,8 +14,7 @@ from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import CaudalFin, Environment, Robot
-from laticauda.series import Log
+from laticauda.robot import CaudalFin, Robot
 
 State = TypeVar("State")
 FAR = 1e5  # beyond it, digits of the motion are lost
@@ -183,64 +182,6 @@ class OpenLoop(Controller[None]):
     def step(self, state: None, observation: Observation) -> tuple[None, Command]:
         """The command, whatever `state` and `observation` are."""
         return None, self.command
-
-
-@runtime_checkable
-class Plant(Protocol[State]):
-    """A body in the water. Its state is a value: the same state and command always give the same next state."""
-
-    @property
-    def robot(self) -> Robot:
-        """What swims."""
-        ...
-
-    @property
-    def environment(self) -> Environment:
-        """Where it swims."""
-        ...
-
-    @property
-    def settings(self) -> Any:
-        """How the plant was made: a scenario's model (`laticauda.Planar`, `laticauda.Spatial`), nothing left open."""
-        ...
-
-    def init(self, start: Start, command: Command) -> State:
-        """The state at time 0: at `start`, with the generator at the gait of `command`."""
-        ...
-
-    def step(self, state: State, command: Command, dt: float) -> State:
-        """The state that follows `state` by `dt` [s], while `command` is held."""
-        ...
-
-    def observe(self, state: State) -> Observation:
-        """What can be seen of `state`."""
-        ...
-
-    def march(
-        self, state: State, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
-    ) -> tuple[State, Log, str | None]:
-        """Many steps at once under one command.
-
-        Args:
-            state: Where it starts.
-            command: Held all the while.
-            duration: [s].
-            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
-            link_forces: Log the force on every link too.
-
-        Returns:
-            The state after `duration` [s], the samples with both ends included, and a sentence that says what went
-            wrong, or None. A run that went wrong returns the samples up to then.
-        """
-        ...
-
-    def pack(self, state: State) -> dict[str, np.ndarray]:
-        """`state` as arrays that can be stored."""
-        ...
-
-    def unpack(self, stored: Mapping[str, np.ndarray]) -> State:
-        """The state back from what `pack` gave as `stored`."""
-        ...
 
 
 def check_waves(robot: Robot, gait: Gait) -> None:

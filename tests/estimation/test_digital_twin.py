@@ -11,6 +11,7 @@ import laticauda as lc
 from laticauda.estimation import Estimator, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.digital_twin import start_twin, step_twin
 from laticauda.operate.recording.entries import ESTIMATE, SCHEMAS
+from laticauda.planar.model import PlanarPlant
 
 BODY = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
 
@@ -78,43 +79,19 @@ def test_a_twin_that_knows_the_robots_speed_tells_it_from_a_current():
     assert told.current == pytest.approx(np.array([0.03, 0.05]), abs=0.02)
 
 
-class Exploding:
-    """A plant that diverges after some time."""
-
-    def __init__(self, body, after):
-        self.body, self.after = body, after
-
-    def __getattr__(self, name):
-        return getattr(self.body, name)
+class Exploding(PlanarPlant):
+    """A plant that diverges after 3 s."""
 
     def march(self, state, command, duration, sample_interval, *, link_forces=False):
-        then, log, trouble = self.body.march(state, command, duration, sample_interval)
-        return then, log, "diverged" if log.time[-1] > self.after else trouble
-
-    def init(self, start, command):
-        return self.body.init(start, command)
-
-    def step(self, state, command, dt):
-        return self.body.step(state, command, dt)
-
-    def observe(self, state):
-        return self.body.observe(state)
-
-    def pack(self, state):
-        return self.body.pack(state)
-
-    def unpack(self, stored):
-        return self.body.unpack(stored)
-
-    robot = property(lambda self: self.body.robot)
-    environment = property(lambda self: self.body.environment)
-    settings = property(lambda self: self.body.settings)
+        then, log, trouble = super().march(state, command, duration, sample_interval)
+        return then, log, "diverged" if log.time[-1] > 3.0 else trouble
 
 
 def test_a_twin_that_diverges_is_given_up_and_the_filter_goes_on_without_it():
     trial = swimming()
     arrivals, _ = campaign().sensed(trial, campaign().Sensors(between=math.inf), 2)
-    estimator = Estimator(robot=trial.robot, backlash=campaign().BACKLASH, plant=Exploding(BODY, 3.0))
+    body = Exploding(robot=BODY.robot, environment=BODY.environment, settings=BODY.settings)
+    estimator = Estimator(robot=trial.robot, backlash=campaign().BACKLASH, plant=body)
     state, estimate = last(estimator, arrivals)
     assert state.latest.twin is None and state.latest.twin_failed
     k = round(estimate.time / 0.01)

@@ -8,7 +8,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.actuation import Servo
-from laticauda.interfaces import Command, OpenLoop, Plant, Start
+from laticauda.dynamics.plant import Plant
+from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.simulate import plant, resume, run
 from laticauda.spatial.model import SpatialPlant
 from laticauda.spatial.rows import STATE_ROWS

@@ -9,9 +9,10 @@ import numpy as np
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.control import Following, PathFollowing, StraightLine
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Plant, Start
+from laticauda.interfaces import Command, Controller, Start
 from laticauda.robot import CaudalFin, Robot, Water, load_robot
 from laticauda.scenarios import Model, Scenario, default_water, model_of, preset_water
 from laticauda.series import Log

@@ -13,8 +13,9 @@ from typing import Any, cast
 import numpy as np
 
 from laticauda.cosim.messages import Message, commanded
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, one_of, positive, within
-from laticauda.interfaces import Command, OpenLoop, Plant, Start
+from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.series import Log
 from laticauda.simulate import plant, swim

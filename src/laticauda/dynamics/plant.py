@@ -12,9 +12,10 @@ from jaxtyping import Float
 from laticauda.actuation.laws import Drive, JointLaw
 from laticauda.errors import BadArgument
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
-from laticauda.interfaces import Command, Log, Start, check_waves, fin_signals
+from laticauda.interfaces import Command, Observation, Start, check_waves, fin_signals
 from laticauda.robot import Environment, Joint, Robot, check_fits, has_power_model
 from laticauda.scenarios import Model
+from laticauda.series import Log
 
 ModelType = TypeVar("ModelType", bound=Model)
 Waves = tuple[WaveState, WaveState, WaveState]
@@ -53,8 +54,8 @@ class Samples(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ModelPlant(ABC, Generic[ModelType]):
-    """A robot in an environment, by a model.
+class Plant(ABC, Generic[ModelType]):
+    """A robot in an environment, by a model. The same state and command always give the same next state.
 
     Raises:
         ValueError: If robot and environment do not fit together.
@@ -113,6 +114,10 @@ class ModelPlant(ABC, Generic[ModelType]):
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
 
+    @abstractmethod
+    def observe(self, state: PlantState) -> Observation:
+        """What can be seen of a state."""
+
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
         """The state `dt` [s] later, under a command that is held."""
         return self.march(state, command, dt, dt)[0]
@@ -126,7 +131,19 @@ class ModelPlant(ABC, Generic[ModelType]):
         *,
         link_forces: bool = False,
     ) -> tuple[PlantState, Log, str | None]:
-        """Many steps at once under one command; see `Plant.march`."""
+        """Many steps at once under one command.
+
+        Args:
+            state: Where it starts.
+            command: Held all the while.
+            duration: [s].
+            sample_interval: Between two samples of the log [s]; adjusted so that it divides the duration.
+            link_forces: Log the force on every link too.
+
+        Returns:
+            The state after `duration` [s], the samples with both ends included, and a sentence that says what went
+            wrong, or None. A run that went wrong returns the samples up to then.
+        """
         n_intervals = max(1, round(duration / sample_interval))
         every = self.steps_in(duration / n_intervals)
         dt = duration / n_intervals / every

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.actuation.laws import Prescribed
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
 from laticauda.gaits import lateral_undulation
-from laticauda.interfaces import Command, Plant, Start
+from laticauda.interfaces import Command, Start
 from laticauda.robot import Robot
 from laticauda.scenarios import Spatial
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.angles import wrap_to_pi
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
 from laticauda.estimation.filter_state import (
@@ -37,7 +38,6 @@ from laticauda.estimation.samples import (
     yaw_joints,
 )
 from laticauda.gaits.reference import filter_step
-from laticauda.interfaces import Plant
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
 

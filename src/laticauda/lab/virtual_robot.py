@@ -8,10 +8,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.actuation.laws import Servo
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
-from laticauda.interfaces import ORIENTATION, Command, Plant, Start
+from laticauda.interfaces import ORIENTATION, Command, Start
 from laticauda.kinematics import ModulePoses, from_quaternion, module_poses, turned_about_vertical
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment

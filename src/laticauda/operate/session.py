@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import TrialFileError
-from laticauda.interfaces import Plant
 from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import OperatorState

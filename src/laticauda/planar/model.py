@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from laticauda.dynamics.plant import ModelPlant, PlantState, Samples
+from laticauda.dynamics.plant import Plant, PlantState, Samples
 from laticauda.errors import BadArgument
 from laticauda.fluid.laws import DragLaw
 from laticauda.hydrodynamics import Coefficients, link_coefficients
@@ -22,7 +22,7 @@ LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PlanarPlant(ModelPlant[Planar]):
+class PlanarPlant(Plant[Planar]):
     """A robot in the plane: n links, joints prescribed or driven by a law; pitch joints are left out of it.
 
     Steps at which the paper's trials are converged: prescribed joints to 1e-6 of the distance (RK5), driven joints to

@@ -2,8 +2,8 @@
 
 from typing import Any, Unpack, cast
 
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
-from laticauda.interfaces import Plant
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
 

@@ -8,9 +8,10 @@ from typing import Any, Unpack, cast
 
 import numpy as np
 
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, SimulationFailed, instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Plant, Resumed, Start
+from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Resumed, Start
 from laticauda.packaging import __version__
 from laticauda.robot import Robot
 from laticauda.scenarios import Changes, Experiment, Motion, Scenario, scenario

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from laticauda import mujoco_water as water
-from laticauda.dynamics.plant import ELASTIC_DT, ModelPlant, PlantState, Samples
+from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
@@ -24,7 +24,7 @@ NO_STEP = 1e-9  # s; with so small a step, the joint laws are not implicit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SpatialPlant(ModelPlant[Spatial]):
+class SpatialPlant(Plant[Spatial]):
     """A robot in MuJoCo: its modules in three dimensions, joints prescribed or driven by a law.
 
     Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without one they are held straight.

@@ -4,9 +4,9 @@ from dataclasses import replace
 from typing import Any
 
 from laticauda.control import AveragedModel, OffsetSteps, fit_averaged
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, whole
 from laticauda.gaits import Gait
-from laticauda.interfaces import Plant
 from laticauda.simulate import run
 
 N_TRIALS = 4

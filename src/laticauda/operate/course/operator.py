@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from laticauda.dynamics.plant import Plant
 from laticauda.estimation import Estimator, KinematicEstimator
-from laticauda.interfaces import Plant
 from laticauda.operate.course import preparing
 from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared, take_in

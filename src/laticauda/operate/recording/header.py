@@ -12,12 +12,13 @@ import numpy as np
 
 from laticauda.codec import decode, encode
 from laticauda.control import IntegralLineOfSight, LineOfSight, PathFollowing, Polyline, Spline, StraightLine
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
 from laticauda.estimation import Estimator, KinematicEstimator
 from laticauda.extensions import name_of
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.gaits import Gait
-from laticauda.interfaces import Controller, OpenLoop, Plant
+from laticauda.interfaces import Controller, OpenLoop
 from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, law_of

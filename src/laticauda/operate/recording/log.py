@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.codec import decode, keys_of
+from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
-from laticauda.interfaces import Command, Controller, Plant
+from laticauda.interfaces import Command, Controller
 from laticauda.logs import Logged, open_recording
 from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing, timing_of
 from laticauda.operate.recording.header import FORMATS, HEADER, Header, header_from_texts, named_today
