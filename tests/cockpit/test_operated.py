@@ -1,3 +1,4 @@
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ from laticauda.cockpit import Cockpit, Live
 from laticauda.estimation import Estimate
 from laticauda.operate.observer import Sight
 from laticauda.operate.settings import Connection
+from laticauda.robot import Joint
 
 pytest.importorskip("viser")
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
@@ -94,6 +96,22 @@ def test_the_operated_robot_is_drawn_where_it_is_and_the_simulated_one_makes_roo
     operated._alone.value = False
     shown(cockpit)
     assert cockpit._scene._body._root.visible
+
+
+def test_a_driven_fin_is_drawn_as_its_module_says(cockpit):
+    own = lc.load_robot("mamba-fin")
+    robot = replace(own, caudal_fin=replace(own.caudal_fin, joint=Joint()))
+    operated, turned = cockpit.operated, []
+    operated.connect(Connection(), robot)
+    n, still = robot.planar().n_links, np.zeros(robot.planar().n_joints)
+    straight = replace(estimate(2.0, 0.0), link_angle=np.full(n, 0.3), joint_angle=still, joint_rate=still)
+    for angle in (0.0, 0.4):
+        operated._listener.sight = Sight(straight, "", angle)
+        shown(cockpit)
+        w, _, _, z = operated._body._frames[-1].wxyz
+        turned.append(2.0 * np.arctan2(z, w))
+    assert turned[0] - turned[1] == pytest.approx(0.4)
+    assert "| fin | **23 deg** |" in operated._text.content
 
 
 def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconnects(cockpit):

@@ -1,5 +1,6 @@
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,18 @@ from laticauda.lab import Lab
 from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.observer import Listener, PassiveObserver
 from laticauda.operate.settings import Connection
-from laticauda.protocol import Heartbeat, NodeCommand, Order, Sync, bus_address, open_bus, references, to_frame
+from laticauda.protocol import (
+    Heartbeat,
+    JointState,
+    NodeCommand,
+    Order,
+    Sync,
+    bus_address,
+    open_bus,
+    references,
+    to_frame,
+)
+from laticauda.robot import Joint
 
 ROBOT = lc.load_robot("mamba-modules")
 
@@ -63,6 +75,17 @@ def test_what_is_missing_from_the_picture_is_said():
     assert "sends no frames" in observer.complaint(view, 3.0)
     other = observer.step(view, 3.0, [(3.0, Heartbeat(node=18, state=2))], ())
     assert observer.complaint(other, 3.0).startswith("Module 18 is heard, and mamba has 8 joints: choose the robot")
+
+
+def test_the_module_behind_the_last_joint_says_how_a_driven_fin_is_turned():
+    own = lc.load_robot("mamba-fin")
+    robot = replace(own, caudal_fin=replace(own.caudal_fin, joint=Joint()))
+    observer = PassiveObserver(robot=robot)
+    view = observer.init(0.0)
+    assert observer.fin_angle(view) == 0.0
+    said = JointState(node=robot.n_joints + 1, angle=0.4, rate=0.0, current=0.0, torque=0.0)
+    assert observer.fin_angle(observer.step(view, 1.0, [(1.0, said)], ())) == 0.4
+    assert PassiveObserver(robot=own).fin_angle(PassiveObserver(robot=own).init(0.0)) == 0.0
 
 
 def operated(bus, seconds):

@@ -17,7 +17,7 @@ from laticauda.series import Log
 
 if TYPE_CHECKING:
     from laticauda.estimation import Estimate
-    from laticauda.operate.observer import Listener
+    from laticauda.operate.observer import Listener, Sight
 
 TRAIL: Color = (250, 120, 80)
 SPAN = 5.0  # over which its speed is taken [s]
@@ -104,21 +104,22 @@ class OperatedRobot:
         listener = self._listener
         if listener is None:
             return None
-        estimate, trouble = listener.look()
+        sight = listener.look()
+        estimate = sight.estimate
         if estimate is None:
             if with_text:
-                self._text.content = f"**{trouble}**" if trouble else "Waiting for the first picture ..."
+                self._text.content = f"**{sight.trouble}**" if sight.trouble else "Waiting for the first picture ..."
             return None
         robot = listener.robot.planar()
-        self._body.show(robot, _sample(estimate))
+        self._body.show(robot, _sample(estimate, sight.fin_angle))
         self._scene.set_visible(not self._alone.value)
         if with_text:
             self._trail.grow(estimate.center_of_mass)
             self._trail.draw()
-            self._text.content = self._numbers(estimate, trouble)
+            self._text.content = self._numbers(estimate, sight, has_fin=len(robot.driven_joints) > robot.n_joints)
         return estimate.center_of_mass
 
-    def _numbers(self, estimate: "Estimate", trouble: str) -> str:
+    def _numbers(self, estimate: "Estimate", sight: "Sight", *, has_fin: bool) -> str:
         """Where it is and how fast, and what is wrong, as Markdown."""
         now, place = estimate.time, estimate.center_of_mass
         if not self._places or now > self._places[-1][0]:
@@ -133,8 +134,9 @@ class OperatedRobot:
             (f"speed over {SPAN:g} s", f"{speed:.3f} m/s" if math.isfinite(speed) else "..."),
             ("joints", f"up to {math.degrees(float(np.max(np.abs(estimate.joint_angle), initial=0.0))):.0f} deg"),
         ]
+        rows += [("fin", f"{math.degrees(sight.fin_angle):z.0f} deg")] if has_fin else []
         lines = [f"| {estimate.status} | |", "|:--|--:|", *(f"| {name} | **{value}** |" for name, value in rows)]
-        return "\n".join(lines) + (f"\n\n**{trouble}**" if trouble else "")
+        return "\n".join(lines) + (f"\n\n**{sight.trouble}**" if sight.trouble else "")
 
     def _offer(self, connection: Connection) -> None:
         """Let the fields show where bus and cameras are."""
@@ -151,9 +153,10 @@ class OperatedRobot:
         self.connect(connection, self._own if name == self._own.name else load_robot(name))
 
 
-def _sample(estimate: "Estimate") -> Log:
-    """An estimate as a sample to draw, which says nothing of the motors."""
+def _sample(estimate: "Estimate", fin_angle: float) -> Log:
+    """An estimate as a sample to draw, which says nothing of the motors; with the angle of a driven fin [rad]."""
     names = [name for name in Observation.__dataclass_fields__ if name != "pitch"]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     nothing = np.zeros_like(estimate.joint_angle)
-    return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3))
+    fin = {"fin_angle_0": np.asarray(fin_angle)}
+    return Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin)

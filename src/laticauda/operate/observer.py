@@ -116,6 +116,10 @@ class PassiveObserver:
         """
         return self.kinematics.estimate(state.posture, now)
 
+    def fin_angle(self, state: ObserverState) -> float:
+        """Of a driven fin in `state`, as its module said last; 0 before that, and without one [rad]."""
+        return float(np.nan_to_num(state.modules.angle[self.robot.n_joints :]).sum())
+
     def complaint(self, state: ObserverState, now: float) -> str:
         """What is missing from the picture, in a sentence; "" if nothing is.
 
@@ -171,7 +175,11 @@ class Sight(NamedTuple):
     """What a listener knows now."""
 
     estimate: Estimate | None
+    """Where the robot is; None before that is known."""
     trouble: str
+    """What is wrong, in a sentence, or ""."""
+    fin_angle: float = 0.0
+    """Of a driven fin [rad]."""
 
 
 class Listener:
@@ -199,7 +207,7 @@ class Listener:
         self._thread.start()
 
     def look(self) -> Sight:
-        """Where the robot is, or None; and what is wrong, in a sentence, or ""."""
+        """What is known now."""
         return self._sight
 
     def close(self) -> None:
@@ -217,7 +225,7 @@ class Listener:
                 with connected(self._connection, clock) as devices:
                     self._listen(devices, clock)
             except Exception as error:  # whatever it is, the page goes on
-                self._sight = Sight(self._sight.estimate, f"{error} It is tried again and again.")
+                self._sight = self._sight._replace(trouble=f"{error} It is tried again and again.")
             self._ended.wait(RETRY)
 
     def _listen(self, devices: Wired, clock: Clock) -> None:
@@ -228,4 +236,4 @@ class Listener:
             state = observer.step(state, now, inputs.messages, inputs.frames)
             trouble = (devices.can.bus_off or devices.mocap.trouble).removeprefix("DeviceFailed: ").rstrip(".")
             sentence = f"{trouble[:1].upper()}{trouble[1:]}." if trouble else observer.complaint(state, now)
-            self._sight = Sight(observer.estimate(state, now), sentence)
+            self._sight = Sight(observer.estimate(state, now), sentence, observer.fin_angle(state))
