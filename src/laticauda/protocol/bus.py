@@ -208,7 +208,7 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
     kinds: list[tuple[Layout, int, float]] = []
     for layout in sorted(LAYOUTS, key=lambda layout: layout.identifier):
         if layout.name not in RARE:
-            count = n_nodes if layout.per_node else -(-n_nodes // PER_FRAME) if layout.count > 1 else 1
+            count = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}[layout.number]
             kinds.append((layout, count, SLOW_RATES.get(layout.name, rate)))
     return BusLoad(traffic=tuple(_traffic(kinds, k, bitrate) for k in range(len(kinds))))
 
@@ -218,7 +218,7 @@ def _traffic(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float
     bits = frame_bits(layout.length)
     return Traffic(
         name=layout.name,
-        identifier=layout.identifier + layout.per_node,
+        identifier=layout.identifier + layout.numbers[0],
         frames=count,
         rate=rate,
         bits=bits,

@@ -8,126 +8,100 @@ What a bus delivers is not to be trusted: `decode` gives None for whatever is no
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-import struct
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
 from functools import cache
-from operator import attrgetter
 from typing import Any
 
 from laticauda.errors import BadArgument, finite
 from laticauda.extras import optional_import
 from laticauda.protocol.dbc import FILE, LAYOUTS, Layout
-from laticauda.protocol.messages import (
-    N_GROUPS,
-    N_NODES,
-    Acceleration,
-    CanMessage,
-    CommandReply,
-    EmergencyStop,
-    Heartbeat,
-    JointState,
-    Loads,
-    NodeCommand,
-    NodeState,
-    Order,
-    References,
-    Result,
-    Sync,
-)
+from laticauda.protocol.messages import CanMessage, JointState
 
 NOT_AVAILABLE = -32768
 """The lowest number of a signed word: what a sensor says that has nothing to say."""
-MAY_LACK = ("ForceAlong", "ForceLeft", "ForceUp")
-"""Signals that may be not available; for all others the lowest number is kept out."""
-FORMS = {(8, False): "B", (16, False): "H", (16, True): "h"}
 
 
 class Packer:
-    """Numbers of one kind of frame into bytes and out of them; least significant byte first.
+    """Messages of one class into the bytes of a frame and out of them; least significant bit first.
 
     Args:
-        layout: Of the frame: words of 8 and 16 bits, and flags of 1 bit, eight of them in a row.
+        layout: Of the frame.
     """
 
     def __init__(self, layout: Layout) -> None:
-        signals = layout.signals
-        self._names = tuple(signal.name for signal in signals)
-        self._scales = tuple(float(signal.scale) for signal in signals)
-        self._limits = tuple(
-            (-(2 ** (s.bits - 1)) + (s.name not in MAY_LACK), 2 ** (s.bits - 1) - 1) if s.signed else (0, 2**s.bits - 1)
-            for s in signals
-        )
-        flags = [at for at, signal in enumerate(signals) if signal.bits == 1]
-        assert len(flags) in (0, 8) and flags == list(range(flags[0], flags[0] + 8) if flags else ())
-        self._flags = flags[0] if flags else None
-        words = [FORMS[s.bits, s.signed] for s in signals if s.bits > 1]
-        if self._flags is not None:
-            words.insert(self._flags, "B")
-        self._form = struct.Struct("<" + "".join(words))
-        assert self._form.size == layout.length
-        self._scaled = tuple((at, scale) for at, scale in enumerate(self._scales) if scale != 1.0)
-        self._lacking = tuple(at for at, name in enumerate(self._names) if name in MAY_LACK)
+        self.layout, self._length = layout, layout.length
+        self._fields = tuple((f.name, len(f.signals), f.kind if f.is_word else None) for f in layout.fields)
+        self._names: list[str] = []
+        self._numbers: list[
+            tuple[float, int, int, int, int, int]
+        ] = []  # scale, limits, place, mask, weight of the sign
+        start = 0
+        for field in layout.fields:
+            how = field.signal
+            scale = 1 if how.scale == "1" else float(how.scale)
+            for name in field.signals:
+                self._names.append(name)
+                sign = 1 << how.bits - 1 if how.signed else 0
+                self._numbers.append((scale, *field.limits, start, (1 << how.bits) - 1, sign))
+                start += how.bits
 
-    def packed(self, values: Sequence[Any]) -> bytes:
+    def packed(self, message: CanMessage) -> bytes:
         """The bytes of a frame. Numbers beyond their range saturate.
 
         Args:
-            values: In the order of the layout, in their units; None where it is not available.
+            message: Of the layout's class.
 
         Raises:
-            ValueError: If one is not finite.
+            ValueError: If a number is not finite.
         """
-        raw: list[int] = []
-        for value, scale, (low, high) in zip(values, self._scales, self._limits, strict=True):
+        values: list[Any] = []
+        for name, n, _ in self._fields:
+            value = getattr(message, name)
+            values += (value,) if n == 1 else (None,) * n if value is None else value
+        whole = 0
+        for k, (value, (scale, low, high, start, mask, _)) in enumerate(zip(values, self._numbers, strict=True)):
             try:
                 number = NOT_AVAILABLE if value is None else round(value / scale)
             except (ValueError, OverflowError):
-                finite(self._names[len(raw)], value)
+                finite(self._names[k], value)
                 raise
-            raw.append(low if number < low else high if number > high else number)
-        at = self._flags
-        if at is not None:
-            raw[at : at + 8] = [sum(bit << k for k, bit in enumerate(raw[at : at + 8]))]
-        return self._form.pack(*raw)
+            whole |= ((low if number < low else high if number > high else number) & mask) << start
+        return whole.to_bytes(self._length, "little")
 
-    def unpacked(self, data: bytes) -> list[Any] | None:
-        """The numbers of a frame in their units; None instead of those not available, and if its length is wrong.
+    def unpacked(self, number: int, data: bytes) -> CanMessage | None:
+        """The message in a frame; None if its length is wrong.
 
         Args:
+            number: Which one of the layout's frames.
             data: Its bytes.
+
+        Raises:
+            ValueError: If a number stands for no word.
         """
-        if len(data) != self._form.size:
+        if len(data) != self._length:
             return None
-        values: list[Any] = list(self._form.unpack(data))
-        at = self._flags
-        if at is not None:
-            flags = values[at]
-            values[at : at + 1] = [(flags >> k) & 1 for k in range(8)]
-        lacking = [k for k in self._lacking if values[k] == NOT_AVAILABLE] if self._lacking else ()
-        for k, scale in self._scaled:
-            values[k] *= scale
-        for k in lacking:
-            values[k] = None
-        return values
+        whole, values = int.from_bytes(data, "little"), list[Any]()
+        for scale, low, _, start, mask, sign in self._numbers:
+            raw = ((whole >> start & mask) ^ sign) - sign
+            values.append(None if raw == low == NOT_AVAILABLE else raw * scale)
+        known: dict[str, Any] = {self.layout.number: number} if self.layout.number else {}
+        at = 0
+        for name, n, make in self._fields:
+            if n == 1:
+                known[name] = values[at] if make is None else make(values[at])
+            else:
+                several = tuple(values[at : at + n])
+                known[name] = None if None in several else several
+            at += n
+        return self.layout.kind(**known)
 
 
-BASE = {layout.name: layout.identifier for layout in LAYOUTS}
-PACKERS = {layout.name: Packer(layout) for layout in LAYOUTS}
-
-
-NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(N_GROUPS)}
-"""Numbers of the frames of one kind, by the field that says which one it is."""
-
-
-@dataclass(frozen=True)
-class _Kind:
-    """How one class of message goes into a frame and comes out of it."""
-
-    name: str
-    number: str  # the field that says which frame it is; "" where there is but one
-    signals: Callable[[Any], Sequence[Any]]  # in the order of the layout
-    message: Callable[[int, Sequence[Any]], CanMessage]
+PACKERS: dict[type[Any], Packer] = {layout.kind: Packer(layout) for layout in LAYOUTS}
+_BY_IDENTIFIER = {
+    packer.layout.identifier + number: (packer, number)
+    for packer in PACKERS.values()
+    for number in packer.layout.numbers
+}
+_FIRST_ANSWER = PACKERS[JointState].layout.identifier
 
 
 def python_can() -> Any:
@@ -158,11 +132,12 @@ def encode(message: CanMessage) -> tuple[int, bytes]:
     Raises:
         ValueError: If there is no such node, or a number is not finite.
     """
-    kind = _KINDS[type(message)]
-    number, known = getattr(message, kind.number) if kind.number else 0, NUMBERS[kind.number]
+    packer = PACKERS[type(message)]
+    layout = packer.layout
+    number, known = getattr(message, layout.number) if layout.number else 0, layout.numbers
     if number not in known:
         raise BadArgument("node", f"must be a number from {known[0]} to {known[-1]}, got {number}")
-    return BASE[kind.name] + number, PACKERS[kind.name].packed(kind.signals(message))
+    return layout.identifier + number, packer.packed(message)
 
 
 def decode(identifier: int, data: bytes) -> CanMessage | None:
@@ -175,19 +150,16 @@ def decode(identifier: int, data: bytes) -> CanMessage | None:
     found = _BY_IDENTIFIER.get(identifier)
     if found is None:
         return None
-    kind, number = found
-    values = PACKERS[kind.name].unpacked(data)
-    if values is None:
-        return None
+    packer, number = found
     try:
-        return kind.message(number, values)
+        return packer.unpacked(number, data)
     except ValueError:  # a number that stands for no word
         return None
 
 
 def from_node(identifier: int) -> bool:
     """Whether a frame with this `identifier` comes from a node, if it is one of ours."""
-    return identifier >= BASE["JointState"]
+    return identifier >= _FIRST_ANSWER
 
 
 def to_frame(message: CanMessage, timestamp: float = 0.0) -> Any:
@@ -207,45 +179,3 @@ def from_frame(frame: Any) -> CanMessage | None:
     if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
-
-
-def _plain(kind: type[Any], number: str = "") -> _Kind:
-    """For a class whose fields are its signals, in the same order, but for its `number`."""
-    signals = [field for field in fields(kind) if field.name != number]
-    names = [field.name for field in signals]
-    made: list[tuple[str, Any]] = [(f.name, f.type) for f in signals if f.type in (NodeState, Order, Result, bool)]
-
-    def message(at: int, values: Sequence[Any]) -> Any:
-        known = dict(zip(names, values, strict=True))
-        for name, make in made:
-            known[name] = make(known[name])
-        return kind(**{number: at}, **known) if number else kind(**known)
-
-    # Of one name, the getter gives no tuple.
-    get = attrgetter(*names)
-    return _Kind(kind.__name__, number, get if len(names) > 1 else lambda m: (get(m),), message)
-
-
-def _loads(number: int, values: Sequence[Any]) -> Loads:
-    along, left, up, torque = values
-    return Loads(node=number, force=None if None in (along, left, up) else (along, left, up), torque=torque)
-
-
-def _load_signals(message: Loads) -> Sequence[Any]:
-    return (*((None, None, None) if message.force is None else message.force), message.torque)
-
-
-def _references(number: int, values: Sequence[Any]) -> References:
-    one, two, three, four = values
-    return References(group=number, angles=(one, two, three, four))
-
-
-_KINDS: dict[type[Any], _Kind] = {
-    **{kind: _plain(kind) for kind in (EmergencyStop, Sync, NodeCommand)},
-    **{kind: _plain(kind, "node") for kind in (JointState, Acceleration, Heartbeat, CommandReply)},
-    References: _Kind("References", "group", attrgetter("angles"), _references),
-    Loads: _Kind("Loads", "node", _load_signals, _loads),
-}
-_BY_IDENTIFIER = {
-    BASE[kind.name] + number: (kind, number) for kind in _KINDS.values() for number in NUMBERS[kind.number]
-}

@@ -1,4 +1,4 @@
-"""What goes over the robot's CAN bus, as values: one class per message of `mamba.dbc`.
+"""What goes over the robot's CAN bus, as values: one class per message of `mamba.dbc`, with its signals.
 
 Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of the code; the node
 behind the last of them drives a driven fin.
@@ -7,7 +7,7 @@ behind the last of them drives a driven fin.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 from laticauda.errors import BadArgument, LaticaudaError
 
@@ -19,6 +19,31 @@ EVERY_NODE = 0
 
 class ProtocolError(LaticaudaError, ValueError):
     """What came over a connection breaks its protocol: it says how."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """How a field goes over the bus, least significant byte first.
+
+    A field without one: a flag has 1 bit, a word 8, and a whole number says which one of several frames it is.
+    """
+
+    bits: int
+    """Of a number [-]."""
+    signed: bool = False
+    """Whether it may be negative."""
+    scale: str = "1"
+    """What one step of it is worth, in the unit."""
+    unit: str = ""
+    """Of the number."""
+    says: str = ""
+    """What it is."""
+    names: tuple[str, ...] = ()
+    """Of the numbers, where the field has several; one has the field's."""
+
+
+def _number(scale: str, unit: str, says: str, *names: str) -> Signal:
+    return Signal(16, True, scale, unit, says, names)
 
 
 class NodeState(IntEnum):
@@ -67,7 +92,7 @@ class Result(IntEnum):
 class EmergencyStop:
     """All motors off at once, and off they stay until they are cleared. Anyone may send it."""
 
-    reason: int = 0
+    reason: Annotated[int, Signal(8)] = 0
     """0 unknown, 1 the operator's key, 2 the supervisor, 3 a module [-]."""
 
 
@@ -75,11 +100,11 @@ class EmergencyStop:
 class NodeCommand:
     """An order to one node, or to all of them; every node that it is meant for answers with a `CommandReply`."""
 
-    node: int = EVERY_NODE
+    node: Annotated[int, Signal(8, says="0: all nodes")] = EVERY_NODE
     """Which; 0: all [-]."""
     order: Order
     """What [-]."""
-    angle: float = 0.0
+    angle: Annotated[float, _number("0.0001", "rad", "SET_ZERO: what the present joint angle shall read")] = 0.0
     """For SET_ZERO: what the present joint angle shall read [rad]."""
 
 
@@ -87,7 +112,7 @@ class NodeCommand:
 class Sync:
     """The moment at which all nodes take up their latest references, and measure."""
 
-    counter: int
+    counter: Annotated[int, Signal(16)]
     """One more every time; 65535 is followed by 0 [-]."""
 
 
@@ -97,7 +122,10 @@ class References:
 
     group: int
     """0: nodes 1 to 4, 1: nodes 5 to 8, and so on [-]."""
-    angles: tuple[float, float, float, float]
+    angles: Annotated[
+        tuple[float, float, float, float],
+        _number("0.0001", "rad", "reference angle", "Angle1", "Angle2", "Angle3", "Angle4"),
+    ]
     """phi_ref [rad]."""
 
 
@@ -107,13 +135,13 @@ class JointState:
 
     node: int
     """Who [-]."""
-    angle: float
+    angle: Annotated[float, _number("0.0001", "rad", "joint angle")]
     """phi [rad]."""
-    rate: float
+    rate: Annotated[float, _number("0.001", "rad/s", "joint rate")]
     """phi' [rad/s]."""
-    current: float
+    current: Annotated[float, _number("0.001", "A", "motor current")]
     """Of the motor, at its own supply [A]."""
-    torque: float
+    torque: Annotated[float, _number("0.001", "Nm", "motor torque at the joint")]
     """Of the motor at the joint, from its current [N m]."""
 
 
@@ -123,9 +151,12 @@ class Loads:
 
     node: int
     """Who [-]."""
-    force: tuple[float, float, float] | None
+    force: Annotated[
+        tuple[float, float, float] | None,
+        _number("0.01", "N", "force/torque sensor; -32768: not available", "ForceAlong", "ForceLeft", "ForceUp"),
+    ]
     """Along, to the left, up; None where the sensor has none to give [N]."""
-    torque: float
+    torque: Annotated[float, _number("0.001", "Nm", "force/torque sensor, about the joint's axis")]
     """About the joint's axis [N m]."""
 
 
@@ -135,11 +166,11 @@ class Acceleration:
 
     node: int
     """Who [-]."""
-    along: float
+    along: Annotated[float, _number("0.001", "m/s2", "accelerometer")]
     """[m/s^2]."""
-    left: float
+    left: Annotated[float, _number("0.001", "m/s2", "accelerometer")]
     """[m/s^2]."""
-    up: float
+    up: Annotated[float, _number("0.001", "m/s2", "accelerometer")]
     """[m/s^2]."""
 
 
@@ -167,13 +198,13 @@ class Heartbeat:
     """Nobody has set its zero since power came on [-]."""
     bus_errors: bool = False
     """It was off the bus since its last heartbeat [-]."""
-    temperature: float = 20.0
+    temperature: Annotated[float, _number("0.1", "degC", "of the motor")] = 20.0
     """Of the motor [deg C]."""
-    voltage: float = 35.0
+    voltage: Annotated[float, Signal(16, scale="0.01", unit="V", says="of the supply")] = 35.0
     """Of the supply that runs through the modules [V]."""
-    error_count: int = 0
+    error_count: Annotated[int, Signal(8, says="transmit errors")] = 0
     """The controller's count of transmit errors, as far as 255 [-]."""
-    counter: int = 0
+    counter: Annotated[int, Signal(8, says="one more every time")] = 0
     """One more every time; 255 is followed by 0 [-]."""
 
     @property
@@ -191,7 +222,7 @@ class CommandReply:
 
     node: int
     """Who [-]."""
-    order: int
+    order: Annotated[int, Signal(8)]
     """Which order it answers; a number that is no `Order` comes back as it came [-]."""
     result: Result
     """What became of it [-]."""
