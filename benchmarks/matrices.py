@@ -39,10 +39,8 @@ def right_side(robot: lc.Robot, water: lc.Water):
     def slope(t: float, y: np.ndarray) -> np.ndarray:
         a = reference.ramped(GAIT.amplitude, 0.0, 0.0, *reference.smooth_start(t, 1.0))
         psi = GAIT.frequency * t + joint * GAIT.phase_shift
-        still_offset = 0.0, 0.0, 0.0
-        angle, rate, acceleration = reference.joint_reference(
-            np.sin(psi), np.cos(psi), 1.0, *a, GAIT.frequency, 0.0, *still_offset
-        )
+        motion = reference.WaveMotion(*a, GAIT.frequency, *(0.0,) * 6)
+        angle, rate, acceleration = reference.wave_reference(np.sin(psi), np.cos(psi), 1.0, 0.0, motion)
         theta, theta_rate = y[0] + spread(angle), y[3] + spread(rate)
         spin, p, _ = equations.constrained_accelerations(
             theta, theta_rate, y[4:6], chain, options, acceleration, *still

@@ -8,12 +8,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp  # pyright: ignore[reportUnknownVariableType]  # has no types
 
-from laticauda.gaits.reference import filter_acceleration, filter_step, joint_reference, ramped, smooth_start
+from laticauda.gaits.reference import (
+    WaveMotion,
+    filter_acceleration,
+    filter_step,
+    ramped,
+    smooth_start,
+    wave_reference,
+)
 
 values = st.floats(-2.0, 2.0)
 bandwidths = st.floats(0.5, 30.0)
 steps = st.floats(0.0, 2.0)
 durations = st.floats(0.2, 5.0)
+
+
+def first_joint(*numbers: float) -> tuple[float, float, float]:
+    """The reference of a wave's first joint."""
+    sine, cosine, envelope, a, a_1, a_2, f, f_1, o, o_1, o_2 = numbers
+    return wave_reference(sine, cosine, envelope, 0.0, WaveMotion(a, a_1, a_2, f, f_1, 0.0, 0.0, o, o_1, o_2))
 
 
 def advance(y: float, rate: float, target: float, w: float, dt: float) -> tuple[float, float, float]:
@@ -135,7 +148,7 @@ def test_rate_and_acceleration_of_a_joint_are_the_derivatives_of_its_angle(drawn
 
     def joint(t: float) -> tuple[float, float, float]:
         psi = psi1 * t + 0.5 * psi2 * t * t
-        return joint_reference(
+        return first_joint(
             math.sin(psi),
             math.cos(psi),
             g,
@@ -157,7 +170,7 @@ def test_rate_and_acceleration_of_a_joint_are_the_derivatives_of_its_angle(drawn
 
 
 def test_a_settled_joint_is_the_papers_gait():
-    angle, rate, acceleration = joint_reference(math.sin(0.9), math.cos(0.9), 0.8, 0.5, 0, 0, 2.0, 0, 0.1, 0, 0)
+    angle, rate, acceleration = first_joint(math.sin(0.9), math.cos(0.9), 0.8, 0.5, 0, 0, 2.0, 0, 0.1, 0, 0)
     assert angle == pytest.approx(0.8 * 0.5 * math.sin(0.9) + 0.1)
     assert rate == pytest.approx(0.8 * 0.5 * 2.0 * math.cos(0.9))
     assert acceleration == pytest.approx(-0.8 * 0.5 * 4.0 * math.sin(0.9))
@@ -180,7 +193,7 @@ def test_every_derivative_of_the_start_by_complex_step_is_that_by_differences(s:
 
 @given(st.tuples(*[values] * 11))
 def test_every_derivative_of_a_joint_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
-    check_complex_steps(joint_reference, arguments)
+    check_complex_steps(first_joint, arguments)
     check_complex_steps(ramped, arguments[:6])
 
 
@@ -192,7 +205,7 @@ def test_every_derivative_of_a_joint_by_complex_step_is_that_by_differences(argu
         (smooth_start, (0.3, 1.0)),
         (smooth_start, (1.3, 1.0)),
         (ramped, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
-        (joint_reference, (0.6, 0.8, 0.9, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)),
+        (first_joint, (0.6, 0.8, 0.9, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)),
     ],
 )
 def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):

@@ -1,10 +1,9 @@
 """How the amplitude of the joints is spread along the body: envelopes g(i, n) of equation (3) of the paper."""
 
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import ClassVar
 
-from laticauda.errors import BadArgument, finite, shown
+from laticauda.errors import BadArgument, shown
 from laticauda.extensions import Extensible, name_of
 from laticauda.quantities import quantity, value
 
@@ -93,28 +92,21 @@ GAIT_WORDS = {kind().kind: kind.words for kind in (LateralUndulation, EelLike)}
 """What tables and figures call the paper's two kinds."""
 
 
-def envelope_of(kind: str | None, values: Sequence[float] | None = None) -> Envelope:
+def envelope_of(kind: str) -> Envelope:
     """An envelope by the name of its kind.
 
     Args:
-        kind: As `eel_like` or `eel-like`; None: `custom` with values, else lateral undulation.
-        values: Of the kind custom, and only of it.
+        kind: As `eel_like` or `eel-like`; one that a name alone tells (`kinds`).
 
     Raises:
-        ValueError: If there is no such kind, or values do not go with it.
+        ValueError: If there is no such kind, or it needs values.
     """
-    if kind is None:
-        kind = "lateral-undulation" if values is None else "custom"
     if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
     found = Envelope.named(kind.replace("_", "-"))
-    if (values is None) == (found is Custom):
-        raise BadArgument(
-            "envelope", f"must be given for kind `custom`, and only for it; `kind` is `{kind}`, got {values}"
-        )
-    if values is None:
-        return found()
-    return Custom(values=tuple(finite(f"envelope[{i}]", one) for i, one in enumerate(values)))
+    if found is Custom:
+        raise BadArgument("kind", f"must be an envelope that needs no values, got `{kind}`; take `Custom(values=...)`")
+    return found()
 
 
 def kinds() -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, cast
+from typing import Any, Required, TypedDict, Unpack, cast
 
 from laticauda.errors import BadArgument, finite, whole
 from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
@@ -106,101 +106,66 @@ class Gait:
         return self.envelope.joints(n_links)
 
 
-def lateral_undulation(
-    *,
-    amplitude: float,
-    frequency: float,
-    phase_shift: float,
-    offset: float = 0.0,
-    pitch: Wave | None = None,
-    fin: Wave | None = None,
-) -> Gait:
+class GaitFields(TypedDict, total=False):
+    """What a gait is besides its envelope: the fields of `Gait`, with their units."""
+
+    amplitude: Required[float]
+    frequency: Required[float]
+    phase_shift: Required[float]
+    offset: float
+    pitch: Wave | None
+    fin: Wave | None
+
+
+def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
     """Body waves of constant amplitude, g(i, n) = 1.
 
     Args:
-        amplitude: alpha [rad].
-        frequency: omega [rad/s].
-        phase_shift: delta [rad].
-        offset: phi_0 [rad].
-        pitch: What the pitch joints do; None: they stay straight.
-        fin: What a driven fin does; None: it stays straight.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad]; pitch and
+            fin, the waves of pitch joints and of a driven fin. See `Gait`.
 
     Raises:
-        ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
+        ValueError: If a number is not finite, or amplitude or frequency is negative.
 
     Example:
         >>> lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (1.0, 1.0, 1.0)
     """
-    return Gait(
-        amplitude=amplitude,
-        frequency=frequency,
-        phase_shift=phase_shift,
-        offset=offset,
-        pitch=pitch,
-        fin=fin,
-    )
+    return Gait(**fields)
 
 
-def eel_like(
-    *,
-    amplitude: float,
-    frequency: float,
-    phase_shift: float,
-    offset: float = 0.0,
-    pitch: Wave | None = None,
-    fin: Wave | None = None,
-) -> Gait:
+def eel_like(**fields: Unpack[GaitFields]) -> Gait:
     """Body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
-        amplitude: alpha [rad].
-        frequency: omega [rad/s].
-        phase_shift: delta [rad].
-        offset: phi_0 [rad].
-        pitch: What the pitch joints do; None: they stay straight.
-        fin: What a driven fin does; None: it stays straight.
+        fields: As for `lateral_undulation`.
 
     Raises:
-        ValueError: If an argument is not a finite number, or amplitude or frequency is negative.
+        ValueError: If a number is not finite, or amplitude or frequency is negative.
 
     Example:
         >>> eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (0.6, 0.4, 0.2)
     """
-    return Gait(
-        envelope=EelLike(),
-        amplitude=amplitude,
-        frequency=frequency,
-        phase_shift=phase_shift,
-        offset=offset,
-        pitch=pitch,
-        fin=fin,
-    )
+    return Gait(envelope=EelLike(), **fields)
 
 
 def custom_gait(
     *,
     envelope: Callable[[int, int], float] | Sequence[float],
-    amplitude: float,
-    frequency: float,
-    phase_shift: float,
-    offset: float = 0.0,
     n_links: int | None = None,
+    **fields: Unpack[GaitFields],
 ) -> Gait:
     """Body waves with an envelope of one's own.
 
     Args:
         envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most joint, as in (3).
-        amplitude: alpha [rad].
-        frequency: omega [rad/s].
-        phase_shift: delta [rad].
-        offset: phi_0 [rad].
         n_links: n; needed when `envelope` is a function, and checked against the number of its values otherwise.
+        fields: As for `lateral_undulation`.
 
     Raises:
-        ValueError: If an argument is not a finite number, amplitude or frequency is negative, `n_links` is missing, or
-            the envelope has another number of joints.
+        ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is missing, or the
+            envelope has another number of joints.
 
     Example:
         >>> gait = custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7)
@@ -213,13 +178,7 @@ def custom_gait(
         n = whole("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
-    gait = Gait(
-        amplitude=amplitude,
-        frequency=frequency,
-        phase_shift=phase_shift,
-        offset=offset,
-        envelope=Custom(values=_numbers(envelope)),
-    )
+    gait = Gait(envelope=Custom(values=_numbers(envelope)), **fields)
     if n_links is not None:
         gait.joint_envelope(whole("n_links", n_links, 1))
     return gait

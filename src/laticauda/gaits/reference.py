@@ -168,7 +168,7 @@ def wave_motion(
 def wave_reference(
     sine: float, cosine: float, envelope: float, k: float, motion: WaveMotion
 ) -> tuple[float, float, float]:
-    """phi_ref of one joint of a wave and its two derivatives [rad], [rad/s], [rad/s^2].
+    """phi_ref = alpha g sin(psi) + phi_0 (3) of one joint of a wave, and its two derivatives.
 
     Args:
         sine: Of the joint's phase psi [-].
@@ -176,20 +176,18 @@ def wave_reference(
         envelope: g of this joint [-].
         k: How many joints of the wave come before it [-].
         motion: What they have in common.
+
+    Returns:
+        phi_ref [rad], phi_ref' [rad/s], phi_ref'' [rad/s^2].
     """
-    return joint_reference(
-        sine,
-        cosine,
-        envelope,
-        motion[0],
-        motion[1],
-        motion[2],
-        motion[3] + k * motion[5],
-        motion[4] + k * motion[6],
-        motion[7],
-        motion[8],
-        motion[9],
-    )
+    a, a_1, a_2 = motion.amplitude, motion.amplitude_rate, motion.amplitude_acceleration
+    phase_rate = motion.frequency + k * motion.phase_shift_rate
+    phase_acceleration = motion.frequency_rate + k * motion.phase_shift_acceleration
+    angle = envelope * a * sine + motion.offset
+    rate = envelope * (a_1 * sine + a * phase_rate * cosine) + motion.offset_rate
+    swing = a_2 * sine + 2.0 * a_1 * phase_rate * cosine
+    turn = a * (phase_acceleration * cosine - phase_rate * phase_rate * sine)
+    return angle, rate, envelope * (swing + turn) + motion.offset_acceleration
 
 
 def filter_step(
@@ -274,41 +272,3 @@ def ramped(
         rate * ramp + amplitude * ramp_rate,
         acceleration * ramp + 2.0 * rate * ramp_rate + amplitude * ramp_acceleration,
     )
-
-
-def joint_reference(
-    sine: float,
-    cosine: float,
-    envelope: float,
-    amplitude: float,
-    amplitude_rate: float,
-    amplitude_acceleration: float,
-    phase_rate: float,
-    phase_acceleration: float,
-    offset: float,
-    offset_rate: float,
-    offset_acceleration: float,
-) -> tuple[float, float, float]:
-    """phi_ref = alpha g sin(psi) + phi_0 (3) and its two derivatives, given sin and cos of the joint's phase psi.
-
-    Args:
-        sine: sin(psi) [-].
-        cosine: cos(psi) [-].
-        envelope: g of this joint [-].
-        amplitude: alpha, ramp included [rad].
-        amplitude_rate: alpha' [rad/s].
-        amplitude_acceleration: alpha'' [rad/s^2].
-        phase_rate: psi' [rad/s].
-        phase_acceleration: psi'' [rad/s^2].
-        offset: phi_0 [rad].
-        offset_rate: phi_0' [rad/s].
-        offset_acceleration: phi_0'' [rad/s^2].
-
-    Returns:
-        phi_ref [rad], phi_ref' [rad/s], phi_ref'' [rad/s^2].
-    """
-    angle = envelope * amplitude * sine + offset
-    rate = envelope * (amplitude_rate * sine + amplitude * phase_rate * cosine) + offset_rate
-    swing = amplitude_acceleration * sine + 2.0 * amplitude_rate * phase_rate * cosine
-    turn = amplitude * (phase_acceleration * cosine - phase_rate * phase_rate * sine)
-    return angle, rate, envelope * (swing + turn) + offset_acceleration

@@ -35,6 +35,7 @@ joint_powers = compiled(stages.joint_powers)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
 drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
+motor_of = rows_from(STALL_TORQUE, 5)
 law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
@@ -170,21 +171,6 @@ def actuator(S, b, law):
 
 @kernel
 @no_type_check
-def electrical_power(S, b):
-    """What the joint's motor draws from the supply."""
-    return motor_power(
-        S[b + TORQUE],
-        S[b + RATE],
-        S[b + STALL_TORQUE],
-        S[b + NO_LOAD_SPEED],
-        S[b + FRICTION_TORQUE],
-        S[b + VISCOUS_FRICTION],
-        S[b + STALL_POWER],
-    )
-
-
-@kernel
-@no_type_check
 def count_work(S, n, law, dt):
     """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
     absolute = 0.0 * S[TIME]
@@ -196,7 +182,7 @@ def count_work(S, n, law, dt):
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
         size, signed, given = joint_powers(S[b + TORQUE], S[b + RATE])
         if any_lane(S[b + STALL_POWER].real > 0.0):
-            electrical += electrical_power(S, b)
+            electrical += motor_power(S[b + TORQUE], S[b + RATE], *motor_of(S, b))
         absolute += size
         net += signed
         positive += given

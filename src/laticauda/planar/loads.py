@@ -21,6 +21,7 @@ _names = bindings(__name__)
 law = in_rows(_names["law"], Element, MOTION)
 law_numbers = rows_from(LAW, len(_names["law"].fields))
 plate_law = compiled(plate)
+plate_numbers = rows_from(PLATE_AREA, PLATE_ROWS - PLATE_AREA)
 
 
 @kernel
@@ -98,15 +99,7 @@ def plate_load(S, b, e):
     v_t = S[b + V_T] - y * rate
     v_n = S[b + V_N] + x * rate
     s, c = sincos(S[e + PLATE_ANGLE])
-    f_chord, f_normal = plate_law(
-        c * v_t + s * v_n,
-        c * v_n - s * v_t,
-        S[e + PLATE_AREA],
-        S[e + PLATE_LIFT_SLOPE],
-        S[e + PLATE_STALL_ANGLE],
-        S[e + PLATE_SHARPNESS],
-        S[e + PLATE_DRAG],
-    )
+    f_chord, f_normal = plate_law(c * v_t + s * v_n, c * v_n - s * v_t, *plate_numbers(S, e))
     f_t = c * f_chord - s * f_normal
     f_n = s * f_chord + c * f_normal
     S[b + EXTRA_T] += f_t

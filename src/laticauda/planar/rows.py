@@ -75,17 +75,12 @@ from laticauda.formulas import MOST_NUMBERS
     COS_PHASE,
     SIN_SHIFT,
     COS_SHIFT,
-    SAVED,  # six rows: the base's state at the start of a step
-    SAVED_1,
-    SAVED_2,
-    SAVED_3,
-    SAVED_4,
-    SAVED_5,
     DECAY,  # of the generator's filters over one of its steps
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
-    SLOPES,  # six rows for each of the six stages of a step: the slopes of the base's state
-) = range(69)
+    SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
+) = range(63)
+SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
 LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own
 HEADER_ROWS = JOINT_LAW + MOST_NUMBERS

@@ -184,7 +184,7 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
         slope = combined(S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt)
         S[HEADING + r] = S[SAVED + r] + dt * slope[0]
-        S[HEADING_RATE + r] = S[SAVED_3 + r] + dt * slope[1]
+        S[HEADING_RATE + r] = S[SAVED + 3 + r] + dt * slope[1]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
@@ -202,7 +202,7 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
         acceleration = S[HEADING_ACCELERATION + r]
         slope = S[HEADING_RATE + r] + gamma_dt * acceleration
         S[SAVED + r] = S[HEADING + r]
-        S[SAVED_3 + r] = S[HEADING_RATE + r]
+        S[SAVED + 3 + r] = S[HEADING_RATE + r]
         S[SLOPES + r] = slope
         S[SLOPES + 3 + r] = acceleration
         S[HEADING + r] += dt * slope

@@ -32,6 +32,7 @@ motor_power = compiled(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
 drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
+motor_of = rows_from(STALL_TORQUE, 5)
 law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
@@ -92,8 +93,7 @@ def count_work(N, X, C, J, U, P, qvel, dt):
         net += signed
         positive += given
         if J[i, STALL_POWER] > 0.0:
-            motor = J[i, STALL_TORQUE], J[i, NO_LOAD_SPEED], J[i, FRICTION_TORQUE], J[i, VISCOUS_FRICTION]
-            electrical += motor_power(U[i], rate, motor[0], motor[1], motor[2], motor[3], J[i, STALL_POWER])
+            electrical += motor_power(U[i], rate, *motor_of(J[i]))
     for k, power in enumerate((absolute, net, positive, electrical)):
         X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
         P[k] = power
