@@ -9,7 +9,7 @@ from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import link_coefficients
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import Layout, layout
-from laticauda.planar.specialize import specialize
+from laticauda.planar.model import specialize
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, Thruster, Water
 
 FORMS = ("relative", "kirchhoff", "classic")

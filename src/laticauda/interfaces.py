@@ -14,7 +14,7 @@ from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import CaudalFin, Robot
+from laticauda.robot import Robot
 
 State = TypeVar("State")
 FAR = 1e5  # beyond it, digits of the motion are lost
@@ -194,15 +194,14 @@ def check_waves(robot: Robot, gait: Gait) -> None:
     Raises:
         ValueError: If so.
     """
-    fin = robot.caudal_fin
-    if gait.fin is not None and (fin is None or fin.joint is None):
+    if gait.fin is not None and 0 not in robot.fin_joints:
         raise BadArgument("gait.fin", f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}")
     if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):
         raise BadArgument("gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}")
 
 
 def fin_signals(
-    fin: CaudalFin | None,
+    joints: range,
     angle: Float[np.ndarray, "n_samples n_joints"],
     rate: Float[np.ndarray, "n_samples n_joints"],
     reference: Float[np.ndarray, "n_samples n_joints"],
@@ -211,20 +210,15 @@ def fin_signals(
     """What the fin's joints do, as signals of a log: all of a driven root, angles and rates of passive hinges.
 
     Args:
-        fin: The fin, or None.
-        angle: Of its joints, from the root on [rad].
+        joints: See `Robot.fin_joints`.
+        angle: Of each of them [rad].
         rate: The same [rad/s].
         reference: What a driven one is asked for [rad].
         torque: Of its actuator [N m].
     """
     found: dict[str, np.ndarray] = {}
-    if fin is None:
-        return found
-    if fin.joint is not None:
-        both = {"fin_angle_0": angle, "fin_rate_0": rate, "fin_angle_ref": reference, "fin_torque": torque}
-        found = {name: values[:, 0] for name, values in both.items()}
-    first = 0 if fin.joint is None else 1
-    for k in range(1, fin.n_hinges + 1):
-        found[f"fin_angle_{k}"] = angle[:, first + k - 1]
-        found[f"fin_rate_{k}"] = rate[:, first + k - 1]
+    for i, k in enumerate(joints):
+        found |= {f"fin_angle_{k}": angle[:, i], f"fin_rate_{k}": rate[:, i]}
+        if k == 0:
+            found |= {"fin_angle_ref": reference[:, i], "fin_torque": torque[:, i]}
     return found

@@ -12,8 +12,7 @@ from laticauda.actuation import JointLaw
 from laticauda.compiling import compiled, in_lanes, lane_types, lanes
 from laticauda.interfaces import Command, Start
 from laticauda.planar import functions, rows  # noqa: F401 - functions teaches lanes their sines
-from laticauda.planar.model import PlanarPlant
-from laticauda.planar.specialize import specialize
+from laticauda.planar.model import PlanarPlant, specialize
 from laticauda.robot import PectoralFin, Tether, load_robot, load_water
 from laticauda.scenarios import Planar
 

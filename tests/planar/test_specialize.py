@@ -8,9 +8,9 @@ import pytest
 import laticauda as lc
 from laticauda import scalars
 from laticauda.compiling import fingerprint
-from laticauda.compiling.sources import is_kept
+from laticauda.compiling.templates import is_kept
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.planar.specialize import specialize
+from laticauda.planar.model import specialize
 from laticauda.robot import load_robot
 
 # The least of the kernels is enough: accelerations of the chain as it passes a state, and no march.
@@ -20,7 +20,7 @@ SCRIPT = textwrap.dedent(
     from dataclasses import replace
     import numpy as np
     import laticauda as lc
-    from laticauda.compiling.sources import is_kept
+    from laticauda.compiling.templates import is_kept
     from laticauda.fluid.laws import FunctionDrag
     from laticauda.planar import rows
     sys.path.insert(0, {folder!r})

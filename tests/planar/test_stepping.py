@@ -13,7 +13,7 @@ from laticauda.actuation import PD
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
-from laticauda.planar.specialize import specialize
+from laticauda.planar.model import specialize
 from laticauda.robot import Joint, load_robot, load_water
 
 seeds = st.integers(0, 2**32 - 1)

@@ -69,7 +69,7 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
         found = module_poses(robot, center, from_quaternion(*orientation.tolist()), sample.joint_angle)
         middle, rotation = found.position, found.rotation
     else:
-        own = np.array([bends[k] for k in _moving(robot.caudal_fin)])
+        own = np.array([bends[k] for k in robot.fin_joints])
         flat = link_centers(robot, center, sample.link_angle, fin_angle=own if own.size else None)
         middle = np.column_stack((flat, np.full(len(flat), height)))
         rotation = np.array([turned_about_vertical(float(angle)) for angle in sample.link_angle])
@@ -97,13 +97,6 @@ def _mesh(box: Box) -> Mesh:
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
     return Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))
-
-
-def _moving(fin: CaudalFin | None) -> list[int]:
-    """The pieces of a fin in front of which there is a joint or a hinge."""
-    if fin is None:
-        return []
-    return [k for k in range(len(fin.pieces)) if k > 0 or fin.joint is not None]
 
 
 def _fin_angles(fin: CaudalFin | None, sample: Log) -> list[float]:

@@ -227,7 +227,7 @@ class Plant(ABC, Generic[ModelType]):
             work=found.work[:, :3],
             electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
             link_force=None,
-            signals={**found.signals, **fin_signals(self.robot.caudal_fin, *found.fin)},
+            signals={**found.signals, **fin_signals(self.robot.fin_joints, *found.fin)},
         )
 
     def _commanded(self, done: np.ndarray, offset: np.ndarray) -> np.ndarray:

@@ -234,7 +234,8 @@ def center_of_mass(
         ValueError: If an array does not fit the robot, or it has no such link.
     """
     row = _levers(robot).center[[_link_index(link, robot.n_links)]]
-    position, link_angle = _vector("position", position), _columns("link_angle", link_angle, robot.n_links)
+    position = _columns("position", position, 2, "x and y")
+    link_angle = _columns("link_angle", link_angle, robot.n_links)
     angles = _with_fin(robot, link_angle, fin_angle)
     return position - _rotated(offset, link_angle[..., link]) - _offsets(row, angles)[..., 0, :]
 
@@ -266,7 +267,8 @@ def center_of_mass_velocity(
         ValueError: If an array does not fit the robot, or it has no such link.
     """
     row = _levers(robot).center[[_link_index(link, robot.n_links)]]
-    velocity, link_angle = _vector("velocity", velocity), _columns("link_angle", link_angle, robot.n_links)
+    velocity = _columns("velocity", velocity, 2, "x and y")
+    link_angle = _columns("link_angle", link_angle, robot.n_links)
     link_rate = _columns("link_rate", link_rate, robot.n_links)
     across = _rotated((-offset[1], offset[0]), link_angle[..., link])
     mount = across * link_rate[..., link, np.newaxis]
@@ -305,15 +307,14 @@ def _levers(robot: Robot) -> _Levers:
 
 def _with_fin(robot: Robot, link_angle: Float[np.ndarray, "*batch n_links"], fin_angle: FinAngles | None) -> np.ndarray:
     """The angles (or rates) of the fin's pieces, trailing edge first, and of the links."""
-    fin, tail = robot.caudal_fin, link_angle[..., :1]
+    fin, joints, tail = robot.caudal_fin, robot.fin_joints, link_angle[..., :1]
     if fin is None:
         return link_angle
-    driven = fin.joint is not None
-    if fin_angle is None or not (driven or fin.n_hinges):
+    if fin_angle is None or not joints:
         return np.concatenate((np.repeat(tail, len(fin.pieces), axis=-1), link_angle), axis=-1)
-    bends = _columns("fin_angle", fin_angle, driven + fin.n_hinges, "joint of the robot's fin")
+    bends = _columns("fin_angle", fin_angle, len(joints), "one per joint of the robot's fin")
     pieces = tail - np.cumsum(bends, axis=-1)
-    pieces = pieces if driven else np.concatenate((tail, pieces), axis=-1)
+    pieces = pieces if 0 in joints else np.concatenate((tail, pieces), axis=-1)
     return np.concatenate((pieces[..., ::-1], link_angle), axis=-1)
 
 
@@ -324,7 +325,7 @@ def _points(
     link_angle: Float[np.ndarray, "*batch n_links"],
     fin_angle: FinAngles | None,
 ) -> Float[np.ndarray, "*batch n_points 2"]:
-    center = _vector("center_of_mass", center_of_mass)
+    center = _columns("center_of_mass", center_of_mass, 2, "x and y")
     angles = _with_fin(robot, _columns("link_angle", link_angle, robot.n_links), fin_angle)
     return center[..., np.newaxis, :] + _offsets(lever, angles)
 
@@ -338,7 +339,7 @@ def _point_velocities(
     fin_angle: FinAngles | None,
     fin_rate: FinAngles | None,
 ) -> Float[np.ndarray, "*batch n_points 2"]:
-    velocity = _vector("center_of_mass_velocity", center_of_mass_velocity)
+    velocity = _columns("center_of_mass_velocity", center_of_mass_velocity, 2, "x and y")
     n = robot.n_links
     angles = _with_fin(robot, _columns("link_angle", link_angle, n), fin_angle)
     rates = _with_fin(robot, _columns("link_rate", link_rate, n), fin_rate)
@@ -362,22 +363,15 @@ def _offset_rates(
     return np.stack((x @ lever.T, y @ lever.T), axis=-1)
 
 
-# A wrong last axis would broadcast silently to a wrong answer, so the two checks below stand at every public door.
+# A wrong last axis would broadcast silently to a wrong answer, so this check stands at every public door.
 
 
 def _columns(
-    name: str, values: Float[np.ndarray, "*batch columns"], n: int, of: str = "link of the robot"
+    name: str, values: Float[np.ndarray, "*batch columns"], n: int, what: str = "one per link of the robot"
 ) -> Float[np.ndarray, "*batch columns"]:
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != n:
-        raise BadArgument(name, f"must have {n} columns, one per {of}, got shape {array.shape}")
-    return array
-
-
-def _vector(name: str, values: Float[np.ndarray, "*batch columns"]) -> Float[np.ndarray, "*batch columns"]:
-    array = np.asarray(values, dtype=np.float64)
-    if array.ndim == 0 or array.shape[-1] != 2:
-        raise BadArgument(name, f"must have 2 columns, x and y, got shape {array.shape}")
+        raise BadArgument(name, f"must have {n} columns, {what}, got shape {array.shape}")
     return array
 
 

@@ -21,8 +21,7 @@ from numba.core.errors import NumbaError
 from laticauda.compiling import compiled
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.sources import sources_digest
-from laticauda.compiling.templates import load
+from laticauda.compiling.templates import load, sources_digest
 from laticauda.fluid.laws import DragLaw
 
 Current: TypeAlias = Callable[[float, float, float, float], tuple[float, float, float]]

@@ -16,8 +16,7 @@ from numba import (
 
 from laticauda.compiling.formulas import in_numbers, rows_from
 from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.sources import named_after
-from laticauda.compiling.templates import bindings
+from laticauda.compiling.templates import bindings, named_after
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.mujoco_water.table import LOADS

@@ -18,7 +18,7 @@ from numba.extending import intrinsic
 
 from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.sources import named_after, sources_digest
+from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.mujoco_water.element_loads import element_load
 from laticauda.mujoco_water.native import allocate, call_1, call_2, number_at, word_at
 from laticauda.mujoco_water.table import *

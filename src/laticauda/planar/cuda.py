@@ -18,7 +18,7 @@ from laticauda.compiling import Target
 from laticauda.errors import BadArgument, MissingExtra
 from laticauda.planar import rows
 from laticauda.planar.batch import PATH_ROWS, Block, Run, block_of, kinds_of
-from laticauda.planar.specialize import specialize
+from laticauda.planar.model import specialize
 
 try:
     # It puts itself in the place of the module that numba has.

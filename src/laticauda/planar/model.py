@@ -3,22 +3,51 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from types import ModuleType
 from typing import Any, ClassVar
 
 import numpy as np
 
+from laticauda.actuation.laws import JointLaw
+from laticauda.compiling import Target
+from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import Plant, PlantState, Samples
 from laticauda.errors import BadArgument
-from laticauda.fluid.laws import DragLaw
+from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout, layout
-from laticauda.planar.specialize import specialize
 from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
+TEMPLATES = {
+    "loads": ("WIDTH", "law"),
+    "recursion": ("WIDTH", "law"),
+    "drives": ("WIDTH", "joint_law"),
+    "stepping": ("WIDTH", "law", "joint_law"),
+}
+"""Of the kernels, and what each is made for; see `laticauda.compiling.templates`."""
+
+
+def specialize(
+    width: int = 1, law: DragLaw | None = None, joints: JointLaw | None = None, target: Target | None = None
+) -> ModuleType:
+    """The stepping kernels for `width` lanes, one drag law and one joint law.
+
+    Args:
+        width: Number of trials that run side by side in one set of vector registers.
+        law: Whose formula is compiled; what it calls counts as part of it, its numbers do not. None: the polynomial.
+        joints: Whose formula is compiled beside the built-in ones, if it is none of them.
+        target: What to compile for; None for this machine's processor.
+
+    Returns:
+        The module `laticauda.planar.stepping`, compiled for them on first call.
+    """
+    own = None if joints is None else joints.own
+    names = {"WIDTH": width, "law": (law or PolynomialDrag()).formula, "joint_law": own}
+    return specialized("laticauda.planar", TEMPLATES, names, target)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,16 +205,15 @@ class PlanarPlant(Plant[Planar]):
         }
 
     def _samples(self, samples: np.ndarray) -> Samples:
-        law, tail, joints = self.layout.law, self.layout.tail_link, self.layout.n_bodies - 1
+        tail, joints = self.layout.tail_link, self.layout.n_bodies - 1
         columns = np.moveaxis(samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints), 1, 0)
-        own = [i - 1 for i in range(tail, 0, -1) if law[i] != rows.LOCKED]  # the fin's own joints
         return Samples(
             seen=self._seen(samples),
             reference=columns[2, :, tail:],
             offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
             torque=columns[3, :, tail:],
             work=samples[:, _at(rows.WORK_ABSOLUTE) :][:, :4],
-            fin=tuple(columns[:, :, own]),
+            fin=tuple(columns[:, :, [tail - k - 1 for k in self.robot.fin_joints]]),
             signals={},
         )
 

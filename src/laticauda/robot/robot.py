@@ -84,6 +84,12 @@ class Robot:
         return self.joints if fin is None else (*self.joints, fin)
 
     @property
+    def fin_joints(self) -> range:
+        """The joints about which its fin moves, from the root on: 0 is a driven root, 1 and on are passive hinges."""
+        fin = self.caudal_fin
+        return range(0) if fin is None else range(0 if fin.joint else 1, fin.n_hinges + 1)
+
+    @property
     def idle_power(self) -> float:
         """What the robot draws at rest: electronics and idle actuators [W]."""
         return self.electronics_power + sum(joint.actuator.idle_power for joint in self.driven_joints)

@@ -68,7 +68,7 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
         MissingExtra: If the model needs a package that is not installed.
     """
     model = model_of(model or "planar")
-    from laticauda.compiling.sources import is_kept
+    from laticauda.compiling.templates import is_kept
 
     if isinstance(model, Spatial):
         from laticauda.extras import load_mujoco
@@ -76,6 +76,6 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
 
         load_mujoco()
         return not is_kept(stepping(model.joints).run)
-    from laticauda.planar.specialize import specialize
+    from laticauda.planar.model import specialize
 
     return not is_kept(specialize(law=law_of(environment), joints=model.joints).run)

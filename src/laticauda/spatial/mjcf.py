@@ -83,8 +83,8 @@ def spec(
     if actuators == "servo":
         for i, joint in enumerate(robot.joints):
             _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
-        if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
-            _add_servo(model, "fin_servo", "fin_joint", robot.caudal_fin.joint)
+        for joint in robot.driven_joints[robot.n_joints :]:
+            _add_servo(model, "fin_servo", "fin_joint", joint)
     return model
 
 
@@ -185,7 +185,7 @@ def _add_root(body: Any, root: str) -> None:
 def _add_sensors(model: Any, robot: Robot) -> None:
     sensor, thing = load_mujoco().mjtSensor, load_mujoco().mjtObj
     found = [(f"joint_angle_{i}", f"joint_rate_{i}", f"joint_{i}") for i in range(robot.n_joints)]
-    if robot.caudal_fin is not None and robot.caudal_fin.joint is not None:
+    if 0 in robot.fin_joints:
         found.append(("fin_angle", "fin_rate", "fin_joint"))
     for angle, rate, joint in found:
         for name, kind in ((angle, sensor.mjSENS_JOINTPOS), (rate, sensor.mjSENS_JOINTVEL)):

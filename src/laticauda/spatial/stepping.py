@@ -23,8 +23,7 @@ from numba import njit
 
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.sources import named_after
-from laticauda.compiling.templates import bindings
+from laticauda.compiling.templates import bindings, named_after
 from laticauda.dynamics import stages
 from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.mujoco_water.native import forward_skip, integrate_positions

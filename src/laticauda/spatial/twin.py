@@ -165,14 +165,13 @@ def land_of(environment: Environment, setup: Spatial) -> Ground | None:
 
 def _joint_rows(robot: Robot, law: JointLaw) -> list[np.ndarray]:
     """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
-    waves = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
+    waves = [rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE for joint in robot.joints] + [rows.FIN_WAVE]
     has_power = has_power_model(robot, law)
-    driven = [(joint, waves[joint.axis]) for joint in robot.joints]
-    fin = robot.caudal_fin
-    if fin is not None and fin.joint is not None:
-        driven.append((fin.joint, rows.FIN_WAVE))
-    found = [np.array([law.code, wave, *joint_numbers(joint, law, has_power=has_power)]) for joint, wave in driven]
-    for hinge in fin.hinges if fin is not None else ():
+    found = [
+        np.array([law.code, wave, *joint_numbers(joint, law, has_power=has_power)])
+        for joint, wave in zip(robot.driven_joints, waves, strict=False)
+    ]
+    for hinge in robot.caudal_fin.hinges if robot.caudal_fin is not None else ():
         row = np.zeros(rows.JOINT_SIZE)
         row[[rows.LAW, rows.WAVE]] = rows.PASSIVE, rows.NO_WAVE
         row[[rows.STIFFNESS, rows.DAMPING]] = hinge.stiffness, hinge.damping

@@ -118,9 +118,7 @@ class Contents(Log):
         return self._of_fin("fin_rate")
 
     def _of_fin(self, name: str) -> FinJoints:
-        fin = self.robot.caudal_fin
-        joints = range(0 if fin.joint is not None else 1, fin.n_hinges + 1) if fin is not None else ()
-        nothing = np.zeros(self.time.size)
+        joints, nothing = self.robot.fin_joints, np.zeros(self.time.size)
         return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
 
     def _clean(self) -> dict[str, object]:

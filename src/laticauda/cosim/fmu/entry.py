@@ -1,6 +1,6 @@
 """The planar kernels as machine code that needs no Python: one function of plain pointers, in an object file.
 
-The same templates that `swim` runs (`laticauda.planar.specialize`) are compiled once more, with nothing of Numba's own
+The same templates that `swim` runs (`laticauda.planar.model`) are compiled once more, with nothing of Numba's own
 runtime left in them, and LLVM writes them out for any processor of this family. The function knows no robot: what
 swims, and which number of it stands behind which variable, are the two arrays of `laticauda.cosim.fmu.tables`.
 
@@ -30,12 +30,12 @@ from laticauda.compiling import PROCESSOR, Target, compiling_for
 from laticauda.compiling.formulas import in_numbers, reason_of
 from laticauda.compiling.lane_types import Rows
 from laticauda.compiling.lanes import INLINED
-from laticauda.compiling.sources import sources_digest
+from laticauda.compiling.templates import sources_digest
 from laticauda.errors import BadArgument
 from laticauda.files import write
 from laticauda.fluid.laws import MOTION, DragLaw, Element
+from laticauda.planar.model import specialize
 from laticauda.planar.rows import VX, VY
-from laticauda.planar.specialize import specialize
 
 NAME = "laticauda_move"
 """What the function is called in the object file."""

@@ -172,8 +172,7 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _fin_wave(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
-    fin = plant.robot.caudal_fin
-    if fin is None or fin.joint is None:
+    if 0 not in plant.robot.fin_joints:
         return
     wave = gait.fin
     for name, unit, least, row, now, text in (
@@ -230,14 +229,9 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
-    """As `fin_signals` names them: 0 is a driven root, 1 and on are hinges."""
-    fin, law = plant.robot.caudal_fin, plant.layout.law
-    moving = [i for i in range(plant.layout.tail_link, 0, -1) if law[i] != rows.LOCKED]
-    if fin is None or not moving:
-        return
-    first = 0 if fin.joint is not None else 1
-    for k, i in enumerate(moving, start=first):
-        b = rows.HEADER_ROWS + i * rows.BODY_ROWS
+    """Counted as in `Robot.fin_joints`."""
+    for k in plant.robot.fin_joints:
+        b = rows.HEADER_ROWS + (plant.layout.tail_link - k) * rows.BODY_ROWS
         yield _output(f"fin_angle[{k}]", "rad", "phi_j", "Angle of a joint of the fin.", (b + rows.ANGLE, 1.0))
         yield _output(f"fin_rate[{k}]", "rad/s", "phi'_j", "Its rate.", (b + rows.RATE, 1.0))
         if k == 0:

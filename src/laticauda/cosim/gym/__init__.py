@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from laticauda.cosim.gym.episodes import Episodes as Episodes, Pilots as Pilots
     from laticauda.cosim.gym.tasks import PathFollowing as PathFollowing
     from laticauda.cosim.gym.tasks import StationKeeping as StationKeeping
-    from laticauda.cosim.gym.steps import Range as Range, Sight as Sight, Step as Step
+    from laticauda.cosim.gym.swimming import Range as Range, Sight as Sight, Step as Step
     from laticauda.cosim.gym.swimming import Swimming as Swimming, swimmer as swimmer
 
 IDS = ("laticauda/PathFollowing-v0", "laticauda/Efficiency-v0", "laticauda/StationKeeping-v0")

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.cosim.gym.steps import Step
-from laticauda.cosim.gym.swimming import Swimming
+from laticauda.cosim.gym.swimming import Step, Swimming
 from laticauda.errors import BadArgument, finite, one_of
 from laticauda.interfaces import Command, Controller, Observation
 from laticauda.planar.school import Motion, School

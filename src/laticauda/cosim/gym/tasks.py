@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.cosim.gym.steps import (
+from laticauda.cosim.gym.swimming import (
     ACROSS,
     ALONG,
     HEADING_RATE,
@@ -14,10 +14,11 @@ from laticauda.cosim.gym.steps import (
     Range,
     Sight,
     Step,
+    Swimming,
+    check_ends,
     in_body_axes,
     log_square,
 )
-from laticauda.cosim.gym.swimming import Swimming, check_ends
 from laticauda.errors import BadArgument
 from laticauda.quantities import quantity, value
 

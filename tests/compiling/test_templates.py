@@ -4,10 +4,10 @@ import sys
 
 import pytest
 
-from laticauda.compiling.sources import PACKAGE, closure, digest_of
-from laticauda.planar import specialize
+from laticauda.compiling.templates import PACKAGE, closure, digest_of
+from laticauda.planar.model import TEMPLATES
 
-PLANAR = tuple(f"laticauda.planar.{name}" for name in specialize.TEMPLATES)
+PLANAR = tuple(f"laticauda.planar.{name}" for name in TEMPLATES)
 MADE_OF = [
     PLANAR,
     ("laticauda.spatial.drives", "laticauda.spatial.stepping"),
