@@ -28,6 +28,10 @@ def test_all_presets_are_listed(run):
     done = run("robots")
     assert done.status == 0
     assert all(name in done.out for name in ALL)
+    lines = done.out.split("\n\n")[0].splitlines()
+    assert lines[0].split()[:3] == ["name", "links", "joints"]
+    assert [line.split()[0] for line in lines[1:]] == list(robot_names())
+    assert any("mamba-fin" in line and "  yes  " in line for line in lines)
     assert "length [m]" in done.out
 
 

@@ -11,24 +11,14 @@ from laticauda.robot import (
     describe,
     load_robot,
     load_water,
-    robot_names,
     summary,
-    summary_rows,
-    summary_table,
 )
 
 
-def test_the_table_of_presets_has_a_line_for_each():
-    lines = summary_table().splitlines()
-    assert lines[0].split()[:3] == ["name", "links", "joints"]
-    assert [line.split()[0] for line in lines[1:]] == list(robot_names())
-    assert any("mamba-fin" in line and "  yes  " in line for line in lines)
-
-
-def test_the_rows_are_plain_data():
-    (row,) = summary_rows(["mamba-modules-fin"])
-    assert row == summary(load_robot("mamba-modules-fin"))
-    assert (row["n_links"], row["n_joints"], row["caudal_fin"]) == (19, 18, True)
+def test_the_main_facts_are_plain_data():
+    facts = summary(load_robot("mamba-modules-fin"))
+    assert (facts["name"], facts["n_links"], facts["n_joints"]) == ("mamba-modules-fin", 19, 18)
+    assert facts["caudal_fin"] is True
 
 
 @pytest.mark.parametrize(

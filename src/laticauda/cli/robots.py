@@ -1,13 +1,13 @@
 """`laticauda robots`: what there is to swim, where, and with which parameters."""
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from laticauda import robot
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import Preset
-from laticauda.cli.tables import table
+from laticauda.cli.tables import aligned, table
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, value
 from laticauda.robot import Ground, Parameters, Robot, Water
@@ -64,7 +64,7 @@ def _named(name: str) -> Robot | Water | Ground | Parameters:
 
 def _all() -> dict[str, Any]:
     names = {"waters": robot.water_names(), "grounds": robot.ground_names(), "parameters": robot.parameter_names()}
-    return {"robots": robot.summary_rows(), **{kind: list(found) for kind, found in names.items()}}
+    return {"robots": _summaries(), **{kind: list(found) for kind, found in names.items()}}
 
 
 def _lists() -> str:
@@ -72,11 +72,24 @@ def _lists() -> str:
     grounds = {name: robot.describe(robot.load_ground(name)) for name in robot.ground_names()}
     titles = [{"parameters": name, "title": robot.load_parameters(name).title} for name in robot.parameter_names()]
     return "\n\n".join([
-        robot.summary_table(),
+        _robots(_summaries()),
         table(_rows("water", waters, WATER_FACTS)),
         table(_rows("ground", grounds, GROUND_FACTS)),
         table(titles),
     ])  # fmt: skip
+
+
+def _summaries() -> list[dict[str, Any]]:
+    return [robot.summary(robot.load_robot(name)) for name in robot.robot_names()]
+
+
+def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
+    rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
+    for one in summaries:
+        n_links, n_joints, fin = str(one["n_links"]), str(one["n_joints"]), "yes" if one["caudal_fin"] else "no"
+        size = f"{one['length']:.2f}", f"{one['mass']:.2f}"
+        rows.append((one["name"], n_links, n_joints, *size, fin, one["description"]))
+    return aligned(rows, right=(1, 2, 3, 4))
 
 
 def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[dict[str, str]]:

@@ -3,8 +3,7 @@
 import socket
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 from laticauda.cosim.messages import MESSAGE_BYTES, write_message
 from laticauda.cosim.session import Session
@@ -137,34 +136,14 @@ class Server:
 
     def _talk(self, wire: socket.socket) -> None:
         session = Session(self._own_robots)
-        for line in lines(wire):
-            if line is None:
-                _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
-                return
-            if line.strip():
-                wire.settimeout(SENDING)
-                wire.sendall(session.answer(line))
-                wire.settimeout(None)
-
-
-def lines(wire: Any) -> Iterator[bytes | None]:
-    """The lines that come in, without their ends; None, and then nothing more, after one that is too long.
-
-    Args:
-        wire: The socket.
-    """
-    rest = bytearray()
-    while piece := wire.recv(PIECE):
-        begun = len(rest)
-        rest += piece
-        end = rest.find(b"\n", begun)
-        while end >= 0 and end < MESSAGE_BYTES:
-            yield bytes(rest[:end])
-            del rest[: end + 1]
-            end = rest.find(b"\n")
-        if len(rest) >= MESSAGE_BYTES:
-            yield None
-            return
+        with wire.makefile("rb") as stream:
+            while (line := stream.readline(MESSAGE_BYTES)).endswith(b"\n"):
+                if line.strip():
+                    wire.settimeout(SENDING)
+                    wire.sendall(session.answer(line.strip()))
+                    wire.settimeout(None)
+        if len(line) == MESSAGE_BYTES:
+            _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is not. Good-bye.")
 
 
 def _dismiss(wire: socket.socket, why: str) -> None:

@@ -22,21 +22,8 @@ from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positi
 from laticauda.packaging import __version__
 from laticauda.robot import Robot, Water
 from laticauda.scenarios import settings_of
+from laticauda.series import SERIES
 
-RUN_SERIES = (
-    "time",
-    "center_of_mass",
-    "center_of_mass_velocity",
-    "heading",
-    "heading_rate",
-    "link_angle",
-    "joint_angle",
-    "joint_rate",
-    "joint_angle_ref",
-    "joint_torque",
-    "work",
-    "electrical_work",
-)
 LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")  # of the last sample, beside the observation
 
 
@@ -115,7 +102,7 @@ class Session:
         check_fields(message, "duration", "series", *MADE_FROM)
         names = _names(message.get("series", []))
         for name in names:
-            one_of("series", name, RUN_SERIES)
+            one_of("series", name, tuple(SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
         trial = whole_run(read_scenario(message, self._own_robots, duration))
         found: dict[str, Any] = {"figures": trial.summary()}
@@ -138,8 +125,7 @@ def _names(value: object) -> list[str]:
 
 def _seen(world: World) -> dict[str, Any]:
     seen, last = world.plant.observe(world.state), world.log.last
-    observation = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
-    return {"observation": observation, **{name: last[name] for name in LOADS if name in last}}
+    return {"observation": vars(seen), **{name: last[name] for name in LOADS if name in last}}
 
 
 def _command(world: World) -> dict[str, Any]:

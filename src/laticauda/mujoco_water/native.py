@@ -35,23 +35,10 @@ ARRAYS = (
     "cvel",
     "crb",
     "M",
-    "qfrc_bias",
     "qfrc_passive",
     "qfrc_fluid",
-    "qfrc_smooth",
-    "qfrc_constraint",
 )
 """Fields of `mjData` that compiled code reads or writes."""
-FUNCTIONS = (
-    "mj_factorM",
-    "mj_forwardSkip",
-    "mj_integratePos",
-    "mj_markStack",
-    "mj_freeStack",
-    "mj_stackAllocNum",
-)
-"""Functions of MuJoCo that compiled code calls."""
-
 # A free body with a hinged child: every array that is looked for has an address of its own.
 _PROBE = """
 <mujoco><worldbody><body><freejoint/><geom size=".1"/>
@@ -191,12 +178,6 @@ def call_1(typingctx, where, a):
 def call_2(typingctx, where, a, b):
     """Call the function f(a, b) at the address `where`."""
     return _call(types.void, [types.int64] * 2)(typingctx, where, a, b)
-
-
-@intrinsic
-def call_3(typingctx, where, a, b, c):
-    """Call the function f(a, b, c) at the address `where`."""
-    return _call(types.void, [types.int64] * 3)(typingctx, where, a, b, c)
 
 
 @intrinsic

@@ -2,8 +2,7 @@
 
 from laticauda.packaging import lazy_exports
 from laticauda.robot.body import Actuator as Actuator, Joint as Joint, Module as Module, Section as Section
-from laticauda.robot.describe import describe as describe, summary as summary, summary_rows as summary_rows
-from laticauda.robot.describe import summary_table as summary_table
+from laticauda.robot.describe import describe as describe, summary as summary
 from laticauda.robot.effectors import CaudalFin as CaudalFin, Hinge as Hinge, PectoralFin as PectoralFin, Piece as Piece
 from laticauda.robot.effectors import Tether as Tether, Thruster as Thruster
 from laticauda.robot.environment import Environment as Environment, Ground as Ground, Water as Water

@@ -1,7 +1,7 @@
 """Robots, waters and grounds as text to read."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TypeVar
@@ -9,7 +9,6 @@ from typing import TypeVar
 from laticauda.robot.body import Actuator, Joint, Module
 from laticauda.robot.effectors import CaudalFin
 from laticauda.robot.environment import Ground, Water
-from laticauda.robot.files import load_robot, robot_names
 from laticauda.robot.robot import Robot
 
 Row = tuple[str, str]
@@ -29,27 +28,6 @@ def summary(robot: Robot) -> dict[str, str | int | float | bool]:
     }
 
 
-def summary_rows(names: Iterable[str] | None = None) -> list[dict[str, str | int | float | bool]]:
-    """`summary` of the robots with these `names` (or paths); None for all presets."""
-    return [summary(load_robot(name)) for name in (robot_names() if names is None else names)]
-
-
-def summary_table(names: Iterable[str] | None = None) -> str:
-    """`summary_rows` of `names` as an aligned table, a robot a line."""
-    rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
-    for found in summary_rows(names):
-        rows.append((
-            str(found["name"]),
-            str(found["n_links"]),
-            str(found["n_joints"]),
-            f"{found['length']:.2f}",
-            f"{found['mass']:.2f}",
-            "yes" if found["caudal_fin"] else "no",
-            str(found["description"]),
-        ))  # fmt: skip
-    return _aligned(rows, right=(1, 2, 3, 4))
-
-
 def describe(thing: Robot | Water | Ground) -> str:
     """All that is known of `thing`, a robot, a water or a ground: one fact a line, like facts aligned."""
     if isinstance(thing, Robot):
@@ -58,7 +36,8 @@ def describe(thing: Robot | Water | Ground) -> str:
         rows = _water_rows(thing)
     else:
         rows = _ground_rows(thing)
-    return _aligned(rows)
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"{name:<{width}}  {text}" for name, text in rows)
 
 
 def _robot_rows(robot: Robot) -> list[Row]:
@@ -206,16 +185,3 @@ def _runs(things: Sequence[T]) -> list[tuple[str, T]]:
 
 def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):g} deg"
-
-
-def _aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Rows as lines whose columns begin (or, for the columns `right`, end) one below the other."""
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.rjust(width) if i in right else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-    return "\n".join(lines)

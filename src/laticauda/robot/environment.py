@@ -8,10 +8,6 @@ from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
 
-ADDED_MASS_FORMS = ("relative", "kirchhoff", "classic")
-ROTATIONAL_FORMS = ("paper", "strip")
-TRAILING_EDGES = ("none", "elongated")
-
 
 @value
 class Water:

@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from pathlib import Path
+from string import Template
 from xml.etree import ElementTree
 
 from laticauda.cosim.fmu.variables import Variable
@@ -26,6 +28,7 @@ DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
 VERSIONS = ("2.0", "3.0")
 BINARIES = {"2.0": "linux64", "3.0": "x86_64-linux"}  # folder of the library
+PAGE = Path(__file__).with_name("page.html")
 VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "continuous", "output": "continuous"}
 
 
@@ -105,7 +108,7 @@ class Description:
         """The file documentation/index.html."""
         facts = "\n".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self.facts)
         listed = "\n".join(_row(variable) for variable in self.variables)
-        return PAGE.format(
+        return Template(PAGE.read_text(encoding="utf-8")).substitute(
             title=escape(self.identifier),
             robot=escape(self.robot),
             version=escape(__version__),
@@ -158,39 +161,3 @@ def _row(variable: Variable) -> str:
     unit = "-" if variable.unit == "1" else variable.unit
     cells = (variable.name, variable.causality, variable.symbol, unit, start, variable.description)
     return "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
-
-
-PAGE = """\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{title}</title>
-<style>
-body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; line-height: 1.4; }}
-table {{ border-collapse: collapse; margin: 1em 0; }}
-th, td {{ border-bottom: 1px solid #ccc; padding: 0.2em 0.8em 0.2em 0; text-align: left; vertical-align: top; }}
-</style>
-</head>
-<body>
-<h1>{title}</h1>
-<p>{robot} Made by laticauda {version}.</p>
-<p>An FMU for co-simulation (FMI {fmi}). Its binary holds the kernels that laticauda itself runs, compiled to machine
-code for Linux on any x86-64 processor; it needs the C library and nothing else, and no Python.</p>
-<p>Inputs are held during a communication step, so results depend on its length to first order where inputs change, and
-by the error of the integration alone where they stay. A step is cut into equal steps of the integration, none longer
-than <code>dt</code>. Outputs are those of the end of the last step. A value out of its range, or a motion that
-diverges, ends in an error and a message.</p>
-<p>Joints and links are counted from 0 at the tail. Angles are counter-clockwise from the x axis, seen from above.</p>
-<h2>What cannot be changed</h2>
-<table>
-{facts}
-</table>
-<h2>Variables</h2>
-<table>
-<tr><th>name</th><th>causality</th><th>symbol</th><th>unit</th><th>start</th><th></th></tr>
-{variables}
-</table>
-</body>
-</html>
-"""

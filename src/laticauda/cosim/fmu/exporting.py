@@ -17,6 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Unpack, cast
+from uuid import UUID
 
 import numpy as np
 
@@ -225,7 +226,7 @@ def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str
     )
     content = words.model_description("").decode() + tables_in_c(tables, "") + digest(code)
     content += "".join(part.read_text(encoding="utf-8") for part in sorted(FOLDER.iterdir()))
-    guid = _guid(digest(content.encode()))
+    guid = f"{{{UUID(digest(content.encode())[:32])}}}"
     parts = {
         "modelDescription.xml": words.model_description(guid),
         f"binaries/{BINARIES[fmi]}/{words.identifier}.so": library(code, tables, guid, fmi),
@@ -238,10 +239,6 @@ def _identifier(stem: str) -> str:
     """A name that C allows, from that of the file."""
     plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in stem)
     return plain if plain[:1].isalpha() else f"robot_{plain}"
-
-
-def _guid(digits: str) -> str:
-    return "{" + "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:32])) + "}"
 
 
 def _in_words(body: PlanarPlant) -> str:
