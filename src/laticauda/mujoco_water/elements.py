@@ -19,11 +19,6 @@ from laticauda.quantities import option, quantity, value
 Three: TypeAlias = tuple[float, float, float]
 Shape: TypeAlias = Literal["ellipsoid", "cylinder", "box"]
 _NONE: Three = (0.0, 0.0, 0.0)
-_NAMES_OF_SHAPES = {
-    "ellipsoid": hydrostatics.ELLIPSOID,
-    "cylinder": hydrostatics.CYLINDER,
-    "box": hydrostatics.BOX,
-}
 
 
 @value
@@ -90,7 +85,7 @@ class Element:
     @property
     def shape_number(self) -> int:
         """The shape as `hydrostatics` has it."""
-        return _NAMES_OF_SHAPES[self.shape]
+        return int(getattr(hydrostatics, self.shape.upper()))
 
     @property
     def rotation(self) -> np.ndarray:

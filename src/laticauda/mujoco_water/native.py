@@ -22,30 +22,11 @@ from numba.extending import intrinsic
 
 from laticauda.extras import load_mujoco
 
-ARRAYS = (
-    "qpos",
-    "qvel",
-    "qacc",
-    "xpos",
-    "xmat",
-    "xipos",
-    "subtree_com",
-    "cdof",
-    "cdof_dot",
-    "cvel",
-    "crb",
-    "M",
-    "qfrc_passive",
-    "qfrc_fluid",
-)
-"""Fields of `mjData` that compiled code reads or writes."""
 # A free body with a hinged child: every array that is looked for has an address of its own.
 _PROBE = """
 <mujoco><worldbody><body><freejoint/><geom size=".1"/>
 <body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/></body></body></worldbody></mujoco>
 """
-
-
 _RARE = 0.7310585786300049  # a number that stands nowhere else
 
 
@@ -66,15 +47,20 @@ def address(function: str) -> int:
 
 
 @cache
-def offsets() -> dict[str, int]:
-    """Offset of every field in `ARRAYS` from the start of `mjData`, and that of its `time` [bytes]."""
+def offsets(*fields: str) -> list[int]:
+    """Offsets of fields from the start of `mjData` [bytes].
+
+    Args:
+        fields: Names of arrays, and `time`.
+    """
     mujoco = load_mujoco()
-    model = mujoco.MjModel.from_xml_string(_PROBE)
-    data = mujoco.MjData(model)
+    data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
     data.time = _RARE
     words = _words(data._address, np.uint64(data.signature), "data")  # stands behind all pointers
-    found = {name: _last(words, np.uint64(getattr(data, name).ctypes.data), name) for name in ARRAYS}
-    found["time"] = _last(words, np.float64(_RARE).view(np.uint64), "time")
+    found: list[int] = []
+    for name in fields:
+        value = np.float64(_RARE).view(np.uint64) if name == "time" else np.uint64(getattr(data, name).ctypes.data)
+        found.append(_last(words, value, name))
     return found
 
 

@@ -93,7 +93,6 @@ class Twin:
         )
 
     def _numbers(self, robot: Robot, setup: Spatial) -> np.ndarray:
-        where = native.offsets()
         base = (3, 3) if setup.root == "planar" else (7, 6)
         fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
         return np.array(
@@ -109,7 +108,7 @@ class Twin:
                 self.model.nbody,
                 not setup.joints.prescribed or has_hinges(robot),
                 setup.root == "planar",
-                *(where[name] for name in fields),
+                *native.offsets(*fields),
             ],
             dtype=np.int64,
         )
