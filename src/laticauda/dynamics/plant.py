@@ -107,19 +107,19 @@ class Plant(ABC, Generic[ModelType]):
         return not self.joints.prescribed or has_hinges(self.robot)
 
     def steps_in(self, interval: float) -> int:
-        """How many equal steps, none longer than `dt`, make up an interval [s] between two samples."""
+        """How many equal steps, none longer than `dt`, make up an `interval` [s] between two samples."""
         return max(1, math.ceil(interval / self.dt - 1e-9))
 
     @abstractmethod
     def init(self, start: Start, command: Command) -> PlantState:
-        """Straight, the generator at the commanded gait, its offset building up from zero."""
+        """The state at time 0: straight at `start`, the generator at the gait of `command`, its offset still zero."""
 
     @abstractmethod
     def observe(self, state: PlantState) -> Observation:
-        """What can be seen of a state."""
+        """What can be seen of `state`."""
 
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
-        """The state `dt` [s] later, under a command that is held."""
+        """The state that follows `state` by `dt` [s], while `command` is held."""
         return self.march(state, command, dt, dt)[0]
 
     def march(
@@ -169,11 +169,11 @@ class Plant(ABC, Generic[ModelType]):
         )
 
     def pack(self, state: PlantState) -> dict[str, np.ndarray]:
-        """A state as arrays that can be stored."""
+        """`state` as arrays that can be stored."""
         return {self.name: state.values}
 
     def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
-        """The state back from `pack`.
+        """The state back from what `pack` gave as `stored`.
 
         Raises:
             ValueError: If the arrays do not come from such a plant.
