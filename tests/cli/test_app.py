@@ -61,10 +61,12 @@ def test_the_help_lists_every_command(run):
     assert all(words[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
 
 
+@pytest.mark.parametrize("width", [80, 120])
 @pytest.mark.parametrize("words", app.COMMANDS, ids=" ".join)
-def test_the_help_of_every_command_fits_a_terminal(run, monkeypatch, words):
-    monkeypatch.setenv("COLUMNS", "120")
-    assert max(map(len, run(f"{' '.join(words)} --help").out.splitlines())) <= 120
+def test_the_help_of_every_command_fits_a_terminal(run, monkeypatch, words, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    lines = run(f"{' '.join(words)} --help").out.splitlines()[1:]  # tyro does not break the line of the usage
+    assert max(map(len, lines)) <= width
 
 
 def test_the_help_names_groups_by_what_they_are_and_lists_single_numbers_last(run):

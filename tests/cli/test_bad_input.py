@@ -21,6 +21,7 @@ BAD = {
     "swim --gait custom --envelope 1 2": "--envelope must have one value per joint",
     "swim --gait custom --envelope 1 2 nan 4 5 6 7 8": "--envelope must be a finite number, got nan.",
     "swim --gait custom --envelope 1 2 c": "must be a number, got 'c'.",
+    "swim --gait math:pi": "--gait must be a name or MODULE:CLASS, got math:pi, which is no class.",
     # the run
     "swim --duration 0": "--duration must be > 0 s, got 0",
     "swim --duration -5": "--duration must be > 0 s, got -5",
@@ -94,7 +95,8 @@ BAD = {
     "swimm": "Available subcommands: swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "": "Expected one of {swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "--versio": "Unrecognized options: --versio",
-    "robots nope": "no robot preset named `nope`",
+    "robots nope": "NAME must be one of `chain`, `mamba`,",
+    "robots paper-eal": "got 'paper-eal'; did you mean `paper-eel`?",
     "robots nope.toml": "nope.toml: no such file",
     "robots --toml": "--toml must be given with the NAME of a robot, water, ground or parameters.",
     "robots mamba --toml --json": "--toml must not be given together with --json.",

@@ -73,6 +73,7 @@ def test_an_exported_fmu_takes_parameters_and_references(run, folder):
         ("export mjcf robot.xml --meshes a.stl", "--meshes must be one file per module, 9, or none, got 1."),
         ("export mjcf robot.xml --root fixed", "('free', 'planar')"),
         ("export mjcf robot.xml --robot mambo", "did you mean"),
+        ("export fmu", "Missing from laticauda export fmu"),
         ("export fmu robot.zip", "OUTPUT must be a file that ends in .fmu, got robot.zip."),
         ("export fmu robot.fmu --ground coulomb", "--ground must not be given: the robot in an FMU swims in water."),
         ("export fmu robot.fmu --model spatial", "--model must be `planar`: the spatial model needs MuJoCo"),

@@ -43,6 +43,11 @@ def test_follow_plans_ahead_in_a_current_within_a_power(run):
     assert found["settings"]["controller"] == "model-predictive"
 
 
+def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
+    done = run("follow --robot mamba --guidance model-predictive --duration 2 --json")
+    assert (done.status, json.loads(done.out)["settings"]["power_limit"]) == (0, None)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import BadFlag, Files, Output, Written
+from laticauda.cli.flags import Files, Output, Written
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
@@ -101,10 +101,7 @@ class Fmu(OfScenario):
         """The command that was typed; see `OfScenario.read`."""
         names = Names.read(words, prog)
         scenario, _ = names.scenario([])  # the file that comes first is the output
-        found = cls.about(scenario, words, prog, choice=names)
-        if not found.output:
-            raise BadFlag("OUTPUT must be given: a file that ends in .fmu.")
-        return found
+        return cls.about(scenario, words, prog, choice=names)
 
     def run(self) -> Outcome:
         """Write the file."""

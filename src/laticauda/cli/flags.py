@@ -7,6 +7,7 @@ says is what the help shows, and what the flags change.
 
 import math
 import re
+import shutil
 import textwrap
 import types
 import typing
@@ -26,7 +27,7 @@ NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_pha
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
-    **{"measurements": "files", "trials": "files", "kind": "gait"},
+    **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""
 SPELLED = {"center_of_mass": "position", "interval": "control_interval"}
@@ -129,7 +130,8 @@ def read(
 
 def wrapped(text: str) -> str:
     """A text in lines for which a terminal has room; tyro would join those that are not indented."""
-    how: Any = {"width": WIDTH, "break_on_hyphens": False, "subsequent_indent": "  "}
+    width = min(WIDTH, shutil.get_terminal_size().columns)
+    how: Any = {"width": width, "break_on_hyphens": False, "subsequent_indent": "  "}
     return "\n\n".join(textwrap.fill(" ".join(part.split()), **how) for part in text.split("\n\n"))
 
 
@@ -207,7 +209,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             continue
         name += "" if declared is None else DEGREES.get(declared.unit, "")
         of_flag[name] = field.name
-        usual = tyro.MISSING if usual is MISSING else usual
+        usual = tyro.MISSING if usual is MISSING or usual == "" else usual  # no text: it has to be typed
         specs.append(StructFieldSpec(name=name, type=option, default=usual, helptext=f"{texts_of(kind)[field.name]}."))
 
     def make(**given: Any) -> Any:

@@ -23,7 +23,7 @@ class Body:
     """What swims, where."""
 
     robot: str = option(
-        "A preset (`laticauda robots` lists them) or a TOML file, with 18 joints or fewer, and a fin",
+        "A preset (`laticauda robots` lists them) or a TOML file, of at most 18 joints, with or without a fin",
         default="mamba-modules",
     )
     water: str = option("A preset or a TOML file", default="paper-lateral")

@@ -30,7 +30,7 @@ def facts_of(trial: Trial) -> dict[str, Any]:
         else {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
         "gait_parameters": None if trial.gait is None else dataclasses.asdict(trial.gait),
         "coefficients": {name: value for name, value in environment.items() if name != "name"},
-        "settings": dict(trial.settings),
+        "settings": {name: None if one == math.inf else one for name, one in trial.settings.items()},  # no limit
         "version": trial.version,
     }
     if "cross_track_error" in trial.signals:

@@ -8,7 +8,7 @@ from laticauda import robot
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import Preset
 from laticauda.cli.tables import aligned, table
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, value
 from laticauda.robot import Ground, Parameters, Robot, Water
 from laticauda.robot.files import read_table
@@ -59,7 +59,8 @@ def _named(name: str) -> Robot | Water | Ground | Parameters:
         if read_table(Path(name)).get("kind") == KIND:
             return robot.load_parameters(name)
         return robot.from_toml(Path(name))
-    return robot.load_robot(name)
+    names = (*robot.robot_names(), *robot.water_names(), *robot.ground_names(), *robot.parameter_names())
+    return robot.load_robot(one_of("name", name, names))
 
 
 def _all() -> dict[str, Any]:

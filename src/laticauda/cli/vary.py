@@ -114,6 +114,8 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
         parameter, factor = _meant(name, known, found)
         if len(ends) != 2:
             raise BadArgument("vary", f"must be {form}, got {word!r}")
+        if not ends[0] < ends[1]:
+            raise BadArgument("vary", f"must have low < high, got {word!r}")
         found[parameter.name] = (factor * ends[0], factor * ends[1])
     return found
 

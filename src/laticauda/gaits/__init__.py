@@ -11,5 +11,6 @@ if TYPE_CHECKING:
     from laticauda.gaits.gait import Gait as Gait, Wave as Wave, custom_gait as custom_gait
     from laticauda.gaits.gait import eel_like as eel_like, lateral_undulation as lateral_undulation
     from laticauda.gaits.generator import Generator as Generator, GeneratorState as GeneratorState
+    from laticauda.gaits.reference import WaveState as WaveState
 
 __getattr__, __dir__, __all__ = lazy_exports()

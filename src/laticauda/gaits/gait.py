@@ -23,7 +23,7 @@ class Wave:
     amplitude: float = quantity("rad", "alpha", ge=0.0)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
     phase_shift: float = quantity("rad", "delta between neighboring pitch joints", default=0.0)
-    phase: float = quantity("rad", "How far it is ahead of the yaw wave, tail-most joints", default=0.0)
+    phase: float = quantity("rad", "lead over the yaw wave, at the tail-most joints", default=0.0)
     offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", default=0.0)
 
     def target(self, offset: float = 0.0) -> WaveTarget:

@@ -41,11 +41,10 @@ def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> 
     every = {key: parameter for names in known for key, parameter in names.items()}
     try:
         look_up(name, every, "parameters")
-    except ValueError as err:
-        hint = str(err).partition("; the nearest are ")[2]
-        side = nearest(name, tuple(NUISANCE))
-        words = f"; the nearest are {hint}" if hint else side or "."
-        raise ValueError(f"`parameters` must name numbers {whose}, got {name!r}{words}") from None
+    except BadArgument as err:
+        _, near, hint = err.rule.partition("; the nearest are ")
+        words = near + hint or nearest(name, tuple(NUISANCE))
+        raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{words}") from None
 
 
 def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:

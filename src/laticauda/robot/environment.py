@@ -43,7 +43,7 @@ class Water:
         "`elongated` adds Lighthill's wake force at the fin's trailing edge; it needs `kirchhoff`", default="none"
     )
     current: tuple[float, float] = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
-    depth: float | None = quantity("m", "Of the body's axis; None for far below the surface", gt=0.0, default=None)
+    depth: float | None = quantity("m", "Of the body's axis; far below the surface if left out", gt=0.0, default=None)
 
     former: ClassVar[Mapping[str, str]] = {
         "linear_drag": "drag.linear",

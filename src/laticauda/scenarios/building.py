@@ -178,7 +178,7 @@ class Choice:
     model: Literal["planar", "spatial"] = option("The closed form in the plane, or MuJoCo in space", default="planar")
     joints: str | None = option(
         "How the joints follow the gait: prescribed (exactly), pd (the published simulations' law), servo (the real "
-        "robot's) or a law of one's own; None: the parameters' law, or prescribed",
+        "robot's) or a law of one's own; the parameters' law, or prescribed, if left out",
         default=None,
     )
 

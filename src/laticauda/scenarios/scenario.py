@@ -20,10 +20,10 @@ class _Model:
     """What both models have."""
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
-    dt: float | None = quantity("s", "Largest time step; None takes a converged one", default=None, ge=1e-7, le=1e3)
+    dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
     offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
     ramp: float | None = quantity(
-        "s", "Duration of the smooth start; None: 1 s for prescribed joints, none for the others", default=None, ge=0.0
+        "s", "Duration of the smooth start; left out, 1 s for prescribed joints, else none", default=None, ge=0.0
     )
 
 
@@ -45,8 +45,8 @@ class Spatial(_Model):
     """
 
     root: Literal["free", "planar"] | None = option(
-        "Of the tail module: free, or planar for one whose height and tilt are fixed; None: planar for a robot whose "
-        "joints all turn about the vertical axis, else free",
+        "Of the tail module: free, or planar for one whose height and tilt are fixed; if left out planar for a robot "
+        "whose joints all turn about the vertical axis, else free",
         default=None,
     )
     gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
@@ -58,7 +58,7 @@ class Spatial(_Model):
     )
     tank: bool = option("Whether the tank's floor and walls are there", default=False)
     shore: Ground | None = option(
-        "The ground of a shore that leads down into the water, on which the robot begins; None: there is no land",
+        "The ground of a shore that leads down into the water, on which the robot begins; no land if left out",
         default=None,
     )
 

@@ -156,6 +156,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
     Raises:
         ValueError: If they are not.
     """
+    instance("scenarios", scenarios, Sequence)
     if not scenarios:
         raise BadArgument("scenarios", "must hold at least one item, got none")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}

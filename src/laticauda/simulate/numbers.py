@@ -98,11 +98,9 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
     if isinstance(name, str) and name in known:
         return known[name]
     near = _near(name, known) if isinstance(name, str) else []
-    hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}." if near else "."
-    raise ValueError(
-        f"`{argument}` must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, "
-        f"got {name!r}{hint}"
-    )
+    hint = f"; the nearest are {', '.join(f'`{word}`' for word in near)}" if near else ""
+    rule = f"must name numbers of gait, {_environment_word(known)} or robot, as `gait.amplitude`, got {name!r}{hint}"
+    raise BadArgument(argument, rule)
 
 
 def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
