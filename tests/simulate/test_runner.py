@@ -93,6 +93,16 @@ def test_a_controller_can_refuse_a_robot():
         lc.run(plant, Counting(GAIT, 1.0, 0), 1.0)
 
 
+def test_what_a_controller_commands_is_a_command():
+    @dataclass(frozen=True)
+    class Swapped(TurnAfter):
+        def step(self, state, observation):
+            return super().step(state, observation)[::-1]
+
+    with pytest.raises(ValueError, match="`command` must be of class Command, got tuple"):
+        run(Swapped(GAIT, 5.0, 0))
+
+
 def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
     monkeypatch.setattr(runner, "CHUNK", 50)
     told = []

@@ -85,6 +85,7 @@ def run(
             scenario = replace(scenario, duration=_cut(duration, controller.interval, reached))
             break
         controller_state, command = controller.step(controller_state, observation)
+        instance("command", command, Command)
         signals.append(controller.signals(controller_state))
         state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
         logs.append(log.at(slice(1, None)) if logs else log)
