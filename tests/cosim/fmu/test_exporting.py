@@ -53,6 +53,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "pd": {"joints": "pd", "robot": "mamba", "gait": EEL},
     "servo": {"joints": "servo", "robot": "mamba-modules-fin"},
     "references": {"joints": "servo", "inputs": "references"},
+    "fin reference": {"robot": driven_fin()[0], "joints": "pd", "inputs": "references"},
     "driven fin": dict(zip(("robot", "gait"), driven_fin(), strict=True)),
     "bent fin": {"robot": bent_fin()},
     "tracking": {"robot": lazy(), "gait": EEL},
@@ -72,7 +73,7 @@ def in_python(robot: Any = "mamba-fin", gait: Any = GAIT, **settings: Any) -> tu
     usual = lc.load_water("paper-eel" if gait.kind == "eel_like" else "paper-lateral")
     water = settings.pop("environment", usual)
     body = plant(lc.load_robot(robot) if isinstance(robot, str) else robot, water, **settings)
-    command = Command(gait=gait, references=(0.0,) * body.robot.n_joints if inputs == "references" else None)
+    command = Command(gait=gait, references=(0.0,) * len(body.robot.driven_joints) if inputs == "references" else None)
     return body, command, body.init(start, command)
 
 
@@ -154,6 +155,17 @@ def test_inputs_that_change_act_as_a_command_that_changes(make, slave):
         state, log, _ = moved.march(state, Command(gait=gait), 0.05, 0.05)
         one.steps([0.05], time=0.05 * k)
     check_equal(one, body, state, log)
+
+
+def test_a_driven_fins_reference_acts_as_one_more_does_in_python(make, slave):
+    one = slave(make(**KINDS["fin reference"])).begin()
+    body, command, state = in_python(**KINDS["fin reference"])
+    for k, angle in enumerate((0.2, 0.3, 0.4)):
+        one.put("fin.reference", angle)
+        one.steps([0.05], time=0.05 * k)
+        state, log, _ = body.march(state, replace(command, references=(0.0,) * 8 + (angle,)), 0.05, 0.05)
+        check_equal(one, body, state, log)
+    assert one.get("fin_angle[0]").item() > 0.01
 
 
 def test_references_that_change_act_as_references_in_python(make, slave):

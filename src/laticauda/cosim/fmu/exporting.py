@@ -164,7 +164,7 @@ def export_fmu(
         gait: With a robot: what the joints are asked for unless the FMU is told otherwise; of kind custom, its
             envelope too.
         inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
-            control or servos, `references` (an angle for every joint).
+            control or servos, `references` (an angle for every joint, and for a driven fin).
         fmi: Version of the standard: 2.0, which all tools read, or 3.0.
         changes: With a robot, what else differs from the defaults; see `laticauda.scenarios.Changes`.
 

@@ -49,7 +49,7 @@ def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> T
     Raises:
         ValueError: If the plant refuses the gait, or references from outside.
     """
-    held = (0.0,) * plant.robot.n_joints if inputs == "references" else None
+    held = (0.0,) * len(plant.robot.driven_joints) if inputs == "references" else None
     command = Command(gait=gait, references=held)
     template = plant.rows(plant.init(start, command), command)
     variables = variables_of(plant, gait, start, inputs=inputs)

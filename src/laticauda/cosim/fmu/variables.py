@@ -62,7 +62,7 @@ def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -
         *_water(plant),
         *(_generator(plant, gait) if inputs == "gait" else ()),
         *(_gait(gait) if inputs == "gait" else _references(plant)),
-        *_fin_wave(plant, gait),
+        *(_fin_wave(plant, gait) if inputs == "gait" else ()),
         *_current(plant),
         *_motion(),
         *_links(plant),
@@ -163,12 +163,13 @@ def _gait(gait: Gait) -> Iterator[Variable]:
 
 
 def _references(plant: PlanarPlant) -> Iterator[Variable]:
-    for i, b in enumerate(_records(plant)):
+    asked = [(f"references[{i}]", f"joint {i}", b) for i, b in enumerate(_records(plant))]
+    if 0 in plant.robot.fin_joints:
+        asked.append(("fin.reference", "the fin", _record(plant.layout.tail_link)))
+    for name, of, b in asked:
         # The generator stands still at the crest of a wave of amplitude 1 (`PlanarPlant.rows`).
-        text = f"Angle that joint {i} is asked for, held during a communication step."
-        yield _input(
-            f"references[{i}]", "rad", "phi_ref", 0.0, text, least=-FAR, most=FAR, rows=((b + rows.ENVELOPE, 1.0),)
-        )
+        text = f"Angle that {of} is asked for, held during a communication step."
+        yield _input(name, "rad", "phi_ref", 0.0, text, least=-FAR, most=FAR, rows=((b + rows.ENVELOPE, 1.0),))
 
 
 def _fin_wave(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
@@ -231,7 +232,7 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
     """Counted as in `Robot.fin_joints`."""
     for k in plant.robot.fin_joints:
-        b = rows.HEADER_ROWS + (plant.layout.tail_link - k) * rows.BODY_ROWS
+        b = _record(plant.layout.tail_link - k)
         yield _output(f"fin_angle[{k}]", "rad", "phi_j", "Angle of a joint of the fin.", (b + rows.ANGLE, 1.0))
         yield _output(f"fin_rate[{k}]", "rad/s", "phi'_j", "Its rate.", (b + rows.RATE, 1.0))
         if k == 0:
@@ -255,5 +256,9 @@ def _power(plant: PlanarPlant) -> Iterator[Variable]:
 
 def _records(plant: PlanarPlant) -> Sequence[int]:
     """First rows of the records of the body's joints, tail first."""
-    tail = plant.layout.tail_link
-    return [rows.HEADER_ROWS + i * rows.BODY_ROWS for i in range(tail + 1, plant.layout.n_bodies)]
+    return [_record(i) for i in range(plant.layout.tail_link + 1, plant.layout.n_bodies)]
+
+
+def _record(i: int) -> int:
+    """First row of the record of a body, whose joint is the one at its tail end."""
+    return rows.HEADER_ROWS + i * rows.BODY_ROWS
