@@ -1,6 +1,7 @@
 """For the API reference: a field that is declared by its unit and text has them as its docstring.
 
-So `quantity` and `option` of values, `Series` of a log and `Figure` of a trial.
+So `quantity` and `option` of values, `Series` of a log and `Figure` of a trial. And `Example:` in a docstring, which
+would be shown as prose, is what the reader of docstrings calls `Examples:`, code with its result.
 """
 
 import ast
@@ -13,6 +14,11 @@ DECLARED = ("quantity", "option", "Series", "Figure")
 
 class DeclaredFields(griffe.Extension):
     """Reads the declarations as they stand in the source; nothing is imported."""
+
+    def on_instance(self, *, obj: griffe.Object, **_: Any) -> None:
+        """Name a docstring's example so that it is shown as code."""
+        if obj.docstring is not None:
+            obj.docstring.value = obj.docstring.value.replace("Example:\n    >>>", "Examples:\n    >>>")
 
     def on_attribute_instance(self, *, attr: griffe.Attribute, **_: Any) -> None:
         """Give a declared field its docstring."""

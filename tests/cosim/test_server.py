@@ -125,6 +125,7 @@ def test_a_port_that_is_taken_is_said():
     ("settings", "message"),
     [
         ({"port": 70000}, "`port` must be between 0 and 65535, got 70000."),
+        ({"host": 1}, "`host` must be a text, got 1."),
         ({"max_clients": 0}, "`max_clients` must be a whole number >= 1, got 0."),
     ],
 )

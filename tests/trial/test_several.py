@@ -54,6 +54,8 @@ def test_mechanical_and_electrical_power_are_never_set_against_each_other(make_t
 def test_one_trial_is_not_enough_to_compare(make_trial):
     with pytest.raises(ValueError, match=r"`trials` must hold at least 2 trials to compare, got 1\."):
         compare([make_trial()])
+    with pytest.raises(ValueError, match=r"`trials\[1\]` must be of class Trial, got str\."):
+        compare([make_trial(), "run.nc"])
 
 
 def cut(trial, begin, end, *, restart_clock=False):
@@ -109,6 +111,8 @@ def test_how_the_second_run_ended_is_how_the_whole_ended(whole):
 
 def test_what_does_not_follow_is_not_joined(whole):
     first, second = cut(whole, 0, 101), cut(whole, 100, 201)
+    with pytest.raises(ValueError, match="`second` must be of class Trial, got str"):
+        joined(first, "run.nc")
     with pytest.raises(ValueError, match=r"must begin where `first` ends, but `center_of_mass` jumps by 0\.\d+"):
         joined(first, cut(whole, 110, 201))
     with pytest.raises(ValueError, match="`first` must have reached its end, got a failed run: It blew up"):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from laticauda.cosim.messages import MESSAGE_BYTES, write_message
 from laticauda.cosim.session import Session
-from laticauda.errors import BadArgument, LaticaudaError, whole
+from laticauda.errors import BadArgument, LaticaudaError, text, whole
 from laticauda.robot import Robot
 
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
@@ -50,7 +50,7 @@ class Server:
     ) -> None:
         if whole("port", port, 0) > 65535:
             raise BadArgument("port", f"must be between 0 and 65535, got {port}")
-        self.host, self.port = host, port
+        self.host, self.port = text("host", host), port
         self.max_clients = whole("max_clients", max_clients, 1)
         self._own_robots = dict(own_robots or {})
         self._socket: socket.socket | None = None

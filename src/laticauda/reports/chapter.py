@@ -2,7 +2,7 @@
 
 Sentences stand in a Jinja2 template, the values that they speak of come with the chapter. A page extends "page.html"
 and sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
-"parts.html". `templates/identify.html` uses all of it. A package with templates of its own hands them on::
+"parts.html". `templates/identify.html` uses all of it. A package with templates of its own hands them on:
 
     mine = partial(templates, "my.package")
     chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": frame}, templates=mine)

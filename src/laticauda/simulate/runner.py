@@ -157,6 +157,7 @@ def resume(
         ValueError: If the trial has no state to go on from, or not one of this plant.
         SimulationFailed: If the run blows up and `throw` is set.
     """
+    instance("trial", trial, Trial)
     if not trial.succeeded or not trial.state:
         raise ValueError(f"`trial` must have run to its end and hold its final state; it says: {trial.status}")
     if controller is None:
