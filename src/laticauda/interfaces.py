@@ -82,14 +82,10 @@ class Command:
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
                 raise BadArgument(name, f"{rule}, got {len(values)}")
         # One sum tells for all of them, a hundred times a second; only if something is wrong, which one.
-        if self.references is not None and not _all_finite(self.references):
-            for i, angle in enumerate(self.references):
+        held = self.references or ()
+        if not (all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))):
+            for i, angle in enumerate(held):
                 finite(f"references[{i}]", angle, "rad")
-
-
-def _all_finite(values: tuple[float, ...]) -> bool:
-    """Whether all are finite numbers, quickly; False if it cannot tell."""
-    return all(type(value) is float for value in values) and math.isfinite(math.fsum(map(abs, values)))
 
 
 @dataclass(frozen=True, kw_only=True)

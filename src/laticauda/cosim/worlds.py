@@ -87,10 +87,9 @@ class History:
             ValueError: If there is no quantity of a name.
         """
         parts = [part for part in self._parts if part["time"][-1] > since]
-        for name in names:
-            one_of("series", name, tuple(self._parts[-1]))
         found: Series = {}
         for name in names:
+            one_of("series", name, tuple(self._parts[-1]))
             pieces = [part[name][part["time"] > since] for part in parts]
             found[name] = np.concatenate(pieces) if pieces else self._parts[-1][name][:0]
         return found
