@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any
 from laticauda.cli.command import LOCAL, until_stopped
 from laticauda.cli.flags import File, read, was_typed
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
+from laticauda.cockpit.pages import load_viser
 from laticauda.errors import BadArgument
+from laticauda.estimation import Mount
+from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.operate.settings import Connection, Operation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 if TYPE_CHECKING:
     from laticauda.cockpit.operated import OperatedRobot
-    from laticauda.operate.settings import Operation
 
 
 @value
@@ -50,21 +53,16 @@ class Tank:
             operated: The page's.
             robot: What is in the tank.
         """
-        from laticauda.estimation import Mount
-        from laticauda.operate.settings import Connection
-
         usual, mount = Connection(), Mount()
         if self.operation is not None:
             usual, mount = self.operation.connection, self.operation.calibration.mount
         operated.connect(usual.at(can=self.can, mocap=self.mocap), robot, mount=mount)
 
     @cached_property
-    def operation(self) -> "Operation | None":
+    def operation(self) -> Operation | None:
         """The trial file's, or None without one."""
         if self.trial is None:
             return None
-        from laticauda.operate.files import SeriesFile, load_operation
-
         found = load_operation(self.trial)
         if isinstance(found, SeriesFile):
             raise BadArgument("trial", f"must be a trial file, got the series file {self.trial}")
@@ -105,7 +103,6 @@ class CockpitCommand(OfScenario):
     def run(self) -> None:
         """Serve until Ctrl-C."""
         from laticauda.cockpit import Cockpit, Live
-        from laticauda.cockpit.pages import load_viser
 
         load_viser()
         scenario = self.chosen

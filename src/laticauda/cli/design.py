@@ -4,21 +4,25 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
+from laticauda import figures
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, Picture, Words
 from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
+from laticauda.gaits import Envelope, Gait
+from laticauda.identify.candidates import SENSORS, Candidate, Tow, coast_down, straight_tow, swims
+from laticauda.identify.design import Design, Step, design, known_from
+from laticauda.identify.identifiability import LIMIT, marginal
+from laticauda.identify.problem import Problem, make_problem
+from laticauda.identify.tasks import load_task
+from laticauda.identify.unknowns import Unknown
+from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.identify import Unknown
-    from laticauda.identify.candidates import Candidate
-    from laticauda.identify.design import Design, Step
-    from laticauda.identify.problem import Problem
-    from laticauda.scenarios import Choice, Scenario
+from laticauda.robot import load_robot
+from laticauda.scenarios import Choice, Scenario
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "of speed, power, path, heading, joint-angle, joint-torque, each alone or with =SIGMA, as path=0.003"
@@ -98,8 +102,6 @@ class DesignExperiment(Command):
 
     def run(self) -> Outcome:
         """Judge, choose and draw."""
-        from laticauda.identify.design import design
-
         show = progress(SHARE, what="judged", patience=PATIENCE)
         problem, known = self._problem()
         candidates = self._candidates(problem)
@@ -109,13 +111,8 @@ class DesignExperiment(Command):
             _draw(found, self.output)
         return Outcome(facts=_facts(found), text=_text(found))
 
-    def _problem(self) -> "tuple[Problem, dict[str, Any]]":
+    def _problem(self) -> tuple[Problem, dict[str, Any]]:
         """The unknowns, and what is known of them."""
-        from laticauda.identify.design import known_from
-        from laticauda.identify.identifiability import marginal
-        from laticauda.identify.problem import make_problem
-        from laticauda.identify.tasks import load_task
-
         if self.unknowns.after is not None:
             if self.unknowns.parameters:
                 raise BadArgument("parameters", "must not be given with --after, whose file says them")
@@ -138,18 +135,11 @@ class DesignExperiment(Command):
         return problem, {}
 
     @property
-    def _names(self) -> "Choice":
-        from laticauda.scenarios import Choice
-
+    def _names(self) -> Choice:
         return Choice(robot=self.robot or "mamba", parameters=self.base, joints=self.joints)
 
-    def _swims(self, fitted: "Sequence[Scenario]" = ()) -> "list[Candidate]":
+    def _swims(self, fitted: Sequence[Scenario] = ()) -> list[Candidate]:
         """A candidate per gait and robot: those of a fit, or what the names stand for."""
-        from laticauda.gaits import Gait
-        from laticauda.gaits.envelopes import Envelope
-        from laticauda.identify.candidates import swims
-        from laticauda.robot import load_robot
-
         flags = self.candidates
         kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
         robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
@@ -163,9 +153,7 @@ class DesignExperiment(Command):
                 found += swims(chosen.robot, [gait], where, _sensors(flags.sensors), duration=flags.duration)
         return found
 
-    def _candidates(self, put: "Problem") -> "list[Candidate]":
-        from laticauda.identify.candidates import Tow, coast_down, straight_tow
-
+    def _candidates(self, put: Problem) -> list[Candidate]:
         found = self._swims(put.scenarios)
         if self.candidates.no_tow:
             return found
@@ -179,9 +167,7 @@ class DesignExperiment(Command):
         return found
 
 
-def _unknown(word: str) -> "Unknown":
-    from laticauda.identify import Unknown
-
+def _unknown(word: str) -> Unknown:
     if "=" not in word:
         return Unknown(name=word)
     name, sign, (mean, *sd) = numbers("parameters", word, FORM, "+-")
@@ -189,8 +175,6 @@ def _unknown(word: str) -> "Unknown":
 
 
 def _sensors(words: tuple[str, ...]) -> dict[str, float]:
-    from laticauda.identify.candidates import SENSORS
-
     found: dict[str, float] = {}
     for word in words:
         usual = SENSORS.get(word, ("", "", 0.0))[2]
@@ -201,15 +185,14 @@ def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _facts(found: "Design") -> dict[str, Any]:
+def _facts(found: Design) -> dict[str, Any]:
     """The trials in their order, and the expected standard deviations after each."""
-    from laticauda.packaging import __version__
 
     def shares(sigma: Iterable[float]) -> dict[str, float | None]:
         values = [float(value) if math.isfinite(value) else None for value in sigma]
         return dict(zip(found.names, values, strict=True))
 
-    def listed(steps: "Iterable[Step]") -> list[dict[str, Any]]:
+    def listed(steps: Iterable[Step]) -> list[dict[str, Any]]:
         named = [(step.candidate, shares(step.sigma)) for step in steps]
         return [{"trial": one.name, "kind": one.kind, "relative_sigma": sigma} for one, sigma in named]
 
@@ -223,7 +206,7 @@ def _facts(found: "Design") -> dict[str, Any]:
     }
 
 
-def _text(found: "Design") -> str:
+def _text(found: Design) -> str:
     """The same for people, with what each trial is good for."""
     labels = [name if one.is_log else f"{name} *" for name, one in zip(found.names, found.unknowns, strict=True)]
     rows = [["after", *labels], ["what is known now", *map(_shown, found.before)]]
@@ -247,13 +230,12 @@ def _shown(sigma: float) -> str:
     return f"{number(100.0 * sigma)} %" if sigma < 10.0 else "> 1000 %"
 
 
-def _draw(found: "Design", path: str) -> None:
-    from laticauda.figures import new_figure, save_figure, style
+def _draw(found: Design, path: str) -> None:
+    from laticauda.figures import style
     from laticauda.figures.identification import shrinking
-    from laticauda.identify.identifiability import LIMIT
     from laticauda.reports.identify_figures import short_names
 
-    figure = new_figure(style.DOUBLE_COLUMN, 3.0)
+    figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()
     shrinking(short_names(found.names), found.sigma, ax, ylabel="expected standard deviation / value [-]", limit=LIMIT)
-    save_figure(figure, path)
+    figures.save_figure(figure, path)

@@ -3,20 +3,19 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+from laticauda import control, simulate
 from laticauda.cli.command import Outcome
 from laticauda.cli.flags import read
+from laticauda.cli.report import following_table
 from laticauda.cli.scene import Names
 from laticauda.cli.swim import Run
 from laticauda.errors import BadArgument
+from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
-
-if TYPE_CHECKING:
-    from laticauda.control import Path
-    from laticauda.gaits import Gait
 
 
 @value
@@ -31,28 +30,24 @@ class Route:
         default="line-of-sight",
     )
 
-    def path(self) -> "Path[Any]":
+    def path(self) -> control.Path[Any]:
         """The path."""
-        from laticauda.control import Polyline, Spline, StraightLine
-
         if not self.waypoints:
-            return StraightLine()
+            return control.StraightLine()
         if len(self.waypoints) % 2:
             count = len(self.waypoints)
             raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
         points = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
-        return Spline(waypoints=points) if self.smooth else Polyline(waypoints=points)
+        return control.Spline(waypoints=points) if self.smooth else control.Polyline(waypoints=points)
 
-    def controller(self, gait: "Gait") -> Any:
+    def controller(self, gait: Gait) -> Any:
         """Path following with the paper's settings for Mamba, and where published integral guidance starts from.
 
         Args:
             gait: What swims.
         """
-        from laticauda.control import Following
-
         guidance: Any = self.guidance.replace("-", "_")
-        return replace(Following(guidance=guidance).controller(gait), path=self.path())
+        return replace(control.Following(guidance=guidance).controller(gait), path=self.path())
 
 
 @value
@@ -94,8 +89,6 @@ class Follow(Run):
 
     def run(self) -> Outcome:
         """Run and write."""
-        from laticauda.cli.report import following_table
-
         trial = self.swum(self.steered(self.chosen))
         return self.outcome(trial, self.origin, f"\n\n{following_table(trial)}")
 
@@ -119,12 +112,11 @@ class FollowPlanned(Follow):
 
     def steered(self, scenario: Scenario) -> Scenario:
         """The scenario with a controller whose model is fitted now; see `Follow.steered`."""
-        from laticauda.control import ModelPredictive
-        from laticauda.simulate import plant
         from laticauda.studies import averaged_model
 
         gait, settings = scenario.gait, {name: one for name, one in vars(self.plan).items() if one is not None}
-        model = averaged_model(plant(scenario), gait, self.plan.frequency_limits)
+        model = averaged_model(simulate.plant(scenario), gait, self.plan.frequency_limits)
         settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
         settings["interval"] = settings.pop("control_interval")
-        return replace(scenario, motion=ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings))
+        motion = control.ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings)
+        return replace(scenario, motion=motion)

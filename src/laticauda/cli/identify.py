@@ -4,28 +4,22 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast
 
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import (
-    BadFlag,
-    File,
-    Folder,
-    Inputs,
-    Words,
-    flag,
-    options_of,
-    was_typed,
-)
+from laticauda.cli.flags import BadFlag, File, Folder, Inputs, Words, flag, options_of, was_typed
 from laticauda.cli.progress import SHARE, progress
 from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
-from laticauda.errors import BadArgument
+from laticauda.errors import BadArgument, one_of
+from laticauda.identify.measurements import SERIES
+from laticauda.identify.tasks import Task, load_task, task_from_table
+from laticauda.identify.validation import Validation, validate
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.identify.tasks import Task
-    from laticauda.identify.validation import Validation
+from laticauda.reports.chapter import templates, writable_folder
+from laticauda.reports.identify import as_dict, identification_tables, write_identification
+from laticauda.robot import load_parameters
+from laticauda.simulate.numbers import UNITS
 
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, as water.normal_drag=0.5:4"
 
@@ -114,10 +108,6 @@ class Identify(Command):
 
     def run(self) -> Outcome:
         """Identify and write."""
-        from laticauda.identify.validation import validate
-        from laticauda.reports.chapter import templates, writable_folder
-        from laticauda.reports.identify import as_dict, write_identification
-
         task = self._task()
         folder, bar = Path(self.output), progress(SHARE)
         command = shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
@@ -139,10 +129,8 @@ class Identify(Command):
             succeeded=found.searches[0].converged,
         )
 
-    def _task(self) -> "Task":
+    def _task(self) -> Task:
         """What is asked for."""
-        from laticauda.identify.tasks import load_task, task_from_table
-
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
                 return task_from_table(self._table(), self.name or "identified", Path())
@@ -156,8 +144,6 @@ class Identify(Command):
 
     def _table(self) -> dict[str, Any]:
         """What the flags say, as a file would."""
-        from laticauda.robot import load_parameters
-
         if not self.files and not self.what.table1:
             raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
         if not self.what.parameters:
@@ -183,10 +169,6 @@ class Identify(Command):
 
 def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
     """Figures and series that count."""
-    from laticauda.errors import one_of
-    from laticauda.identify.measurements import SERIES
-    from laticauda.simulate.numbers import UNITS
-
     found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
     form = "NAME=SIGMA with SIGMA > 0, as forward_velocity=0.01"
     for word in words:
@@ -208,10 +190,8 @@ def _unknown(word: str) -> dict[str, Any]:
     return {"name": name} | ({"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]})
 
 
-def _text(done: "Validation", folder: Path) -> str:
+def _text(done: Validation, folder: Path) -> str:
     """The parameters, what the data do not see, the errors, and where everything is."""
-    from laticauda.reports.identify import identification_tables
-
     found = done.found
     tables: dict[str, list[dict[str, Any]]] = {
         name: cast("Any", frame).to_dict("records") for name, frame in identification_tables(done).items()

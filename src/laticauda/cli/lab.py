@@ -3,19 +3,20 @@
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
+from laticauda import simulate
 from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import File, NetCdf, read
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
+from laticauda.lab import Lab, LabAddresses, LabSettings, Tank, VirtualRobot, assist, load_faults
+from laticauda.packaging import __version__
+from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Water, load_robot, load_water
 from laticauda.scenarios import named_after
-
-if TYPE_CHECKING:
-    from laticauda.lab import Lab, LabAddresses, Tank
 
 
 @value
@@ -84,9 +85,6 @@ class LabCommand(Command):
 
     def run(self) -> None:
         """Serve until Ctrl-C, or as long as is asked for."""
-        from laticauda.lab import Lab
-        from laticauda.protocol import bus_address
-
         bus = bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
             raise BadArgument("bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}")
@@ -100,24 +98,19 @@ class LabCommand(Command):
         if lab.lag > 0.0:
             print(f"This computer could not follow: the lab's clock waited for {lab.lag:.1f} s.", file=sys.stderr)
         if self.save is not None:
-            from laticauda.packaging import __version__
-
             tank.body.trial(__version__).save(self.save)
 
-    def _tank(self) -> "Tank":
+    def _tank(self) -> Tank:
         """The tank that is asked for, its kernels compiled."""
-        from laticauda.lab import LabSettings, Tank, VirtualRobot, load_faults
-        from laticauda.simulate import plant
-
         robot = load_robot(self.body.robot)
         water = named_after(self.coefficients, load_water(self.body.water))
         faults = () if self.time.faults is None else load_faults(self.time.faults)
         settings = LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
-        body = plant(robot, water, model=self.body.model, joints="servo")
+        body = simulate.plant(robot, water, model=self.body.model, joints="servo")
         return Tank(VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
 
-    def _announce(self, addresses: "LabAddresses", tank: "Tank") -> None:
+    def _announce(self, addresses: LabAddresses, tank: Tank) -> None:
         host, bus = addresses.mocap_host, addresses.bus
         if host not in LOCAL:
             print(f"Anyone who reaches {host} can read the cameras: the protocol knows no passwords.", file=sys.stderr)
@@ -129,10 +122,8 @@ class LabCommand(Command):
         self.announce(line, " | ".join(f"{name} {value}" for name, value in line.items()) + only)
 
 
-def _listen(lab: "Lab") -> None:
+def _listen(lab: Lab) -> None:
     """Do what lines on the standard input say, until it ends."""
-    from laticauda.lab import assist
-
     for line in _lines():
         if line.strip():
             try:

@@ -4,14 +4,19 @@ import math
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from laticauda import simulate
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import Folder, Input
+from laticauda.files import read_text
+from laticauda.operate.drivers import Clock
+from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.operate.series import run_series
+from laticauda.operate.session import operate, table
+from laticauda.operate.settings import Operation
+from laticauda.operate.terminal import Dashboard, Keys, Lines, Terminal
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.operate.settings import Operation
 
 
 @value
@@ -44,9 +49,6 @@ class Operate(Command):
 
     def run(self) -> Outcome:
         """Operate."""
-        from laticauda.operate.files import SeriesFile, load_operation
-        from laticauda.operate.session import table
-
         wanted = load_operation(self.file)
         folder = Path(self.output)
         if isinstance(wanted, SeriesFile):
@@ -57,13 +59,7 @@ class Operate(Command):
         problem = "" if accepted else summary["reason"]
         return Outcome(facts=summary, text=table(summary), problem=problem, succeeded=accepted)
 
-    def _operate(self, operation: "Operation", folder: Path | None) -> Any:
-        from laticauda.files import read_text
-        from laticauda.operate.drivers import Clock
-        from laticauda.operate.session import operate
-        from laticauda.operate.terminal import Keys, Terminal
-        from laticauda.simulate import plant
-
+    def _operate(self, operation: Operation, folder: Path | None) -> Any:
         text = read_text(self.file)
         with Keys() as keys, Terminal(keys), self._shown(operation) as show:
             return operate(
@@ -75,12 +71,10 @@ class Operate(Command):
                 clears=self.clear,
                 check_only=self.check,
                 text=text,
-                twin=plant(operation.body(), operation.pool(), joints="servo"),
+                twin=simulate.plant(operation.body(), operation.pool(), joints="servo"),
             )
 
     def _series(self, series: Any, folder: Path) -> Any:
-        from laticauda.operate.series import run_series
-
         series = replace(
             series,
             repeats=series.repeats if self.repeats is None else self.repeats,
@@ -88,7 +82,7 @@ class Operate(Command):
         )
         return run_series(series, folder / series.name, self._operate, place=self._place)
 
-    def _place(self, operation: "Operation", repeat: int) -> None:
+    def _place(self, operation: Operation, repeat: int) -> None:
         """Ask for the robot to be put where the next run starts."""
         if operation.start is None:
             return
@@ -98,15 +92,13 @@ class Operate(Command):
         if sys.stdin.isatty():
             input("Enter when it lies there: ")
 
-    def _shown(self, operation: "Operation") -> Any:
+    def _shown(self, operation: Operation) -> Any:
         """What shows the ticks: the dashboard, or plain lines on standard error."""
-        from laticauda.operate.terminal import Dashboard, Lines
-
         if self.no_dashboard or self.json or not sys.stdout.isatty():
             return Lines(sys.stderr)
         return Dashboard(operation)
 
-    def _chosen(self, operation: "Operation") -> "Operation":
+    def _chosen(self, operation: Operation) -> Operation:
         """The file's operation, with what the options say otherwise."""
         connection = operation.connection.at(can=self.can, mocap=self.mocap, meter=self.meter)
         voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import tyro
 
@@ -17,9 +17,7 @@ from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
-
-if TYPE_CHECKING:
-    from laticauda.studies import Front
+from laticauda.studies import SPEED_POWER, Front, Optimization, optimize
 
 BOTH = "speed-power"
 OBJECTIVES = (BOTH, "forward-velocity", "steady-velocity", "mechanical-power", "mean-power", "cost-of-transport")
@@ -109,10 +107,8 @@ class Optimize(Study):
             succeeded=all(map(len, fronts.values())),
         )
 
-    def _front(self, scenario: Scenario, folder: Path) -> "Front":
+    def _front(self, scenario: Scenario, folder: Path) -> Front:
         """Do the work that is left."""
-        from laticauda.studies import SPEED_POWER, Optimization, optimize
-
         names = [one_of("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective]
         words = [word for group in self.vary for word in group] or RANGES
         sought = Optimization(
@@ -128,7 +124,7 @@ class Optimize(Study):
             return optimize(sought, folder, progress=show, **how)
 
 
-def _facts(front: "Front", folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
+def _facts(front: Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
     """What was run, and some points of a front, in SI units."""
     return {
         "status": _status(front),
@@ -144,7 +140,7 @@ def _facts(front: "Front", folder: Path, pictures: Sequence[Path]) -> dict[str, 
     }
 
 
-def _text(front: "Front", folder: Path) -> str:
+def _text(front: Front, folder: Path) -> str:
     """Some points of a front as a table, and where the files are."""
     sought, parts = front.optimization, [_status(front)]
     if len(front):
@@ -153,7 +149,7 @@ def _text(front: "Front", folder: Path) -> str:
     return "\n\n".join([*parts, f"All points: {folder}/front.csv, {folder}/front.nc"])
 
 
-def _status(front: "Front") -> str:
+def _status(front: Front) -> str:
     sought = front.optimization
     words = " against ".join(name.replace("_", " ") for name in sought.objectives)
     tried = f"{front.n_trials} points tried"

@@ -1,16 +1,16 @@
 """`laticauda replay`: a recorded operation as a trial, and once more through the estimator and the controller."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from laticauda import figures, simulate
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import Input, NetCdf, Picture
+from laticauda.cli.report import as_text, facts_of
 from laticauda.errors import BadArgument
+from laticauda.estimation import Estimate, KinematicEstimator
+from laticauda.operate import OperationLog, Rerun, read_operation, rerun_controller, rerun_estimator, trial_of
+from laticauda.operate.recording.entries import Timing
 from laticauda.quantities import option, value
-
-if TYPE_CHECKING:
-    from laticauda.estimation import Estimate
-    from laticauda.operate import OperationLog, Rerun
-    from laticauda.operate.recording.entries import Timing
 
 
 @value
@@ -38,9 +38,6 @@ class Replay(Command):
 
     def run(self) -> Outcome:
         """Read, run again, and write."""
-        from laticauda.cli.report import as_text, facts_of
-        from laticauda.operate import read_operation, rerun_controller, trial_of
-
         log = read_operation(self.file)
         estimates = self._estimates(log)
         trial = trial_of(log, estimates)
@@ -63,28 +60,22 @@ class Replay(Command):
         lost = f"laticauda: {log.lost}" if log.lost else ""
         return Outcome(facts=facts, text="\n\n".join(text), problem=lost, succeeded=trial.succeeded)
 
-    def _draw(self, timing: "Timing | None") -> None:
+    def _draw(self, timing: Timing | None) -> None:
         if self.plot_timing is None:
             return
         if timing is None:
             raise BadArgument("plot_timing", f"must go with a recording of a loop that had a clock, got {self.file}")
-        from laticauda.figures import save_figure, timing_sheet
+        figures.save_figure(figures.timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)
 
-        save_figure(timing_sheet(timing.period, timing.latency, timing.interval), self.plot_timing)
-
-    def _estimates(self, log: "OperationLog") -> "list[Estimate] | None":
-        from laticauda.estimation import KinematicEstimator
-        from laticauda.operate import rerun_estimator
-        from laticauda.simulate import plant
-
+    def _estimates(self, log: OperationLog) -> list[Estimate] | None:
         if self.kinematics:
             mount = getattr(log.header.estimator, "mount", None)
             kwargs = {} if mount is None else {"mount": mount}
             return rerun_estimator(log, KinematicEstimator(robot=log.header.run.robot, **kwargs))
-        return rerun_estimator(log, plant=plant) if self.estimate else None
+        return rerun_estimator(log, plant=simulate.plant) if self.estimate else None
 
 
-def _punctual(timing: "Timing") -> str:
+def _punctual(timing: Timing) -> str:
     found = timing.summary()
     ms = {name: f"{1e3 * found.get(name, 0.0):.1f}" for name in found}
     words = [f"The operator's loop: {found['ticks']} ticks of {ms['interval']} ms, {found['missed']} missed deadlines."]
@@ -96,7 +87,7 @@ def _punctual(timing: "Timing") -> str:
     return "\n".join(words)
 
 
-def _sentence(rerun: "Rerun") -> str:
+def _sentence(rerun: Rerun) -> str:
     n = len(rerun.recorded)
     if rerun.n_different == 0:
         return f"The controller decided the same again, to the last bit, at all {n} control instants."

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from laticauda import robot
@@ -54,8 +55,6 @@ def _named(name: str) -> Robot | Water | Ground | Parameters:
     if name in robot.parameter_names():
         return robot.load_parameters(name)
     if name.endswith(".toml"):
-        from pathlib import Path
-
         if read_table(Path(name)).get("kind") == KIND:
             return robot.load_parameters(name)
         return robot.from_toml(Path(name))

@@ -7,10 +7,12 @@ from dataclasses import fields, replace
 from importlib import import_module
 from typing import Any, Self, TypeVar, cast
 
+from laticauda import simulate
 from laticauda.cli.command import Command
 from laticauda.cli.flags import read, was_typed
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
+from laticauda.fluid import DragLaw
 from laticauda.gaits import Gait
 from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
@@ -102,8 +104,6 @@ class Names(Choice):
     def _with_law(self, environment: Environment) -> Environment:
         if self.law is None:
             return environment
-        from laticauda.fluid.laws import DragLaw
-
         law = member(DragLaw, self.law, "law")
         return replace(environment, **{"drag" if isinstance(environment, Water) else "friction": law})
 
@@ -158,9 +158,7 @@ def warn_of_compiling(environment: Environment, model: Model | str = "planar") -
         environment: Where something is going to swim.
         model: By which model.
     """
-    from laticauda.simulate import needs_compiling
-
-    if needs_compiling(environment, model):
+    if simulate.needs_compiling(environment, model):
         print("compiling the kernels for this machine (once, about 10 s) ...", file=sys.stderr, flush=True)
 
 

@@ -3,9 +3,11 @@
 import sys
 from pathlib import Path
 
+import laticauda as lc
 from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import Files
 from laticauda.cli.scene import warn_of_compiling
+from laticauda.cosim import PROTOCOL_VERSION, Server, matlab_folder
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot, load_robot, load_water, robot_names
@@ -31,8 +33,6 @@ class Serve(Command):
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from laticauda.cosim import PROTOCOL_VERSION, Server, matlab_folder
-
         server = Server(self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots))
         _compile()
         server.open()
@@ -67,13 +67,8 @@ def _own(files: tuple[str, ...]) -> dict[str, Robot]:
 
 def _compile() -> None:
     """Let nobody's first step wait for the compiler."""
-    from laticauda.gaits import lateral_undulation
-    from laticauda.interfaces import Command as Order
-    from laticauda.interfaces import Start
-    from laticauda.simulate import plant
-
     water = load_water("paper-lateral")
     warn_of_compiling(water)
-    command = Order(gait=lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
-    body = plant(load_robot("mamba"), water)
-    body.step(body.init(Start(), command), command, 1e-3)
+    command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
+    body = lc.plant(load_robot("mamba"), water)
+    body.step(body.init(lc.Start(), command), command, 1e-3)

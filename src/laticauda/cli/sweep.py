@@ -1,6 +1,6 @@
 """`laticauda sweep`: thousands to millions of trials, in a folder that a stopped sweep goes on from."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -13,9 +13,9 @@ from laticauda.cli.vary import Known, Study
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
-
-if TYPE_CHECKING:
-    from laticauda.studies import Grid, Rows, Samples
+from laticauda.studies import Samples, Sweep, best, count_failed, run_sweep
+from laticauda.studies.cluster import connected
+from laticauda.studies.sampling import Points
 
 N_BEST = 5
 SHOWN = ("forward_velocity", "mean_power", "cost_of_transport")
@@ -55,9 +55,6 @@ class SweepCommand(Study):
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
-        from laticauda.studies import Sweep, best, count_failed, run_sweep
-        from laticauda.studies.cluster import connected
-
         sweep = Sweep(scenario=scenario, points=self._points(known))
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
@@ -83,10 +80,8 @@ class SweepCommand(Study):
         text = f"{title}\n\n{table}\n\nAll results: {self.output}/results.zarr (xarray.open_zarr)"
         return Outcome(facts=facts, text=text, succeeded=n_failed < n_trials)
 
-    def _points(self, known: Known) -> "Grid | Rows | Samples":
+    def _points(self, known: Known) -> Points:
         """Which points are asked for."""
-        from laticauda.studies import Samples
-
         words = [word for group in self.vary for word in group]
         if self.seed is not None and self.samples is None:
             raise BadArgument("seed", "must be given with --samples: a grid and a list have no chance in them")

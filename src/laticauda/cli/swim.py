@@ -2,29 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
+import laticauda as lc
+from laticauda import figures
+from laticauda.cli import flags
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import (
-    BadFlag,
-    File,
-    Film,
-    NetCdf,
-    Picture,
-    ScenarioFile,
-    Toml,
-    flag,
-    options_of,
-    read,
-    was_typed,
-)
+from laticauda.cli.flags import BadFlag, File, Film, NetCdf, Picture, ScenarioFile, Toml
 from laticauda.cli.progress import run_bar
+from laticauda.cli.report import as_text, facts_of
 from laticauda.cli.scene import OfScenario, warn_of_compiling
+from laticauda.cli.view import write_film
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
-
-if TYPE_CHECKING:
-    from laticauda.trial import Trial
 
 
 @value
@@ -36,7 +26,7 @@ class Recording(Command):
     video: Film = option("Show the run in 3D in this film (.mp4)", default=None)
     sheet: ClassVar[str] = "swim_sheet"
 
-    def outcome(self, trial: "Trial", origin: str, more: str = "") -> Outcome:
+    def outcome(self, trial: lc.Trial, origin: str, more: str = "") -> Outcome:
         """Write what is asked for, and say what came out.
 
         Args:
@@ -44,17 +34,11 @@ class Recording(Command):
             origin: Where its coefficients are from, in words.
             more: What is printed below the table.
         """
-        from laticauda.cli.report import as_text, facts_of
-
         if self.save is not None:
             trial.save(self.save)
         if self.plot is not None:
-            from laticauda import figures
-
             figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
         if self.video is not None:
-            from laticauda.cli.view import write_film
-
             write_film(trial, self.video)
         return Outcome(
             facts=facts_of(trial),
@@ -72,20 +56,16 @@ class Run(OfScenario, Recording):
     link_forces: bool = option("Log the force on every link too", default=False)
     save_scenario: Toml = option("Write what runs to this scenario file (.toml)", default=None)
 
-    def swum(self, scenario: Scenario) -> "Trial":
+    def swum(self, scenario: Scenario) -> lc.Trial:
         """The run of a scenario, which is written if that is asked for.
 
         Args:
             scenario: What runs.
         """
-        from laticauda.simulate import swim
-
         if self.save_scenario is not None:
-            from laticauda.scenarios import save_scenario
-
-            save_scenario(scenario, self.save_scenario)
+            lc.save_scenario(scenario, self.save_scenario)
         warn_of_compiling(scenario.environment, scenario.model)
-        return swim(scenario, link_forces=self.link_forces, progress=run_bar(scenario.duration))
+        return lc.swim(scenario, link_forces=self.link_forces, progress=run_bar(scenario.duration))
 
 
 @value
@@ -101,7 +81,7 @@ class Swim(Run):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """The command that was typed; see `OfScenario.read`."""
-        return SwimOn.read(words, prog) if was_typed("resume", words) else super().read(words, prog)
+        return SwimOn.read(words, prog) if flags.was_typed("resume", words) else super().read(words, prog)
 
     def run(self) -> Outcome:
         """Run and write."""
@@ -123,26 +103,22 @@ class SwimOn(Recording):
         Raises:
             BadFlag: If an option says what the stored trial says.
         """
-        allowed = {flag(name) for name in options_of(cls())} | {"--help", "-h"}
+        allowed = {flags.flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
         for word in words:
             if word.startswith("--") and word.split("=")[0] not in allowed:
                 raise BadFlag(f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own.")
-        return read(cls, words, prog)
+        return flags.read(cls, words, prog)
 
     def run(self) -> Outcome:
         """Run and write."""
-        from laticauda.logs import load_trial
-        from laticauda.simulate import plant, resume
-        from laticauda.trial import joined
-
         assert self.resume is not None
-        first = load_trial(self.resume)
+        first = lc.load_trial(self.resume)
         if not isinstance(first.scenario, Scenario):
             raise BadFlag(f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}")
         scenario = replace(first.scenario, duration=self.duration)
-        body = plant(scenario)
+        body = lc.plant(scenario)
         warn_of_compiling(scenario.environment, scenario.model)
-        second = resume(
+        second = lc.resume(
             body,
             first,
             self.duration,
@@ -150,4 +126,4 @@ class SwimOn(Recording):
             link_forces=first.link_force is not None,
             progress=run_bar(self.duration),
         )
-        return self.outcome(joined(first, second), f"as stored in {self.resume}")
+        return self.outcome(lc.joined(first, second), f"as stored in {self.resume}")

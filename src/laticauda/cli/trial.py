@@ -1,15 +1,15 @@
 """`laticauda trial show | compare | convert`: stored trials."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+import laticauda as lc
 from laticauda.cli.command import Command, Outcome, check_output
 from laticauda.cli.flags import File, Input, Inputs, Output
+from laticauda.cli.report import as_text, facts_of
 from laticauda.cli.tables import aligned, percent, read_in
+from laticauda.errors import TrialFileError
 from laticauda.quantities import option, value
-
-if TYPE_CHECKING:
-    from laticauda.trial import ComparedFigure, Trial
+from laticauda.trial import ComparedFigure, Format
 
 TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 
@@ -35,10 +35,7 @@ class Show(OfTrials):
 
     def run(self) -> Outcome:
         """Read."""
-        from laticauda.cli.report import as_text, facts_of
-        from laticauda.logs import load_trial
-
-        trial = load_trial(self.file, self.columns)
+        trial = lc.load_trial(self.file, self.columns)
         made = f"made     {trial.created} with laticauda {trial.version}"
         return Outcome(facts=facts_of(trial), text=f"{made}\n{as_text(trial)}")
 
@@ -56,9 +53,7 @@ class Compare(OfTrials):
 
     def run(self) -> Outcome:
         """Read and compare."""
-        from laticauda.trial import compare
-
-        rows = compare([_either(file, self.columns) for file in self.files])
+        rows = lc.compare([_either(file, self.columns) for file in self.files])
         figures = {
             row.figure.name: {
                 "unit": row.figure.unit,
@@ -85,11 +80,8 @@ class Convert(OfTrials):
 
     def run(self) -> Outcome:
         """Read and write."""
-        from laticauda.logs import load_trial
-        from laticauda.trial import Format
-
         check_output("output", self.output, Format.endings())
-        trial = load_trial(self.file, self.columns)
+        trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)
         return Outcome(
@@ -97,7 +89,7 @@ class Convert(OfTrials):
         )
 
 
-def _compared(names: Sequence[str], rows: "Sequence[ComparedFigure]") -> str:
+def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
     """A table with a figure a line and, per trial, its value and its difference to the first."""
     first, *others = names
     lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
@@ -110,7 +102,7 @@ def _compared(names: Sequence[str], rows: "Sequence[ComparedFigure]") -> str:
     return aligned(lines, right=(1, *range(3, len(lines[0]))))
 
 
-def _difference(row: "ComparedFigure", i: int) -> str:
+def _difference(row: ComparedFigure, i: int) -> str:
     """The difference of trial `i` in percent, or in the figure's unit where percent would say nothing."""
     share, difference = row.differences_percent[i], row.differences[i]
     if share is not None or difference is None:
@@ -119,14 +111,11 @@ def _difference(row: "ComparedFigure", i: int) -> str:
     return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
 
 
-def _either(file: str, columns: str | None) -> "Trial":
+def _either(file: str, columns: str | None) -> lc.Trial:
     """The trial in a file of ours, or in a log that the column map is for."""
-    from laticauda.errors import TrialFileError
-    from laticauda.logs import load_trial
-
     try:
-        return load_trial(file)
+        return lc.load_trial(file)
     except TrialFileError:
         if columns is None:
             raise
-        return load_trial(file, columns)
+        return lc.load_trial(file, columns)

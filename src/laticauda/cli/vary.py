@@ -8,7 +8,7 @@ import difflib
 import io
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,11 +19,9 @@ from laticauda.errors import BadArgument
 from laticauda.files import read_text
 from laticauda.quantities import DEGREES, option, quantity, value
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import parameters
-
-if TYPE_CHECKING:
-    from laticauda.simulate import Parameter
-    from laticauda.studies import Grid, Rows
+from laticauda.simulate.numbers import Parameter, parameters
+from laticauda.studies import Grid, Rows
+from laticauda.studies.trials import QUANTITIES, attributes_of
 
 # Fields of these go by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")
@@ -32,7 +30,7 @@ RANGE_FORM = "NAME=LOW:HIGH, as amplitude-deg=10:50"
 SAMPLES_FORM = "NAME=LOW:HIGH with --samples, as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
 
-Known = Mapping[str, "Parameter"]
+Known = Mapping[str, Parameter]
 
 
 @value
@@ -63,14 +61,14 @@ class Study(OfScenario):
         raise NotImplementedError
 
 
-def spelled(parameter: "Parameter") -> str:
+def spelled(parameter: Parameter) -> str:
     """How a parameter is typed."""
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
     return ((".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")).replace("_", "-")
 
 
-def grid(words: Sequence[str], known: Known) -> "Grid":
+def grid(words: Sequence[str], known: Known) -> Grid:
     """Every combination of the values.
 
     Args:
@@ -80,8 +78,6 @@ def grid(words: Sequence[str], known: Known) -> "Grid":
     Raises:
         ValueError: If a word cannot be read.
     """
-    from laticauda.studies import Grid
-
     found: dict[str, list[float]] = {}
     for word in words:
         name, sign, values = numbers("vary", word, FORM, ":", ",")
@@ -120,7 +116,7 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
     return found
 
 
-def rows(path: str, known: Known) -> "Rows":
+def rows(path: str, known: Known) -> Rows:
     """The points of a CSV file: names in the first line, a point in every other.
 
     Args:
@@ -131,8 +127,6 @@ def rows(path: str, known: Known) -> "Rows":
         ValueError: If the file cannot be read as such.
         OSError: If it cannot be read at all.
     """
-    from laticauda.studies import Rows
-
     with io.StringIO(read_text(path), newline="") as file:
         lines = csv.reader(file)
         names = [name.strip() for name in next(lines, ())]
@@ -163,7 +157,7 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple["Parameter", float]:
+def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Parameter, float]:
     """The parameter, and what its values are multiplied by; none that was named before."""
     plain = name.replace("_", "-")
     for parameter in known.values():
@@ -189,8 +183,6 @@ def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str
         figures: Names of what the points came to.
         points: Mappings with both.
     """
-    from laticauda.studies.trials import QUANTITIES
-
     known = parameters(scenario)
     heads = {name: f"{name.replace('_', ' ')} [{QUANTITIES[name][0].replace('1', '-')}]" for name in figures}
     rows = [
@@ -208,7 +200,5 @@ def point_facts(point: Mapping[str, float]) -> dict[str, float | None]:
 
 def shared_facts(scenario: Scenario) -> dict[str, Any]:
     """What all trials share, for JSON."""
-    from laticauda.studies.trials import attributes_of
-
     found = attributes_of(scenario)
     return {**found, "version": found.pop("laticauda")}

@@ -1,15 +1,13 @@
 """`laticauda view`: a stored trial in 3D, in a window, as a film or as a picture."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import laticauda as lc
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, Film, Input, Written
 from laticauda.cli.progress import run_bar
 from laticauda.errors import BadArgument
 from laticauda.quantities import option, quantity, value
-
-if TYPE_CHECKING:
-    from laticauda.trial import Trial
 
 
 @value
@@ -33,9 +31,7 @@ class View(Command):
         """Show or write."""
         if self.time is not None and self.still is None:
             raise BadArgument("time", "must be given with --still: it is the moment of the picture")
-        from laticauda.logs import load_trial
-
-        trial = load_trial(self.file)
+        trial = lc.load_trial(self.file)
         if self.still is not None:
             from laticauda.pictures.render import still
 
@@ -52,7 +48,7 @@ class View(Command):
         )
 
 
-def write_film(trial: "Trial", path: str, **options: Any) -> None:
+def write_film(trial: lc.Trial, path: str, **options: Any) -> None:
     """Write the film of a trial, and show how far it is; arguments as for `pictures.render.video`."""
     from laticauda.pictures.render import video
 
