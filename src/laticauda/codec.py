@@ -299,7 +299,7 @@ def _member(find: Callable[[Any], type], value: object, at: str, default: object
 
 def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
     """The objects that one entry of a list stands for."""
-    cycled = _cycled(hint)
+    cycled: tuple[str, ...] | None = getattr(hint, "counted", None)
     if cycled is None:
         return [decode(hint, entry, at)]
     table = table_of(entry, at)
@@ -312,11 +312,6 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
         raise BadKey(join(at, key), rule)
     distinct = [decode(hint, table if key == "count" else table | {key: turn}, at) for turn in turns]
     return [distinct[i % len(distinct)] for i in range(count)]
-
-
-def _cycled(kind: Any) -> tuple[str, ...] | None:
-    """The keys that may be lists in an entry with a `count`; None: entries of this class have none."""
-    return getattr(kind, "counted", None)
 
 
 @cache
@@ -347,7 +342,7 @@ def encode(value: Any, hint: Any = None) -> Any:
         return {key: encode(one) for key, one in cast("Mapping[str, Any]", value).items()}
     if isinstance(value, tuple | list):
         things = cast("Sequence[Any]", value)
-        cycled = _cycled(things[0]) if things else None
+        cycled = getattr(things[0], "counted", None) if things else None
         if cycled is not None:
             return _counted(things, cycled)
         inner = next((one for one in get_args(hint) if one is not Ellipsis), None) if hint is not None else None

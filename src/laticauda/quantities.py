@@ -78,16 +78,16 @@ class Quantity:
             ValueError: If it is no finite number, or out of the range.
         """
         number = finite(name, value, self.unit)
-        unit = f" {self.unit}" if self.unit else ""
-        if number <= self.gt:
-            raise BadArgument(name, f"must be > {self.gt:g}{unit}, got {shown(value)}")
-        if not self.ge <= number <= self.le:
-            raise BadArgument(name, f"must be {self.range}{unit}, got {shown(value)}")
         lowest, highest = self.ends
-        if not lowest <= number <= highest:
+        if lowest <= number <= highest:
+            return number
+        if number <= self.gt:
+            rule = f"> {self.gt:g}"
+        elif not self.ge <= number <= self.le:
+            rule = self.range
+        else:
             rule = f"<= {highest:g}" if number > highest else f">= {lowest:g}"
-            raise BadArgument(name, f"must be {rule}{unit}, got {shown(value)}")
-        return number
+        raise BadArgument(name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}")
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -131,8 +131,8 @@ def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
     by_row, by_group = np.arange(len(rows)), np.array([groups.index(row.group) for row in rows])
     measured = problem.observed[at]
     result: list[NullModel] = []
-    for name in null_models.NULL_MODELS:
-        columns, known = null_models.design(name, rows, groups)
+    for name, columns_of in null_models.NULL_MODELS.items():
+        columns, known = columns_of(rows, groups)
         target = np.log(measured) - known
         fitted = np.exp(columns @ null_models.fit(columns, target) + known)
         errors = [_error(measured, np.exp(left_out(columns, target, by) + known)) for by in (by_row, by_group)]

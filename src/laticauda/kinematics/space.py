@@ -1,6 +1,7 @@
 """Where every module is in space: from the center of mass, the tail module's orientation and the joint angles."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -60,8 +61,8 @@ def turned_about_vertical(angle: float) -> Float[np.ndarray, "3 3"]:
     return _turn("yaw", angle)
 
 
-def from_quaternion(w: float, x: float, y: float, z: float) -> Float[np.ndarray, "3 3"]:
-    """The rotation that a unit quaternion says.
+def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..."]:
+    """The rotation that a unit quaternion says; of arrays of numbers, those of all samples along the last axes.
 
     Args:
         w: Its real part [-].

@@ -153,13 +153,7 @@ def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:
     if body.rotation is not None:  # columns of the matrix are the body's axes
         return sign * np.stack([log.raw(name) for name in body.rotation[3 * axis : 3 * axis + 3]], axis=1)
     if body.quaternion is not None:
-        w, x, y, z = (log.raw(name) for name in body.quaternion)
-        matrix = (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)),
-            (2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)),
-            (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)),
-        )
-        return sign * np.stack(matrix[axis], axis=1)
+        return sign * kinematics.from_quaternion(*map(log.raw, body.quaternion))[:, axis].T
     assert body.yaw is not None
     angle = log.angle(body.yaw, body.angle_unit)
     if axis == 2:

@@ -8,7 +8,7 @@ import csv
 import io
 import itertools
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -25,6 +25,7 @@ from laticauda.trial.dataset import AXES, assembled, variable
 if TYPE_CHECKING:
     import xarray
 
+Column = tuple[str, str, Samples]
 KEY = b"laticauda_trial"
 
 
@@ -38,12 +39,7 @@ class CsvFile(Format):
     @staticmethod
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the time series; see `Format.write`."""
-        columns = list(flat_columns(dataset))
-        text = io.StringIO(newline="")
-        writer = csv.writer(text)
-        writer.writerow([f"{name} [{unit}]" for name, unit, _ in columns])
-        writer.writerows(np.stack([values for _, _, values in columns], axis=1).tolist())
-        path.write_bytes(text.getvalue().encode())
+        path.write_bytes(csv_text(list(flat_columns(dataset))).encode())
 
 
 class ParquetFile(Format):
@@ -112,7 +108,20 @@ def _library() -> Any:
     return optional_import("Reading and writing Parquet", "pyarrow", "logs")
 
 
-def flat_columns(dataset: "xarray.Dataset") -> Iterator[tuple[str, str, Samples]]:
+def csv_text(columns: Sequence[Column]) -> str:
+    """A CSV file: names with their units in the first line, numbers in all others.
+
+    Args:
+        columns: Name, unit and values of each.
+    """
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([f"{name} [{unit}]" for name, unit, _ in columns])
+    writer.writerows(np.stack([values for _, _, values in columns], axis=1).tolist())
+    return text.getvalue()
+
+
+def flat_columns(dataset: "xarray.Dataset") -> Iterator[Column]:
     """All time series of a trial as single columns, time first: name, as `joint_angle_0` of the tail, unit, values.
 
     Args:

@@ -16,7 +16,7 @@ import numpy as np
 from laticauda.paper.efficiency import Case, EfficiencyStudy
 from laticauda.paper.measured import MeasuredCase, PrintedChange, efficiency_trials, percent_change, printed_changes
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
-from laticauda.trial.null_models import NULL_MODELS, PREDICTORS, Row, Values, design, fit, left_out, mape, predict
+from laticauda.trial.null_models import NULL_MODELS, PREDICTORS, Row, Values, fit, left_out, mape, predict
 
 AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 
@@ -122,7 +122,7 @@ def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
         for i, name in enumerate(study.models)
     ]
     for name in NULL_MODELS:
-        columns, known = design(name, rows, groups)
+        columns, known = NULL_MODELS[name](rows, groups)
         target = np.log(measured) - known
         others = [np.exp(left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
         one, one_group = (mape(measured, values) if np.all(np.isfinite(values)) else None for values in others)

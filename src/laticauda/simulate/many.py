@@ -19,7 +19,7 @@ from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
 from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, preset_water, scenario
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
-from laticauda.simulate.runner import MOST_SAMPLES, Progress
+from laticauda.simulate.runner import Progress, check_size
 from laticauda.trial import metrics
 from laticauda.trial.cycles import hermite, steady_part
 
@@ -213,12 +213,7 @@ def collected(
         look: Called once per block, in the threads that compute, before the next one overwrites its log; cpu only.
         with_joints: Whether it finds what the joints did in the log, too.
     """
-    if duration > MOST_SAMPLES * sample_interval:
-        raise BadArgument(
-            "duration",
-            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}",
-        )
+    check_size(duration, sample_interval)
     if threads is not None:
         whole("threads", threads, 1)
     march = functools.partial(march_many, with_joints=with_joints)

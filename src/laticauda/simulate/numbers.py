@@ -138,36 +138,37 @@ def _applied(thing: Any, wanted: Changes) -> Any:
     """A dataclass with other values at the ends of the ways in `wanted`, all checked at once."""
     if not wanted:
         return thing
-    kind = cast("type[object]", type(thing))
     new: Changes = {}
     for step, value in wanted.items():
-        one = _ONE.fullmatch(step)
-        if one:
-            name, at = _PLURAL[one[1]], int(one[2])
-            several = list(new.get(name, getattr(thing, name)))
-            several[at] = _applied(several[at], value)
-            new[name] = tuple(several)
-        elif step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
-            name = _PLURAL[step]
-            new[name] = _all_applied(new.get(name, getattr(thing, name)), value)
-        elif isinstance(value, dict):
-            new[step] = _applied(getattr(thing, step), cast("Changes", value))
-        elif step[:-2] and step.endswith(_ENDS) and isinstance(getattr(thing, step[:-2], None), tuple):
-            pair = list(new.get(step[:-2], getattr(thing, step[:-2])))
-            pair[_ENDS.index(step[-2:])] = value
-            new[step[:-2]] = tuple(pair)
+        name, some = _place(thing, step)
+        held = new.get(name, getattr(thing, name))
+        if some is None:
+            new[name] = _other(held, value)
         else:
-            new[step] = int(value) if step in _whole_fields(kind) else value
-    return replace(thing, **new)
+            several = list(held)
+            made = {id(one): _other(one, value) for one in several[some]}  # the same object stays the same object
+            several[some] = [made[id(one)] for one in several[some]]
+            new[name] = tuple(several)
+    whole = {name: int(new[name]) for name in new.keys() & _whole_fields(type(thing))}
+    return replace(thing, **new | whole)
 
 
-def _all_applied(things: Sequence[Any], wanted: Changes) -> tuple[Any, ...]:
-    """As `_applied` for all of them; the same object stays the same object."""
-    done: dict[int, Any] = {}
-    for thing in things:
-        if id(thing) not in done:
-            done[id(thing)] = _applied(thing, wanted)
-    return tuple(done[id(thing)] for thing in things)
+def _other(held: Any, value: Any) -> Any:
+    """What takes the place of a number, or of a thing whose numbers change."""
+    return _applied(held, cast("Changes", value)) if isinstance(value, dict) else value
+
+
+def _place(thing: Any, step: str) -> tuple[str, slice | None]:
+    """The field to which a step of a name leads, and which of several things or numbers there; None: the one."""
+    one = _ONE.fullmatch(step)
+    if one:
+        return _PLURAL[one[1]], slice(int(one[2]), int(one[2]) + 1)
+    if step in _PLURAL and hasattr(thing, _PLURAL[step]):  # a driven fin has one joint
+        return _PLURAL[step], slice(None)
+    if step.endswith(_ENDS) and not hasattr(thing, step):
+        end = _ENDS.index(step[-2:])
+        return step[:-2], slice(end, end + 1)
+    return step, None
 
 
 def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
@@ -251,15 +252,10 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
 
 
 def _parts(thing: Any, step: str) -> Sequence[Any]:
-    """What a step of a parameter's name leads to: all modules for `module`, one end of a pair for `current_x`."""
-    one = _ONE.fullmatch(step)
-    if one:
-        return [getattr(thing, _PLURAL[one[1]])[int(one[2])]]
-    if hasattr(thing, step):
-        return [getattr(thing, step)]
-    if hasattr(thing, f"{step}s"):
-        return getattr(thing, f"{step}s")
-    return [getattr(thing, step[:-2])["xy".index(step[-1])]]
+    """What a step of a name leads to."""
+    name, some = _place(thing, step)
+    found = getattr(thing, name)
+    return [found] if some is None else found[some]
 
 
 def _near(name: str, known: Mapping[str, Parameter]) -> list[str]:

@@ -71,7 +71,7 @@ def run(
         duration=duration,
         sample_interval=sample_interval,
     )
-    _check_size(duration, sample_interval)
+    check_size(duration, sample_interval)
     controller.check(plant.robot)
     state = _begun(plant, scenario.start, controller.gait)
     controller_state = controller.init()
@@ -107,8 +107,16 @@ def run(
     )
 
 
-def _check_size(duration: float, sample_interval: float) -> None:
-    """Refuse a log that no memory holds."""
+def check_size(duration: float, sample_interval: float) -> None:
+    """Refuse a log that no memory holds.
+
+    Args:
+        duration: Of the run [s].
+        sample_interval: Between two samples [s].
+
+    Raises:
+        ValueError: If there would be more than `MOST_SAMPLES`.
+    """
     longest = MOST_SAMPLES * sample_interval
     if duration > longest:
         raise BadArgument(

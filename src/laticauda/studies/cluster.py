@@ -17,18 +17,15 @@ import socket
 import time
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from laticauda.errors import ClusterFailed, LaticaudaError
 from laticauda.extras import optional_import
 from laticauda.packaging import __version__
 from laticauda.scenarios import Scenario
-from laticauda.studies.trials import swim_points
+from laticauda.studies.trials import Column, Table, swim_points
 
-if TYPE_CHECKING:
-    from laticauda.studies.trials import Column, Table
-
-Found = tuple[int, "Table", dict[str, "Column"]]
+Found = tuple[int, Table, dict[str, Column]]
 
 AHEAD = 2  # tasks under way per thread of the cluster: none waits for this process
 PATIENCE = 60.0  # with no worker at all [s]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.files import write
 from laticauda.gaits import Gait
+from laticauda.logs.tabular import csv_text
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
 from laticauda.studies.optimization import Optimization
@@ -129,14 +128,10 @@ class Front:
             path: The file; an older one of that name is replaced.
         """
         known = parameters(self.optimization.scenario)
-        head = [f"{name} [{known[name].unit or '-'}]" for name in self.optimization.names]
-        head += [f"{name} [{QUANTITIES[name][0].replace('1', '-')}]" for name in FIGURES]
-        columns = [*self.values.T, *(self.figures[name] for name in FIGURES)]
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(head)
-        writer.writerows(np.stack(columns, axis=1).tolist())
-        write(path, text.getvalue())
+        values = dict(zip(self.optimization.names, self.values.T, strict=True))
+        columns = [(name, known[name].unit or "-", column) for name, column in values.items()]
+        columns += [(name, QUANTITIES[name][0].replace("1", "-"), self.figures[name]) for name in FIGURES]
+        write(path, csv_text(columns))
 
 
 def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:

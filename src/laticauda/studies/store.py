@@ -19,7 +19,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, Self, cast
 
 import numpy as np
 
@@ -30,14 +30,10 @@ from laticauda.simulate.numbers import parameters
 from laticauda.studies.folder import as_stored, check_same, owned, storage
 from laticauda.studies.sampling import Grid
 from laticauda.studies.sweep import Regions, Sweep, extent
-from laticauda.studies.trials import QUANTITIES, attributes_of
+from laticauda.studies.trials import QUANTITIES, Column, Table, attributes_of
 
 if TYPE_CHECKING:
-    from typing import Self
-
     import xarray
-
-    from laticauda.studies.trials import Column, Table
 
 DEFINITION, RESULTS, DONE = "sweep.json", "results.zarr", "regions.done"
 BLOCK = "region"

@@ -13,12 +13,10 @@ import numpy as np
 from laticauda.errors import one_of, whole
 from laticauda.studies.store import Store, open_sweep, regions_of
 from laticauda.studies.sweep import Regions, Sweep
-from laticauda.studies.trials import COSTS, FIGURES, Progress, silent, swim_points
+from laticauda.studies.trials import COSTS, FIGURES, Column, Progress, Table, silent, swim_points
 
 if TYPE_CHECKING:
     import xarray
-
-    from laticauda.studies.trials import Column, Table
 
 
 def run_sweep(

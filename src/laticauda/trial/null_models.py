@@ -76,22 +76,11 @@ PREDICTORS = (*NULL_MODELS, MEAN_STRIDE)
 """The same, and the constant stride with the arithmetic mean of each group's strides instead of the geometric one."""
 
 
-def design(name: str, rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
-    """The columns of a null model that are fitted to log v, and what is added to them.
-
-    Args:
-        name: One of `NULL_MODELS`.
-        rows: One per row of the columns.
-        groups: Names of all groups that the model tells apart.
-    """
-    return NULL_MODELS[name](rows, groups)
-
-
 def fit(columns: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
     """The numbers of a null model by least squares.
 
     Args:
-        columns: Those of `design`.
+        columns: Those of a `NullModel`.
         target: log v less what is added to them.
     """
     return np.linalg.lstsq(columns, target)[0]
@@ -101,7 +90,7 @@ def left_out(columns: Design, target: Values, by: Int[np.ndarray, " n_rows"]) ->
     """Each row's log v as a null model says that is fitted to the rows with another number in `by`.
 
     Args:
-        columns: Those of `design`.
+        columns: Those of a `NullModel`.
         target: log v less what is added to them.
         by: A number per row: rows of equal number are left out together.
 
@@ -143,9 +132,9 @@ def predict(
             group: np.mean([s for s, row in zip(stride, rows, strict=True) if row.group == group]) for group in groups
         }
         return np.array([means[row.group] * row.gait.frequency for row in others]), len(groups)
-    columns, known = design(name, rows, groups)
+    columns, known = NULL_MODELS[name](rows, groups)
     numbers = fit(columns, np.log(measured) - known)
-    columns, known = design(name, others, groups)
+    columns, known = NULL_MODELS[name](others, groups)
     return np.exp(columns @ numbers + known), numbers.size
 
 
