@@ -29,7 +29,7 @@ def test_regions_are_whole_rows_in_nearly_equal_pieces():
 def points_of(points: Grid | Rows | Samples, size: int, **how) -> np.ndarray:
     regions = cut(points.shape, size)
     table = np.full((*points.shape, len(points.names)), np.nan)
-    blocks = list(regions.blocks(range(regions.count)))
+    blocks = list(map(regions.at, range(regions.count)))
     for block, part in zip(blocks, points.tables(blocks, **how), strict=True):
         table[block] = part.reshape(*extent(block), -1)
     return table.reshape(-1, len(points.names))

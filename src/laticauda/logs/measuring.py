@@ -17,6 +17,7 @@ from laticauda.logs.tables import Table
 from laticauda.logs.tabular import series
 from laticauda.robot import Robot
 from laticauda.scenarios import Experiment
+from laticauda.series import SIGNAL, log_of
 from laticauda.trial import Trial
 from laticauda.trial.arrays import Samples, times
 from laticauda.trial.dataset import ELECTRICAL, PLAIN, WORK
@@ -233,15 +234,9 @@ def _own_table(table: Table, known: Experiment) -> Trial:
     if "center_of_mass_x" not in plain:
         raise ValueError("The map must have `body`, `center_of_mass` or `ends`: it does not say where the robot was.")
     try:
-        arrays: dict[str, Any] = {name: series(plain, name) for name in PLAIN}
-        work = np.stack([plain[name] for name in WORK], axis=1)
+        arrays = {name: series(plain, name) for name in PLAIN}
+        arrays["work"] = np.stack([plain[name] for name in WORK], axis=1)
     except KeyError as error:
         raise ValueError(f"The file has no column `{error.args[0]}`.") from error
-    return Trial(
-        **arrays,
-        work=work,
-        electrical_work=plain.get(ELECTRICAL),
-        signals={name.removeprefix("signal_"): one for name, one in plain.items() if name.startswith("signal_")},
-        scenario=known,
-        version=version("laticauda"),
-    )
+    arrays |= {name: one for name, one in plain.items() if name == ELECTRICAL or name.startswith(SIGNAL)}
+    return Trial(**vars(log_of(arrays)), scenario=known, version=version("laticauda"))

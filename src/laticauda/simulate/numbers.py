@@ -149,7 +149,7 @@ def _applied(thing: Any, wanted: Changes) -> Any:
             made = {id(one): _other(one, value) for one in several[some]}  # the same object stays the same object
             several[some] = [made[id(one)] for one in several[some]]
             new[name] = tuple(several)
-    whole = {name: int(new[name]) for name in new.keys() & _whole_fields(type(thing))}
+    whole = {name: int(new[name]) for name in new.keys() & _whole_fields(thing.__class__)}
     return replace(thing, **new | whole)
 
 

@@ -118,14 +118,6 @@ class Regions:
             for place, size, n in zip(places, self.block, self.shape, strict=True)
         )
 
-    def blocks(self, indices: Iterable[int]) -> Iterator[Block]:
-        """The blocks of some regions, one after the other.
-
-        Args:
-            indices: Their numbers.
-        """
-        return (self.at(index) for index in indices)
-
     def n_points(self, index: int) -> int:
         """Number of points in a region.
 

@@ -88,7 +88,7 @@ def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5)
     dataset, regions = open_sweep(folder), regions_of(folder)
     values = dataset[quantity].variable
     ranked: list[tuple[float, tuple[int, ...]]] = []
-    for block in regions.blocks(range(regions.count)):
+    for block in map(regions.at, range(regions.count)):
         region: np.ndarray = sign * values[block].to_numpy()
         order = np.argsort(region, axis=None, kind="stable")[:count]  # nan comes last
         for flat in map(int, order):
@@ -108,7 +108,7 @@ def count_failed(folder: str | Path) -> int:
     """
     dataset, regions = open_sweep(folder), regions_of(folder)
     succeeded = dataset["succeeded"].variable
-    n_good = sum(int(succeeded[block].to_numpy().sum()) for block in regions.blocks(range(regions.count)))
+    n_good = sum(int(succeeded[block].to_numpy().sum()) for block in map(regions.at, range(regions.count)))
     return int(dataset.attrs["n_finished"]) - n_good
 
 
@@ -116,7 +116,7 @@ def _results(
     sweep: Sweep, regions: Regions, pending: list[int], client: Any, threads: int | None
 ) -> Generator[tuple[int, Table, dict[str, Column]]]:
     """What the pending regions come to, in the order in which they are done."""
-    tables = zip(pending, sweep.tables(regions.blocks(pending)), strict=True)
+    tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
     if client is None:
         for index, table in tables:
             yield index, table, swim_points(sweep.scenario, sweep.points.names, table, threads)

@@ -14,22 +14,17 @@ from laticauda.extensions import name_of
 from laticauda.packaging import __version__
 from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate import plant, swim_many
-from laticauda.simulate.numbers import changed, check_whole, look_up, parameters
+from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
+from laticauda.trial import Trial
 
 Table = Float[np.ndarray, "n_points n_names"]
 Column = Shaped[np.ndarray, " n_points"]
 
-QUANTITIES = {
-    "forward_velocity": ("m/s", "forward velocity, straight line over the whole run"),
-    "steady_velocity": ("m/s", "the same over whole gait cycles after the transient"),
-    "mechanical_power": ("W", "mechanical power, mean of sum |u phi'|"),
-    "net_power": ("W", "mechanical power, net"),
-    "mean_power": ("W", "electrical power where there is a power model, else the mechanical power"),
-    "cost_of_transport": ("1", "cost of transport: mean power / (weight of the displaced water * forward velocity)"),
-    "succeeded": ("", "whether the run reached its end"),
-}
+FIGURES = tuple(name for name in UNITS if name not in ("positive_power", "x", "y", "heading"))
+"""Those that are kept of every trial."""
+QUANTITIES = {name: (UNITS[name] or "1", getattr(Trial, name).title) for name in FIGURES}
+QUANTITIES["succeeded"] = ("", "whether the run reached its end")
 """What is kept of every trial: unit and title by name."""
-FIGURES = tuple(name for name in QUANTITIES if name != "succeeded")
 # Of these the least is the best, of the others the greatest.
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": "environment"}
