@@ -25,21 +25,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from laticauda import codec
 from laticauda.actuation.laws import JointLaw
-from laticauda.codec import (
-    BadKey,
-    Table,
-    arguments_of,
-    check_keys,
-    decode,
-    encode,
-    keys_of,
-    merged,
-    stamped,
-    table_of,
-    take_kind,
-    with_new_names,
-)
 from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
 from laticauda.files import write
 from laticauda.fluid.laws import DragLaw
@@ -60,7 +47,7 @@ def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
         one_of(name, table, NAMES)
     try:
         read = read_adjustments(changes, name)
-    except BadKey as error:
+    except codec.BadKey as error:
         raise BadArgument(error.key, error.rule) from None
     return {table: values for table, values in read.items() if values}
 
@@ -134,13 +121,13 @@ class Parameters:
         """
         import tomli_w
 
-        table: Table = stamped(KIND, {"name": self.name, "title": self.title})
+        table: codec.Table = codec.stamped(KIND, {"name": self.name, "title": self.title})
         if self.joints is not None:
-            table["joints"] = encode(self.joints, JointLaw)
-        water = {key: value for key, value in encode(self.every_gait).items() if key != "name"}
+            table["joints"] = codec.encode(self.joints, JointLaw)
+        water = {key: value for key, value in codec.encode(self.every_gait).items() if key != "name"}
         table |= {"water": water, **write_adjustments(self.changes)}
         for gait in GAITS:
-            entries: Table = write_adjustments(self.own_changes.get(gait, {}))
+            entries: codec.Table = write_adjustments(self.own_changes.get(gait, {}))
             if gait in self.own:
                 entries = {"water": _differences(self.own[gait], self.every_gait), **entries}
             if entries:
@@ -184,32 +171,33 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
     if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
     path = find(name_or_path, "parameter")
-    with keys_of(path, RobotFileError):
+    with codec.keys_of(path, RobotFileError):
         return _parameters(read_table(path))
 
 
-def _parameters(table: Table) -> Parameters:
-    take_kind(table, KIND)
-    check_keys(table, ("name", "title", "joints", "water", *NAMES, *GAITS))
+def _parameters(table: codec.Table) -> Parameters:
+    codec.take_kind(table, KIND)
+    codec.check_keys(table, ("name", "title", "joints", "water", *NAMES, *GAITS))
     for key in ("name", "title", "water"):
         if key not in table:
-            raise BadKey(key, "is missing; every parameter file needs it")
+            raise codec.BadKey(key, "is missing; every parameter file needs it")
     joints, common = table.get("joints"), _water_table(table["water"], "water")
-    every_gait = decode(Water, common, "water")
+    every_gait = codec.decode(Water, common, "water")
     own: dict[str, Water] = {}
     own_changes: dict[str, Adjustments] = {}
     for gait in (gait for gait in GAITS if gait in table):
-        entries = table_of(table[gait], gait)
-        check_keys(entries, ("water", *NAMES), gait)
+        entries = codec.table_of(table[gait], gait)
+        codec.check_keys(entries, ("water", *NAMES), gait)
         if "water" in entries:
             where = f"{gait}.water"
-            own[gait] = decode(Water, merged(common, _water_table(entries["water"], where), by_kind=True), where)
+            changes = _water_table(entries["water"], where)
+            own[gait] = codec.decode(Water, codec.merged(common, changes, by_kind=True), where)
         own_changes[gait] = read_adjustments({key: entries[key] for key in NAMES if key in entries}, gait)
-    with arguments_of(""):
+    with codec.arguments_of(""):
         return Parameters(
             name=table["name"],
             title=table["title"],
-            joints=joints if joints is None or isinstance(joints, str) else decode(JointLaw, joints, "joints"),
+            joints=joints if joints is None or isinstance(joints, str) else codec.decode(JointLaw, joints, "joints"),
             every_gait=every_gait,
             own=own,
             changes=read_adjustments({key: table[key] for key in NAMES if key in table}),
@@ -217,9 +205,9 @@ def _parameters(table: Table) -> Parameters:
         )
 
 
-def _differences(own: Any, usual: Any) -> Table:
+def _differences(own: Any, usual: Any) -> codec.Table:
     """The fields in which a gait's water, or a law of it, is not the usual one, as a file has them."""
-    table: Table = {}
+    table: codec.Table = {}
     for one in fields(own):
         mine, its = getattr(own, one.name), getattr(usual, one.name)
         if one.name == "name" or mine == its:
@@ -228,12 +216,12 @@ def _differences(own: Any, usual: Any) -> Table:
             raise BadArgument(one.name, "must be a number, as it is for every gait; a file cannot take it away")
         hint = hints_of(own.__class__)[one.name]
         is_same_law = isinstance(mine, DragLaw) and mine.__class__ is its.__class__
-        table[one.name] = _differences(mine, its) if is_same_law else encode(mine, hint)
+        table[one.name] = _differences(mine, its) if is_same_law else codec.encode(mine, hint)
     return table
 
 
-def _water_table(value: object, path: str) -> Table:
-    table = table_of(value, path)
+def _water_table(value: object, path: str) -> codec.Table:
+    table = codec.table_of(value, path)
     if "name" in table:
-        raise BadKey(f"{path}.name", "must not be given: the water takes the name of the file")
-    return with_new_names(Water, table)
+        raise codec.BadKey(f"{path}.name", "must not be given: the water takes the name of the file")
+    return codec.with_new_names(Water, table)

@@ -12,19 +12,9 @@ from laticauda.errors import BadArgument, positive
 from laticauda.fluid.laws import Element
 from laticauda.kinematics import trailing_edge
 from laticauda.robot import Ground, Robot, Water
+from laticauda.trial import cycles
 from laticauda.trial.contents import Contents
-from laticauda.trial.cycles import (
-    CycleMean,
-    Signal,
-    SteadyPart,
-    Time,
-    course_cycle_mean,
-    cycle_mean,
-    cycle_middles,
-    direction,
-    interpolated,
-    steady_part,
-)
+from laticauda.trial.cycles import CycleMean, Signal, SteadyPart, Time
 
 Path = Float[np.ndarray, "n_samples n_axes"]
 Joints = Float[np.ndarray, "n_samples n_joints"]
@@ -240,7 +230,7 @@ def steady_velocity(trial: Contents) -> float:
     The steady part is as many whole gait cycles as fit after the first third of the run and after 10 s, counted back
     from the end; without a gait all of that time. So neither the start nor the gait's ripple is in it.
     """
-    part = steady_part(trial.time, trial.period)
+    part = cycles.steady_part(trial.time, trial.period)
     return float(np.linalg.norm(_displacement(trial, part))) / (part.stop - part.start)
 
 
@@ -249,14 +239,14 @@ def course(trial: Contents) -> float:
 
     It raises a ValueError if the trial is too short, or the robot stands still.
     """
-    displacement = _displacement(trial, steady_part(trial.time, trial.period))
-    return float(direction(displacement[np.newaxis])[0])
+    displacement = _displacement(trial, cycles.steady_part(trial.time, trial.period))
+    return float(cycles.direction(displacement[np.newaxis])[0])
 
 
 def heading_mean(trial: Contents) -> CycleMean:
     """Heading of a trial averaged over the gait cycle around each moment; a ValueError if there is no whole cycle."""
     trial.need("a mean heading", "heading")
-    return cycle_mean(trial.time, trial.heading, trial.heading_rate, _period(trial))
+    return cycles.cycle_mean(trial.time, trial.heading, trial.heading_rate, _period(trial))
 
 
 def sideslip(trial: Contents) -> float:
@@ -268,7 +258,7 @@ def sideslip(trial: Contents) -> float:
     trial.need("a sideslip", "heading")
     time, period = trial.time, _period(trial)
     inside = _in_steady_part(time, period)
-    traveled = course_cycle_mean(time, trial.center_of_mass, trial.center_of_mass_velocity, period).value
+    traveled = cycles.course_cycle_mean(time, trial.center_of_mass, trial.center_of_mass_velocity, period).value
     pointed = heading_mean(trial).value
     if not np.any(inside):
         raise BadArgument(
@@ -288,7 +278,7 @@ def turning_rate(trial: Contents) -> float:
     """
     trial.need("a turning rate", "heading")
     period = _period(trial)
-    part, inside = steady_part(trial.time, period), _in_steady_part(trial.time, period)
+    part, inside = cycles.steady_part(trial.time, period), _in_steady_part(trial.time, period)
     if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
         raise BadArgument(
             "time",
@@ -312,12 +302,12 @@ def strouhal_number(trial: Contents) -> float:
     """
     trial.need("a Strouhal number", "link_angle")
     time, place, period = trial.time, trial.center_of_mass, _period(trial)
-    part = steady_part(time, period)
+    part = cycles.steady_part(time, period)
     edge = trailing_edge(trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
-    steps = np.diff(interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
+    steps = np.diff(cycles.interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
     excursion = 0.0
-    for begin, end, angle in zip(bounds[:-1], bounds[1:], direction(steps), strict=True):
+    for begin, end, angle in zip(bounds[:-1], bounds[1:], cycles.direction(steps), strict=True):
         cycle = edge[(time >= begin) & (time <= end)]
         excursion += float(np.ptp(cycle @ np.array([-np.sin(angle), np.cos(angle)]))) / len(steps)
     return excursion / (period * steady_velocity(trial))
@@ -357,13 +347,13 @@ def _water(trial: Contents, figure: str) -> Water:
 
 def _displacement(trial: Contents, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
     at = np.array([part.start, part.stop])
-    ends = interpolated(trial.time, trial.center_of_mass, trial.center_of_mass_velocity, at)
+    ends = cycles.interpolated(trial.time, trial.center_of_mass, trial.center_of_mass_velocity, at)
     return ends[1] - ends[0]
 
 
 def _in_steady_part(time: Time, period: float) -> Bool[np.ndarray, " n_middles"]:
     """Which of the cycle middles belong to cycles inside the steady part."""
-    middle = cycle_middles(time, period)
-    part = steady_part(time, period)
+    middle = cycles.cycle_middles(time, period)
+    part = cycles.steady_part(time, period)
     slack = 1e-9 * period
     return (middle >= part.start + 0.5 * period - slack) & (middle <= part.stop - 0.5 * period + slack)
