@@ -152,7 +152,8 @@ def test_a_click_on_the_map_sets_the_gait(cockpit):
     while board._frame is None and time.monotonic() < end:
         cockpit.frame()
         time.sleep(0.05)
-    eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(40.0, 160.0))
+    right, down, _ = board._place(40.0, 160.0)
+    eye, goal = np.array([0.3, -2.0, 1.5]), board._frame.position + np.array([right, 0.0, -down])
     board._click(Event(Page(), None, (eye, goal - eye)))
     cockpit._show_scenario()
     assert live.scenario.gait == with_wave(GAIT, 40.0, 160.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cockpit.board import gait_map_picture
+from laticauda.cockpit.board import BOX, gait_map_picture
 from laticauda.cockpit.maps import AMPLITUDES, DURATION, FREQUENCIES, base_of, map_of_gaits, with_numbers, with_wave
 from laticauda.cockpit.simulation import changed
 from laticauda.control import StraightLine
@@ -50,7 +50,7 @@ def test_the_picture_says_where_its_axes_are():
     values = np.full((len(FREQUENCIES), len(AMPLITUDES)), 1.0)
     values[0, 0], values[3, 4] = np.nan, 5.0
     picture = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "Speed [m/s]", ("amplitude [deg]", "frequency [deg/s]"))
-    (left, bottom, wide, high), ((low, top), (down, up)) = picture.box, picture.limits
+    (left, bottom, wide, high), ((low, top), (down, up)) = BOX, picture.limits
     n_rows, n_columns, _ = picture.pixels.shape
 
     def color(amplitude, frequency):

@@ -31,7 +31,7 @@ from cockpit_browser import (
 
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
-from laticauda.cockpit.scene import look_down
+from laticauda.cockpit.scene import HOME
 
 pytestmark = pytest.mark.slow
 GAIT = lc.lateral_undulation(
@@ -71,17 +71,18 @@ def cockpit():
 
 def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
-    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH, gait_map_picture
+    from laticauda.cockpit.board import ABOVE, BEHIND, BOX, HEIGHT, WIDTH, gait_map_picture
     from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES
     from laticauda.cockpit.scene import FIELD_OF_VIEW
 
     values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
-    (left, bottom, wide, high), limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "", ("", ""))[1:]
+    (left, bottom, wide, high) = BOX
+    limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "", ("", "")).limits
     across, up = (
         (value - low) / (top - low) for value, (low, top) in zip((amplitude_deg, frequency_deg_s), limits, strict=True)
     )
     place = (WIDTH * (left + wide * across - 0.5), BEHIND, ABOVE + HEIGHT * (bottom + high * up - 0.5))
-    return on_screen(*look_down(), FIELD_OF_VIEW, place)
+    return on_screen(*HOME, FIELD_OF_VIEW, place)
 
 
 def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tmp_path):
@@ -191,7 +192,7 @@ def test_pages_keep_their_own_view(chromium, cockpit):
     cockpit.live.speed, cockpit.live.paused = 8.0, False
     assert until(lambda: cockpit.live.latest().center_of_mass[0] > 1.5)
     assert until(lambda: first.position[0] > home[0] + 1.0)
-    view = np.subtract(*look_down())
+    view = np.subtract(*HOME)
     assert until(lambda: np.allclose(first.position - first.look_at, view, atol=1e-3), patience=5.0)
     np.testing.assert_allclose(second.position, left, atol=0.1)
     for page in (one, other):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from laticauda.cockpit.pages import PageCamera, PageCameras
-from laticauda.cockpit.scene import AHEAD, look_down
+from laticauda.cockpit.scene import AHEAD, HOME
 
 
 class Camera:
@@ -87,7 +87,7 @@ def test_cameras_are_moved_where_reports_of_the_pages_arrive_so_none_can_come_in
 def test_a_camera_is_brought_home_until_its_page_says_so_and_then_keeps_the_direction_that_somebody_gives_it():
     client = Client()
     view, camera = PageCamera(client), client.camera
-    position, look_at = (np.array(value) for value in look_down())
+    position, look_at = (np.array(value) for value in HOME)
     at = np.array([3.0, -1.0, 0.0])
     camera.report((9.0, 9.0, 9.0), (0.0, 0.0, 0.0))  # from before it was brought here
     assert not view.is_home

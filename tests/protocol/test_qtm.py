@@ -13,7 +13,6 @@ from laticauda.protocol.qtm import (
     PacketReader,
     PacketType,
     body_pose,
-    decode_frame,
     decode_text,
     encode_frame,
     encode_packet,
@@ -58,19 +57,6 @@ def payload(packet: bytes) -> bytes:
 
 
 @given(frame=FRAMES)
-def test_a_frame_comes_back_as_it_was(frame):
-    frame = made(frame)
-    back = decode_frame(payload(encode_frame(frame)))
-    assert (back.timestamp, back.number, len(back.bodies)) == (frame.timestamp, frame.number, len(frame.bodies))
-    for one, other in zip(back.bodies, frame.bodies, strict=True):
-        assert (one is None) == (other is None)
-        if one is not None and other is not None:
-            np.testing.assert_allclose(one.position, other.position, rtol=1e-6, atol=1e-9)
-            np.testing.assert_allclose(one.rotation, other.rotation, atol=1e-7)
-            assert one.residual == pytest.approx(other.residual, rel=1e-6, abs=1e-12)
-
-
-@given(frame=FRAMES)
 def test_the_vendors_package_reads_the_same_numbers(frame):
     frame = made(frame)
     components = (Component.BODIES, Component.BODIES_RESIDUAL, Component.BODIES_EULER_RESIDUAL)
@@ -84,7 +70,9 @@ def test_the_vendors_package_reads_the_same_numbers(frame):
         pose = body_pose((*position, *matrix.matrix, *residual))
         assert (pose is None) == (expected is None)
         if pose is not None and expected is not None:
+            np.testing.assert_allclose(pose.position, expected.position, rtol=1e-6, atol=1e-9)
             np.testing.assert_allclose(pose.rotation, expected.rotation, atol=1e-7)
+            assert pose.residual == pytest.approx(expected.residual, rel=1e-6, abs=1e-12)
 
 
 @given(angles=st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)))
@@ -110,28 +98,7 @@ def test_random_bytes_give_packets_or_a_protocol_error(data):
         assert "bytes" in str(error)
 
 
-@given(data=st.binary(max_size=200))
-def test_a_random_payload_gives_a_frame_or_a_protocol_error(data):
-    try:
-        decode_frame(data)
-    except ProtocolError:
-        pass
-
-
-@given(frame=FRAMES, data=st.data())
-def test_a_truncated_frame_is_a_protocol_error(frame, data):
-    whole = payload(encode_frame(made(frame)))
-    with pytest.raises(ProtocolError):
-        decode_frame(whole[: data.draw(st.integers(0, len(whole) - 1))])
-
-
 def test_impossible_sizes_are_said():
     with pytest.raises(ProtocolError, match="a packet says that it has 4 bytes"):
         list(PacketReader().feed(struct.pack("<II", 4, 1)))
-    with pytest.raises(ProtocolError, match="a component says that it has 0 bytes"):
-        decode_frame(struct.pack("<qIIII", 0, 1, 1, 0, 1))
-    with pytest.raises(ProtocolError, match="says that it has 9 bodies"):
-        decode_frame(struct.pack("<qIIIIihh", 0, 1, 1, 16, 5, 9, 0, 0))
-    with pytest.raises(ProtocolError, match="no bodies with rotation matrices"):
-        decode_frame(struct.pack("<qII", 0, 1, 0))
     assert list(PacketReader().feed(encode_packet(PacketType.NO_MORE_DATA, b""))) == [(4, b"")]

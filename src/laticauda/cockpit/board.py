@@ -156,21 +156,10 @@ class Board:
     def _place(self, across: float, up: float) -> tuple[float, float, float]:
         """Where two numbers are on the picture, in its frame: x to the right, y down [m]."""
         assert self._picture is not None
-        (left, bottom, wide, high), limits = self._picture.box, self._picture.limits
+        (left, bottom, wide, high), limits = BOX, self._picture.limits
         right = np.interp(across, limits[0], (left, left + wide)) - 0.5
         above = np.interp(up, limits[1], (bottom, bottom + high)) - 0.5
         return float(right) * WIDTH, float(-above) * HEIGHT, 0.0
-
-    def place_of(self, across: float, up: float) -> tuple[float, float, float]:
-        """Where a point of the map is in the world [m].
-
-        Args:
-            across: Its number from left to right, in the unit shown.
-            up: Its number upward, likewise.
-        """
-        x, y, z = (float(value) for value in self._frame.position)
-        right, down, _ = self._place(across, up)
-        return x + right, y, z - down
 
     def pointed_at(self, origin: np.ndarray, direction: np.ndarray) -> dict[str, float] | None:
         """The numbers of the trial that a ray meets on the board, by name, or None.
@@ -184,7 +173,7 @@ class Board:
         middle = np.asarray(self._frame.position, dtype=float)
         hit = origin + direction * (middle[1] - origin[1]) / direction[1]
         right, above = float((hit[0] - middle[0]) / WIDTH + 0.5), float((hit[2] - middle[2]) / HEIGHT + 0.5)
-        (left, bottom, wide, high), limits = self._picture.box, self._picture.limits
+        (left, bottom, wide, high), limits = BOX, self._picture.limits
         if not (left <= right <= left + wide and bottom <= above <= bottom + high):
             return None
         across = np.interp(right, (left, left + wide), limits[0])
@@ -235,10 +224,9 @@ def _differences(sweep: Map, scenario: Scenario) -> str:
 
 
 class Picture(NamedTuple):
-    """A picture of the map, for a screen, and where its axes are."""
+    """A picture of the map, for a screen, and what its axes, in `BOX`, go from and to."""
 
     pixels: Any
-    box: tuple[float, float, float, float]
     limits: tuple[tuple[float, float], tuple[float, float]]
 
 
@@ -272,4 +260,4 @@ def gait_map_picture(
     canvas: Any = figure.canvas
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())[..., :3].copy()
-    return Picture(pixels=pixels, box=BOX, limits=(ax.get_xlim(), ax.get_ylim()))
+    return Picture(pixels=pixels, limits=(ax.get_xlim(), ax.get_ylim()))

@@ -8,18 +8,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from laticauda.cockpit.simulation import (
-    TICK,
-    Changes,
-    Simulation,
-    advance,
-    altered,
-    begin,
-    changed,
-    control_ticks,
-    cross_track_error,
-    has_interval,
-)
+from laticauda.cockpit.simulation import TICK, Changes, Simulation, begin, changed
 from laticauda.errors import within
 from laticauda.packaging import __version__
 from laticauda.scenarios import Experiment, Scenario
@@ -164,7 +153,7 @@ class Live:
             return n
 
     def change(self, scenario: Scenario) -> None:
-        """Swim otherwise from now on; see `laticauda.cockpit.simulation.altered`.
+        """Swim otherwise from now on; see `laticauda.cockpit.simulation.Simulation.altered`.
 
         Args:
             scenario: As it is to be.
@@ -175,7 +164,7 @@ class Live:
         with self._lock:
             if scenario == self.scenario:
                 return
-            self._simulation = altered(self._simulation, scenario)
+            self._simulation = self._simulation.altered(scenario)
             self._record.clear()
             self._latest = self._sample()
 
@@ -204,7 +193,7 @@ class Live:
         """
         with self._lock:
             controller = self.scenario.controller
-            while math.isfinite(controller.interval) and self._simulation.ticks % control_ticks(controller):
+            while math.isfinite(controller.interval) and self._simulation.ticks % self._simulation.control_ticks:
                 if self._simulation.failure is not None:
                     break
                 self._tick(forces=False)
@@ -213,7 +202,7 @@ class Live:
             raise ValueError("There is no run to save yet: the setting has only just been changed.")
         swum = now.plant
         body: dict[str, Any] = {"robot": swum.robot, "environment": swum.environment, "model": swum.settings}
-        is_whole = len(log.time) == now.ticks + 1 and has_interval(controller)
+        is_whole = len(log.time) == now.ticks + 1 and now.has_interval
         span = {"duration": now.ticks * TICK, "sample_interval": TICK}
         return Trial(
             **vars(log),
@@ -226,7 +215,7 @@ class Live:
 
     def _tick(self, *, forces: bool) -> None:
         before = self._latest
-        self._simulation, log = advance(self._simulation, link_forces=forces)
+        self._simulation, log = self._simulation.advance(link_forces=forces)
         if self._simulation.failure is not None:
             return
         # A sample is the end of a tick; what the controller said there belongs to the next one.
@@ -244,7 +233,7 @@ class Live:
             "time": self._simulation.time,
             "speed": float(np.linalg.norm(now.center_of_mass_velocity[:2])),
             "power": work / TICK,
-            "cross_track_error": cross_track_error(self._simulation),
+            "cross_track_error": self._simulation.cross_track_error,
             "heading": math.degrees(now.heading),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
@@ -253,7 +242,7 @@ class Live:
 
     def _sample(self) -> Log:
         """A first sample of a simulation that has just been made or changed, without letting time pass."""
-        return advance(self._simulation)[1].at(0)
+        return self._simulation.advance()[1].at(0)
 
 
 def _series(sample: Log) -> dict[str, np.ndarray]:

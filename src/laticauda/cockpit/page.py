@@ -16,7 +16,7 @@ from laticauda.cockpit.operated import OperatedRobot
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.readouts import Plots, numbers_text
 from laticauda.cockpit.runs import Runs
-from laticauda.cockpit.scene import FIELD_OF_VIEW, Scene, look_down
+from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME, Scene
 from laticauda.cockpit.simulation import path_of
 from laticauda.control import StraightLine
 
@@ -50,7 +50,7 @@ class Cockpit:
         gui.set_panel_label("laticauda cockpit")
         self._scene = Scene(self._server.scene)
         camera = self._server.initial_camera
-        camera.position, camera.look_at = look_down()
+        camera.position, camera.look_at = HOME
         camera.fov = FIELD_OF_VIEW
         self._figures = gui.add_markdown("")
         tabs = gui.add_tab_group()

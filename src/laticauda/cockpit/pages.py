@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from laticauda.cockpit.scene import look_down
+from laticauda.cockpit.scene import HOME
 from laticauda.errors import LaticaudaError
 from laticauda.extras import optional_import
 
@@ -108,7 +108,7 @@ class PageCamera:
         """
         if self.is_home and not self.follows.value:
             return
-        position, look_at = (np.array(part) for part in look_down())
+        position, look_at = (np.array(part) for part in HOME)
         # What a slow page reports is old, but its direction and distance are right.
         offset = self.camera.position - self.camera.look_at if self.is_home else position - look_at
         target = look_at + np.array([float(at[0]), float(at[1]), 0.0])
@@ -121,8 +121,7 @@ class PageCamera:
 
     async def _reported(self, camera: Any) -> None:
         # A page that has just been opened reports where its camera was before it was brought here.
-        position, look_at = look_down()
-        if np.allclose(camera.position - camera.look_at, np.subtract(position, look_at), atol=0.02):
+        if np.allclose(camera.position - camera.look_at, np.subtract(*HOME), atol=0.02):
             self._until = 0.0
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import time_scale
-from laticauda.cockpit.simulation import TICK, cross_track_error, measured
+from laticauda.cockpit.simulation import TICK, measured
 from laticauda.reports.texts import in_digits
 from laticauda.trial import metrics
 
@@ -63,7 +63,7 @@ def numbers(live: Live) -> Numbers:
             n = round(cycle / TICK)
             found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
     heading = float(live.latest().heading)
-    return Numbers(time=elapsed, cross_track_error=cross_track_error(now), heading=heading, **found)
+    return Numbers(time=elapsed, cross_track_error=now.cross_track_error, heading=heading, **found)
 
 
 def numbers_text(live: Live) -> str:

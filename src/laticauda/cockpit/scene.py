@@ -21,6 +21,9 @@ FORCE: Color = (215, 25, 25)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
 PIECE = 2.0  # of a path [m]
+ABOVE = math.radians(34.0)  # the robot's plane, where a camera begins [rad]
+HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.0, 0.0))
+"""Where a camera begins, beside the robot and above it, and what it looks at [m]."""
 FIELD_OF_VIEW = math.radians(55.0)  # from top to bottom [rad]
 PER_NEWTON = 0.06  # length of an arrow [m]
 TRAIL_STEP, N_TRAIL = 0.02, 600  # least distance of its points [m], and how many they are [-]
@@ -248,9 +251,3 @@ def _arrows(now: Poses, sample: Log, place: np.ndarray) -> np.ndarray | None:
     longest = np.minimum(1.0, 1.0 / np.maximum(PER_NEWTON * size, 1e-9))  # of a meter
     begin = now.middle - place
     return np.stack((begin, begin + PER_NEWTON * longest * force), axis=1).astype(np.float32)
-
-
-def look_down(angle_deg: float = 34.0, distance: float = 3.2) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Where a camera begins: beside the robot and above it, and what it looks at [m]."""
-    angle = math.radians(angle_deg)
-    return (AHEAD - 0.5, -distance * math.cos(angle), distance * math.sin(angle)), (AHEAD, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""The simulation behind the page, one value that `advance` and `altered` make another one of; what a page changes."""
+"""The simulation behind the page, a value that `advance` and `altered` make another one of; what a page changes."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from laticauda.control import Following, PathFollowing, StraightLine
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import instance
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Start
+from laticauda.interfaces import Command, Start
 from laticauda.robot import CaudalFin, Robot, Water, load_robot
 from laticauda.scenarios import Model, Scenario, default_water, model_of, preset_water
 from laticauda.series import Log
@@ -64,6 +64,99 @@ class Simulation:
             return self.command
         return replace(self.command, gait=replace(self.shape, amplitude=0.0))
 
+    @property
+    def control_ticks(self) -> int:
+        """How many ticks a command is held [-]."""
+        return max(round(min(self.scenario.controller.interval, 1e3) / TICK), 1)
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether a command is held as long as the controller says, or until the end."""
+        interval = self.scenario.controller.interval
+        return math.isinf(interval) or math.isclose(interval, self.control_ticks * TICK)
+
+    @property
+    def cross_track_error(self) -> float:
+        """Distance from the path, positive to its left; nan without a path [m]."""
+        path = path_of(self.scenario)
+        if path is None:
+            return float("nan")
+        at = np.asarray(self.plant.observe(self.state).center_of_mass)[:2]
+        return path.locate(None, at)[1].cross_track_error
+
+    def altered(self, scenario: Scenario) -> "Simulation":
+        """The simulation with another scenario, from now on; before the first tick, one that begins with it.
+
+        Another gait is taken up by the reference generator, so that nothing jumps. Another body (robot, water, model)
+        goes on from the same state where that has the same numbers, else straight and at rest at the same place and
+        heading.
+
+        Args:
+            scenario: As it is to be.
+
+        Raises:
+            ValueError: If the scenario does not go together; the simulation stays what it was.
+        """
+        if self.ticks == 0:
+            return begin(scenario)
+        old, body, state = self.scenario, self.plant, self.state
+        checked(scenario)
+        if (scenario.robot, scenario.environment, scenario.model) != (old.robot, old.environment, old.model):
+            body = plant(scenario)
+            state = self._carried(body, scenario.gait)
+        goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
+        steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": self.ticks}
+        is_steered = not isinstance(scenario.motion, Gait)
+        fading = scenario.gait.kind != self.shape.kind
+        after = replace(
+            self,
+            scenario=scenario,
+            plant=body,
+            state=state,
+            command=Command(gait=scenario.gait, offset=self.command.offset if is_steered else 0.0),
+            shape=self.shape if fading else scenario.gait,
+            fade=(self.fade or FADE) if fading else 0.0,
+            failure=None,
+            **steering,
+        )
+        body.march(after.state, after.held, TICK, TICK)  # refuses now what it would refuse later
+        return after
+
+    def _carried(self, body: Plant[Any], gait: Gait) -> Any:
+        """The old state in a new body, or a new one at the same place."""
+        if type(body) is type(self.plant) and self.plant.robot.n_links == body.robot.n_links:
+            try:
+                return body.unpack(self.plant.pack(self.state))
+            except ValueError:
+                pass  # a fin that bends has more numbers
+        now = self.plant.observe(self.state)
+        x, y = (float(value) for value in now.center_of_mass[:2])
+        return body.init(Start(center_of_mass=(x, y), heading=float(now.heading)), Command(gait=gait))
+
+    def advance(self, *, link_forces: bool = False) -> tuple["Simulation", Log]:
+        """The simulation one `TICK` later, and what was logged, with the controller's signals: both ends of the tick.
+
+        Args:
+            link_forces: Whether to log the force on every link too.
+        """
+        now, body, controller = self, self.plant, self.scenario.controller
+        if now.ticks >= now.next_control:
+            state, command = controller.step(now.controller_state, body.observe(now.state))
+            now = replace(now, controller_state=state, command=command, next_control=now.ticks + self.control_ticks)
+        state, log, failure = body.march(now.state, now.held, TICK, TICK, link_forces=link_forces)
+        signals = {name: np.full(log.time.size, one) for name, one in controller.signals(now.controller_state).items()}
+        fade = max(now.fade - TICK, 0.0)
+        done = now.fade > 0.0 and fade < 0.5 * TICK
+        after = replace(
+            now,
+            state=state,
+            fade=0.0 if done else fade,
+            shape=now.scenario.gait if done else now.shape,
+            ticks=now.ticks + 1,
+            failure=failure,
+        )
+        return after, replace(log, signals={**log.signals, **signals})
+
 
 def begin(scenario: Scenario) -> Simulation:
     """A simulation in which the robot lies straight, as the scenario's start says.
@@ -85,103 +178,6 @@ def begin(scenario: Scenario) -> Simulation:
         command=command,
         shape=scenario.gait,
     )
-
-
-def altered(simulation: Simulation, scenario: Scenario) -> Simulation:
-    """The simulation with another scenario, from now on; before the first tick, one that begins with it.
-
-    Another gait is taken up by the reference generator, so that nothing jumps. Another body (robot, water, model) goes
-    on from the same state where that has the same numbers, else straight and at rest at the same place and heading.
-
-    Args:
-        simulation: As it is.
-        scenario: As it is to be.
-
-    Raises:
-        ValueError: If the scenario does not go together; the simulation stays what it was.
-    """
-    if simulation.ticks == 0:
-        return begin(scenario)
-    old, body, state = simulation.scenario, simulation.plant, simulation.state
-    checked(scenario)
-    if (scenario.robot, scenario.environment, scenario.model) != (old.robot, old.environment, old.model):
-        body = plant(scenario)
-        state = _carried(simulation, body, scenario.gait)
-    goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
-    steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": simulation.ticks}
-    is_steered = not isinstance(scenario.motion, Gait)
-    fading = scenario.gait.kind != simulation.shape.kind
-    after = replace(
-        simulation,
-        scenario=scenario,
-        plant=body,
-        state=state,
-        command=Command(gait=scenario.gait, offset=simulation.command.offset if is_steered else 0.0),
-        shape=simulation.shape if fading else scenario.gait,
-        fade=(simulation.fade or FADE) if fading else 0.0,
-        failure=None,
-        **steering,
-    )
-    body.march(after.state, after.held, TICK, TICK)  # refuses now what it would refuse later
-    return after
-
-
-def _carried(simulation: Simulation, body: Plant[Any], gait: Gait) -> Any:
-    """The old state in a new body, or a new one at the same place."""
-    if type(body) is type(simulation.plant) and simulation.plant.robot.n_links == body.robot.n_links:
-        try:
-            return body.unpack(simulation.plant.pack(simulation.state))
-        except ValueError:
-            pass  # a fin that bends has more numbers
-    now = simulation.plant.observe(simulation.state)
-    x, y = (float(value) for value in now.center_of_mass[:2])
-    return body.init(Start(center_of_mass=(x, y), heading=float(now.heading)), Command(gait=gait))
-
-
-def advance(simulation: Simulation, *, link_forces: bool = False) -> tuple[Simulation, Log]:
-    """The simulation one `TICK` later, and what the plant logged, with the controller's signals: both ends of the tick.
-
-    Args:
-        simulation: As it is.
-        link_forces: Whether to log the force on every link too.
-    """
-    now, body, controller = simulation, simulation.plant, simulation.scenario.controller
-    if now.ticks >= now.next_control:
-        state, command = controller.step(now.controller_state, body.observe(now.state))
-        now = replace(now, controller_state=state, command=command, next_control=now.ticks + control_ticks(controller))
-    state, log, failure = body.march(now.state, now.held, TICK, TICK, link_forces=link_forces)
-    signals = {name: np.full(log.time.size, one) for name, one in controller.signals(now.controller_state).items()}
-    fade = max(now.fade - TICK, 0.0)
-    done = now.fade > 0.0 and fade < 0.5 * TICK
-    after = replace(
-        now,
-        state=state,
-        fade=0.0 if done else fade,
-        shape=now.scenario.gait if done else now.shape,
-        ticks=now.ticks + 1,
-        failure=failure,
-    )
-    return after, replace(log, signals={**log.signals, **signals})
-
-
-def control_ticks(controller: Controller[Any]) -> int:
-    """How many ticks a command is held [-]."""
-    return max(round(min(controller.interval, 1e3) / TICK), 1)
-
-
-def has_interval(controller: Controller[Any]) -> bool:
-    """Whether a command is held as long as the controller says, or until the end."""
-    interval = controller.interval
-    return math.isinf(interval) or math.isclose(interval, control_ticks(controller) * TICK)
-
-
-def cross_track_error(simulation: Simulation) -> float:
-    """Distance from the path, positive to its left; nan without a path [m]."""
-    path = path_of(simulation.scenario)
-    if path is None:
-        return float("nan")
-    at = np.asarray(simulation.plant.observe(simulation.state).center_of_mass)[:2]
-    return path.locate(None, at)[1].cross_track_error
 
 
 # ---- what a page can change about a scenario, and what goes along with it -----------------------------------------

@@ -67,8 +67,7 @@ class LineOfSight(Guidance[None]):
 
     def step(self, state: None, frame: PathFrame, heading: float, dt: float, is_saturated: bool) -> tuple[None, float]:
         """The heading to take; arguments as for `Guidance`."""
-        approach = math.atan(frame.cross_track_error / self.look_ahead_distance)
-        return None, _nearest_turn(frame.path_tangential_angle - approach, heading)
+        return None, _aimed(frame, frame.cross_track_error / self.look_ahead_distance, heading)
 
 
 @value
@@ -100,10 +99,9 @@ class IntegralLineOfSight(Guidance[float]):
         if not is_saturated:
             aim = error + self.integral_gain * state
             state += dt * delta * error / (aim * aim + delta * delta)
-        approach = math.atan((error + self.integral_gain * state) / delta)
-        return state, _nearest_turn(frame.path_tangential_angle - approach, heading)
+        return state, _aimed(frame, (error + self.integral_gain * state) / delta, heading)
 
 
-def _nearest_turn(angle: float, heading: float) -> float:
-    """The direction `angle` as a number within half a turn of `heading` [rad]."""
-    return heading + wrap_to_pi(angle - heading)
+def _aimed(frame: PathFrame, slope: float, heading: float) -> float:
+    """The direction that leads to the path with a slope, as a number within half a turn of `heading` [rad]."""
+    return heading + wrap_to_pi(frame.path_tangential_angle - math.atan(slope) - heading)

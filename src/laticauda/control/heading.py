@@ -2,6 +2,8 @@
 
 from bisect import bisect_right
 from dataclasses import dataclass
+from operator import itemgetter
+from typing import TypeAlias
 
 from laticauda.angles import wrap_to_pi
 from laticauda.errors import BadArgument, not_negative
@@ -45,16 +47,8 @@ class HeadingController:
         return asked, False
 
 
-@dataclass(frozen=True, kw_only=True)
-class HeadingWindow:
-    """Headings seen within the last window, with their integral since the start."""
-
-    time: tuple[float, ...] = ()
-    """When each was seen, oldest first [s]."""
-    heading: tuple[float, ...] = ()
-    """[rad]."""
-    integral: tuple[float, ...] = ()
-    """Of the heading since the first of all [rad s]."""
+HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
+"""Headings of the last window, oldest first: time [s], heading [rad], its integral since the first of all [rad s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +71,7 @@ class HeadingEstimate:
 
     def init(self) -> HeadingWindow:
         """Nothing seen yet."""
-        return HeadingWindow()
+        return ()
 
     def step(self, state: HeadingWindow, time: float, heading: float) -> tuple[HeadingWindow, float]:
         """Take in one more heading.
@@ -92,25 +86,22 @@ class HeadingEstimate:
         Returns:
             The window now, and the mean over it [rad].
         """
-        if self.window == 0.0 or not state.time:
-            first = HeadingWindow(time=(time,), heading=(heading,), integral=(0.0,))
-            return first, heading
-        step = time - state.time[-1]
+        if self.window == 0.0 or not state:
+            return ((time, heading, 0.0),), heading
+        last, before, integral = state[-1]
+        step = time - last
         if step <= _ROUNDING:
-            raise BadArgument("time", f"must grow from step to step, got {state.time[-1]} s and then {time} s")
-        integral = state.integral[-1] + 0.5 * step * (state.heading[-1] + heading)
-        begin = max(time - self.window, state.time[0])
-        oldest = max(bisect_right(state.time, begin + _ROUNDING) - 1, 0)  # the last one not inside the window
-        seen = HeadingWindow(
-            time=(*state.time[oldest:], time),
-            heading=(*state.heading[oldest:], heading),
-            integral=(*state.integral[oldest:], integral),
-        )
+            raise BadArgument("time", f"must grow from step to step, got {last} s and then {time} s")
+        integral += 0.5 * step * (before + heading)
+        begin = max(time - self.window, state[0][0])
+        oldest = max(bisect_right(state, begin + _ROUNDING, key=itemgetter(0)) - 1, 0)  # the last one not inside
+        seen = (*state[oldest:], (time, heading, integral))
         return seen, (integral - _integral_at(seen, begin)) / (time - begin)
 
 
 def _integral_at(window: HeadingWindow, time: float) -> float:
     """The integral between the first two headings of a window [rad s]."""
-    share = (time - window.time[0]) / (window.time[1] - window.time[0])
-    heading = window.heading[0] + share * (window.heading[1] - window.heading[0])
-    return window.integral[0] + 0.5 * (time - window.time[0]) * (window.heading[0] + heading)
+    (begin, first, integral), (end, second, _) = window[:2]
+    share = (time - begin) / (end - begin)
+    heading = first + share * (second - first)
+    return integral + 0.5 * (time - begin) * (first + heading)

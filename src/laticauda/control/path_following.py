@@ -15,6 +15,8 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 HEADING_ESTIMATES = ("raw", "cycle_mean")
+_OF_PATH = ("cross_track_error", "along_track_distance", "path_tangential_angle")
+SIGNALS = ("heading_ref", "heading_used", *_OF_PATH, "offset", "is_saturated")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,15 +122,7 @@ class PathFollowing(Controller[PathFollowingState]):
 
     def signals(self, state: PathFollowingState) -> dict[str, float]:
         """The signals of the last control instant, out of `state`, for the log."""
-        return {
-            "heading_ref": state.heading_ref,
-            "heading_used": state.heading_used,
-            "cross_track_error": state.cross_track_error,
-            "along_track_distance": state.along_track_distance,
-            "path_tangential_angle": state.path_tangential_angle,
-            "offset": state.offset,
-            "is_saturated": float(state.is_saturated),
-        }
+        return {name: float(getattr(state, name)) for name in SIGNALS}
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.

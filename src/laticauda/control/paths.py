@@ -41,13 +41,7 @@ class StraightLine(Path[None]):
     def locate(self, progress: None, position: Position) -> tuple[None, PathFrame]:
         """Find a `position` [m]; there is no `progress`. See `Path`."""
         along, across = _seen_from(self.point, self.angle, position)
-        return None, PathFrame(
-            along_track_distance=along,
-            cross_track_error=across,
-            path_tangential_angle=wrap_to_pi(self.angle),
-            curvature=0.0,
-            remaining=math.inf,
-        )
+        return None, _frame(along, across, self.angle, math.inf)
 
     def points(self, along_track_distance: Distances) -> Points:
         """Points of the line at each `along_track_distance` [m]. See `Path`."""
@@ -96,14 +90,7 @@ class Polyline(Path[int]):
             leg += 1
         angle = self._angle(leg)
         along, across = _seen_from(self.waypoints[leg], angle, position)
-        along += self.lengths[leg]
-        return leg, PathFrame(
-            along_track_distance=along,
-            cross_track_error=across,
-            path_tangential_angle=wrap_to_pi(angle),
-            curvature=0.0,
-            remaining=max(self.length - along, 0.0),
-        )
+        return leg, _frame(along + self.lengths[leg], across, angle, self.length)
 
     def points(self, along_track_distance: Distances) -> Points:
         """Points of the legs at each `along_track_distance` [m]. See `Path`."""
@@ -168,13 +155,7 @@ class Spline(Path[float | None]):
         # Inside, the nearest point is at a right angle, and what is left of `beyond` is rounding.
         is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
         along = length + beyond if is_outside else length
-        return length, PathFrame(
-            along_track_distance=along,
-            cross_track_error=across,
-            path_tangential_angle=wrap_to_pi(angle),
-            curvature=0.0 if is_outside else _curvature(first, second),
-            remaining=max(self.length - along, 0.0),
-        )
+        return length, _frame(along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second))
 
     def points(self, along_track_distance: Distances) -> Points:
         """Points of the curve at each `along_track_distance` [m]. See `Path`."""
@@ -182,6 +163,17 @@ class Spline(Path[float | None]):
         r, first, _ = self._curve.derivatives(self._curve.parameter(inside))
         unit = first / np.linalg.norm(first, axis=1, keepdims=True)
         return r + (along_track_distance - inside)[:, np.newaxis] * unit
+
+
+def _frame(along: float, across: float, angle: float, length: float, curvature: float = 0.0) -> PathFrame:
+    """A position that is so far along a path of that length, and across it where it has that direction."""
+    return PathFrame(
+        along_track_distance=along,
+        cross_track_error=across,
+        path_tangential_angle=wrap_to_pi(angle),
+        curvature=curvature,
+        remaining=max(length - along, 0.0),
+    )
 
 
 def _unit(angle: float) -> tuple[float, float]:

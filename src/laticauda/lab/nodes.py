@@ -9,24 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from laticauda.lab.settings import NodeSettings
-from laticauda.protocol import (
-    EVERY_NODE,
-    FAULTS,
-    Acceleration,
-    CanMessage,
-    CommandReply,
-    EmergencyStop,
-    Heartbeat,
-    JointState,
-    Loads,
-    NodeCommand,
-    NodeState,
-    Order,
-    References,
-    Result,
-    Sync,
-)
-from laticauda.protocol.messages import PER_FRAME
+from laticauda.protocol import EVERY_NODE, FAULTS, NodeState, Order, Result, messages
 
 LIMP_STATES = (NodeState.STARTUP, NodeState.CALIBRATING, NodeState.READY, NodeState.LIMP, NodeState.FAULT)
 SETTLED = (NodeState.READY, NodeState.LIMP)
@@ -93,7 +76,7 @@ class Node:
         """Whether the motor is on."""
         return self.state not in LIMP_STATES
 
-    def tick(self, now: float, senses: Senses) -> list[CanMessage]:
+    def tick(self, now: float, senses: Senses) -> list[messages.CanMessage]:
         """Let time pass.
 
         Args:
@@ -108,17 +91,17 @@ class Node:
         self._watch(dt, senses)
         self._live(now)
         self._follow(dt)
-        said: list[CanMessage] = []
+        said: list[messages.CanMessage] = []
         if self.state != before or now >= self._heartbeat_due - 1e-9:
             said.append(self._heartbeat(now, senses))
         if now >= self._sensors_due - 1e-9 and self.state != NodeState.STARTUP:
             self._sensors_due = max(self._sensors_due + self.settings.sensor_interval, now)
             along, left, up = senses.acceleration
-            said.append(Loads(node=self.number, force=None, torque=senses.load))
-            said.append(Acceleration(node=self.number, along=along, left=left, up=up))
+            said.append(messages.Loads(node=self.number, force=None, torque=senses.load))
+            said.append(messages.Acceleration(node=self.number, along=along, left=left, up=up))
         return said
 
-    def receive(self, message: CanMessage, now: float, senses: Senses) -> list[CanMessage]:
+    def receive(self, message: messages.CanMessage, now: float, senses: Senses) -> list[messages.CanMessage]:
         """Hear a message, and answer.
 
         Args:
@@ -126,15 +109,15 @@ class Node:
             now: [s].
             senses: What the sensors read now.
         """
-        if isinstance(message, References):
-            if message.group == (self.number - 1) // PER_FRAME:
-                self._pending = message.angles[(self.number - 1) % PER_FRAME]
-        elif isinstance(message, Sync):
+        if isinstance(message, messages.References):
+            if message.group == (self.number - 1) // messages.PER_FRAME:
+                self._pending = message.angles[(self.number - 1) % messages.PER_FRAME]
+        elif isinstance(message, messages.Sync):
             return self._synchronize(now, senses)
-        elif isinstance(message, NodeCommand):
+        elif isinstance(message, messages.NodeCommand):
             if message.node in (EVERY_NODE, self.number):
                 return [*self._obey(message, now, senses)]
-        elif isinstance(message, EmergencyStop):
+        elif isinstance(message, messages.EmergencyStop):
             self.flags.add("emergency_stopped")
             before = self.state
             self._live(now)
@@ -142,7 +125,7 @@ class Node:
                 return [self._heartbeat(now, senses)]
         return []
 
-    def _synchronize(self, now: float, senses: Senses) -> list[CanMessage]:
+    def _synchronize(self, now: float, senses: Senses) -> list[messages.CanMessage]:
         if self._pending is not None:
             if self.state in (NodeState.ACTIVE, NodeState.HOLD):
                 self.target = min(max(self._pending, -self.limit), self.limit)
@@ -154,7 +137,7 @@ class Node:
         if self.state == NodeState.STARTUP:
             return []
         return [
-            JointState(
+            messages.JointState(
                 node=self.number,
                 angle=senses.angle + self.zero,
                 rate=senses.rate,
@@ -163,15 +146,15 @@ class Node:
             )
         ]
 
-    def _obey(self, command: NodeCommand, now: float, senses: Senses) -> list[CanMessage]:
+    def _obey(self, command: messages.NodeCommand, now: float, senses: Senses) -> list[messages.CanMessage]:
         if self.state == NodeState.STARTUP:
             return []
         before = self.state
         result = Result.DONE if self._do(command, now, senses) else Result.REFUSED
-        reply = CommandReply(node=self.number, order=command.order, result=result, state=self.state)
+        reply = messages.CommandReply(node=self.number, order=command.order, result=result, state=self.state)
         return [reply] if self.state == before else [reply, self._heartbeat(now, senses)]
 
-    def _do(self, command: NodeCommand, now: float, senses: Senses) -> bool:
+    def _do(self, command: messages.NodeCommand, now: float, senses: Senses) -> bool:
         """Carry an order out; whether it was possible."""
         if command.order == Order.CLEAR:
             return self._clear(now, senses)
@@ -256,10 +239,10 @@ class Node:
     def _enter(self, state: NodeState, now: float) -> None:
         self.state, self._since = state, now
 
-    def _heartbeat(self, now: float, senses: Senses) -> Heartbeat:
+    def _heartbeat(self, now: float, senses: Senses) -> messages.Heartbeat:
         self._heartbeat_due = now + self.settings.heartbeat_interval
         self._counter = (self._counter + 1) % 256
-        said = Heartbeat(
+        said = messages.Heartbeat(
             node=self.number,
             state=self.state,
             temperature=senses.temperature,

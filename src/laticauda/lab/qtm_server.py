@@ -7,24 +7,7 @@ from dataclasses import dataclass, field
 
 from laticauda.errors import LaticaudaError
 from laticauda.lab.instruments import BODY, MARKERS
-from laticauda.protocol import MocapFrame, ProtocolError
-from laticauda.protocol.qtm import (
-    BANNER,
-    COMPONENTS,
-    PORT,
-    Component,
-    Event,
-    PacketReader,
-    PacketType,
-    decode_text,
-    encode_event,
-    encode_frame,
-    encode_packet,
-    encode_text,
-    parameters,
-    parameters_6d,
-    parameters_general,
-)
+from laticauda.protocol import MocapFrame, ProtocolError, qtm
 
 LOOPBACK = "127.0.0.1"
 MOST_CLIENTS = 16
@@ -44,9 +27,9 @@ class _Client:
     """One connection."""
 
     writer: asyncio.StreamWriter
-    components: tuple[Component, ...] = ()  # of its stream; none: it has no stream
+    components: tuple[qtm.Component, ...] = ()  # of its stream; none: it has no stream
     divisor: int = 1
-    reader: PacketReader = field(default_factory=PacketReader)
+    reader: qtm.PacketReader = field(default_factory=qtm.PacketReader)
 
     def send(self, packet: bytes) -> None:
         if not self.writer.is_closing():
@@ -62,7 +45,7 @@ class QtmServer:
         port: 0: any that is free.
     """
 
-    def __init__(self, rate: float, host: str = LOOPBACK, port: int = PORT) -> None:
+    def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:
         self.rate, self.host, self.port = rate, host, port
         self._latest: MocapFrame | None = None
         self._clients: set[_Client] = set()
@@ -107,13 +90,13 @@ class QtmServer:
         for client in self._clients:
             waits = client.writer.transport.get_write_buffer_size() > MOST_WAITING
             if client.components and frame.number % client.divisor == 0 and not waits:
-                client.send(encode_frame(frame, client.components))
+                client.send(qtm.encode_frame(frame, client.components))
 
     async def _close(self) -> None:
         if self._server is not None:
             self._server.close()
         for client in list(self._clients):
-            client.send(encode_event(Event.SHUTTING_DOWN))
+            client.send(qtm.encode_event(qtm.Event.SHUTTING_DOWN))
             client.writer.close()
         others = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
         await asyncio.wait(others, timeout=1.0) if others else None
@@ -124,11 +107,11 @@ class QtmServer:
             writer.close()
             return
         self._clients.add(client)
-        client.send(encode_text(BANNER))
+        client.send(qtm.encode_text(qtm.BANNER))
         try:
             while data := await reader.read(65536):
                 for kind, payload in client.reader.feed(data):
-                    self._answer(client, kind, decode_text(payload))
+                    self._answer(client, kind, qtm.decode_text(payload))
         except (ProtocolError, OSError):
             pass  # whoever speaks something else is hung up on
         finally:
@@ -136,23 +119,23 @@ class QtmServer:
             writer.close()
 
     def _answer(self, client: _Client, kind: int, text: str) -> None:
-        if kind != PacketType.COMMAND:
-            client.send(encode_text("Parse error", PacketType.ERROR))
+        if kind != qtm.PacketType.COMMAND:
+            client.send(qtm.encode_text("Parse error", qtm.PacketType.ERROR))
             return
         word, _, rest = text.strip().partition(" ")
         words = rest.split()
         answer = self._commands().get(word.lower())
-        client.send(encode_text("Parse error", PacketType.ERROR) if answer is None else answer(client, words))
+        client.send(qtm.encode_text("Parse error", qtm.PacketType.ERROR) if answer is None else answer(client, words))
 
     def _commands(self) -> dict[str, Callable[[_Client, Sequence[str]], bytes]]:
         def says(text: str) -> Callable[[_Client, Sequence[str]], bytes]:
-            return lambda client, words: encode_text(text)
+            return lambda client, words: qtm.encode_text(text)
 
         return {
             "version": self._version,
             "qtmversion": says("QTM Version is that of laticauda's virtual tank"),
             "byteorder": says("Byte order is little endian"),
-            "getstate": lambda client, words: encode_event(Event.CONNECTED),
+            "getstate": lambda client, words: qtm.encode_event(qtm.Event.CONNECTED),
             "getparameters": self._parameters,
             "getcurrentframe": self._current_frame,
             "streamframes": self._stream_frames,
@@ -166,40 +149,40 @@ class QtmServer:
 
     def _version(self, client: _Client, words: Sequence[str]) -> bytes:
         if not words:
-            return encode_text(f"Version is {NEWEST[0]}.{NEWEST[1]}")
+            return qtm.encode_text(f"Version is {NEWEST[0]}.{NEWEST[1]}")
         parts = words[0].split(".")
         if len(parts) == 2 and all(p.isascii() and p.isdigit() and len(p) < 5 for p in parts):
             if OLDEST <= (int(parts[0]), int(parts[1])) <= NEWEST:
-                return encode_text(f"Version set to {words[0]}")
-        return encode_text("Version NOT supported", PacketType.ERROR)
+                return qtm.encode_text(f"Version set to {words[0]}")
+        return qtm.encode_text("Version NOT supported", qtm.PacketType.ERROR)
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
         names = {word.lower() for word in words}
         parts: list[str] = []
         if names & {"general", "all"}:
-            parts.append(parameters_general(self.rate))
+            parts.append(qtm.parameters_general(self.rate))
         if names & {"6d", "all"}:
-            parts.append(parameters_6d([BODY], [MARKERS]))
-        return encode_text(parameters(*parts), PacketType.XML)
+            parts.append(qtm.parameters_6d([BODY], [MARKERS]))
+        return qtm.encode_text(qtm.parameters(*parts), qtm.PacketType.XML)
 
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
         components = _components(words)
         if components is None:
-            return encode_text("Parse error", PacketType.ERROR)
+            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
         if self._latest is None:
-            return encode_packet(PacketType.NO_MORE_DATA, b"")
-        return encode_frame(self._latest, components)
+            return qtm.encode_packet(qtm.PacketType.NO_MORE_DATA, b"")
+        return qtm.encode_frame(self._latest, components)
 
     def _stream_frames(self, client: _Client, words: Sequence[str]) -> bytes:
         if not words:
-            return encode_text("Parse error", PacketType.ERROR)
+            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
         rate, *rest = (word.lower() for word in words)
         if rate == "stop":
             client.components = ()
             return b""
         components, divisor = _components(rest), self._divisor(rate)
         if components is None or divisor is None:
-            return encode_text("Parse error", PacketType.ERROR)
+            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
         client.components, client.divisor = components, divisor
         return b""  # the first frame is the answer
 
@@ -215,6 +198,6 @@ class QtmServer:
         return int(number) if name == "frequencydivisor" else max(1, round(self.rate / int(number)))
 
 
-def _components(words: Sequence[str]) -> tuple[Component, ...] | None:
+def _components(words: Sequence[str]) -> tuple[qtm.Component, ...] | None:
     """What a client wants of every frame, as far as we have it; None: nothing that we have."""
-    return tuple(COMPONENTS[word.lower()] for word in words if word.lower() in COMPONENTS) or None
+    return tuple(qtm.COMPONENTS[word.lower()] for word in words if word.lower() in qtm.COMPONENTS) or None

@@ -141,7 +141,7 @@ class Tank:
                 continue
             received = message
             if self.faults.any:
-                if self._is_lost(node.number):
+                if self._is_hit("frame_loss", node.number):
                     continue
                 received = self._corrupted(node.number, identifier, data, message)
             if received is not None:
@@ -158,7 +158,7 @@ class Tank:
         for message in messages:
             wire = encode(message)
             if self.faults.any:
-                if self._silent[node.number - 1] or self._is_lost(node.number):
+                if self._silent[node.number - 1] or self._is_hit("frame_loss", node.number):
                     continue
                 if self._is_hit("frame_corruption", node.number):
                     wire = wire[0], self._wire.bytes(len(wire[1]))
@@ -223,9 +223,6 @@ class Tank:
 
     def _read(self) -> list[Senses]:
         return self.electronics.read(self.truth, self._leaks)
-
-    def _is_lost(self, number: int) -> bool:
-        return self._is_hit("frame_loss", number)
 
     def _is_hit(self, kind: str, number: int) -> bool:
         fault = self.faults.on(kind, number)

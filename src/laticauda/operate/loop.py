@@ -15,7 +15,7 @@ from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
 from laticauda.operate.drivers.can import Frame, frame_of
 from laticauda.operate.drivers.mocap import pose_sample
-from laticauda.operate.recording.entries import PowerReading, Tick, Timing, timing_of
+from laticauda.operate.recording.entries import PowerReading, Tick, Timing
 from laticauda.operate.recording.recorder import Sink
 from laticauda.operate.settings import Connection
 from laticauda.protocol import BusAddress, CanMessage, EmergencyStop, ProtocolError, decode, encode
@@ -151,22 +151,13 @@ def run_loop(
                 devices.begin_run()
             if clock.is_real:
                 ticks.append(Tick(due, now, clock.now()))
-            _keep(sink, state, outputs, (*received, *sent), ticks[-1] if ticks else None)
+            sink.tick(state, outputs, (*received, *sent), ticks[-1] if ticks else None)
             if show is not None:
                 show(state, outputs)
             count += 1
             if now > origin + (count + 1) * interval:  # what was missed is not made up for
                 origin, count = now, 1
-    return state, timing_of(ticks, interval) if clock.is_real else None
-
-
-def _keep(sink: Sink, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
-    try:
-        sink.tick(state, outputs, frames, tick)
-    except Exception:
-        # The sink says so itself by `trouble`; one that cannot must not stop the loop in the middle of a tick.
-        if not sink.trouble:
-            raise
+    return state, Timing(ticks=ticks, interval=interval) if clock.is_real else None
 
 
 METER_INTERVAL = 0.2  # between two queries of the meter [s]

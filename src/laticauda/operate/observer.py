@@ -5,7 +5,6 @@ the time of a virtual tank goes. Rates are then by our clock, too.
 """
 
 import math
-import threading
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from laticauda.estimation import Estimate, JointSample, KinematicEstimator, KinematicState, Mount, PoseSample
-from laticauda.operate.drivers import Clock
-from laticauda.operate.drivers.worker import hardware
+from laticauda.operate.drivers.worker import Clock, Worker, hardware
 from laticauda.operate.loop import Wired, connected
 from laticauda.operate.safety.limits import Modules, no_reports, updated
 from laticauda.operate.settings import Connection
@@ -26,7 +24,6 @@ from laticauda.robot import Robot
 
 SILENT = 2.0  # who says nothing for so long is silent [s]
 LOOK = 0.04  # between two looks at what came in [s]
-RETRY = 2.0  # after a connection that failed, before the next try [s]
 WAITING = "Connecting ..."
 STRAIGHT_AFTER = 0.5  # modules that have not told their angles by then are taken for straight [s]
 
@@ -182,7 +179,7 @@ class Sight(NamedTuple):
     """Of a driven fin [rad]."""
 
 
-class Listener:
+class Listener(Worker[None]):
     """Where the robot is, as far as listening tells. A tank that is not there yet, or that goes away, is waited for.
 
     Args:
@@ -196,15 +193,14 @@ class Listener:
     """
 
     def __init__(self, connection: Connection, robot: Robot, mount: Mount | None = None) -> None:
+        super().__init__("observer")
         python_can()
         hardware("qtm-rt", "qtm_rt")
         self.robot = robot
-        self._connection = connection
+        self._connection, self._clock = connection, Clock()
         self._observer = PassiveObserver(robot=robot, mount=mount or Mount())
         self._sight = Sight(None, WAITING)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="laticauda-observer", daemon=True)
-        self._thread.start()
+        self._start()
 
     def look(self) -> Sight:
         """What is known now."""
@@ -218,15 +214,14 @@ class Listener:
         """Wait until all is closed, for at most `timeout` [s]."""
         self._thread.join(timeout)
 
-    def _run(self) -> None:
-        clock = Clock()
-        while not self._ended.is_set():
-            try:
-                with connected(self._connection, clock) as devices:
-                    self._listen(devices, clock)
-            except Exception as error:  # whatever it is, the page goes on
-                self._sight = self._sight._replace(trouble=f"{error} It is tried again and again.")
-            self._ended.wait(RETRY)
+    def work(self) -> None:
+        """One connection, from its begin to its end."""
+        try:
+            with connected(self._connection, self._clock) as devices:
+                self._listen(devices, self._clock)
+        except Exception as error:  # whatever it is, the page goes on
+            self._sight = self._sight._replace(trouble=f"{error} It is tried again and again.")
+            raise
 
     def _listen(self, devices: Wired, clock: Clock) -> None:
         observer, state = self._observer, self._observer.init(clock.now())

@@ -153,9 +153,6 @@ def operate_stepped(
     folder: Path,
     tank: Tank,
     *,
-    keys: Keys | None = None,
-    show: Show | None = None,
-    text: str = "",
     twin: Plant[Any] | None = None,
     frames: bool = True,
 ) -> Result:
@@ -165,9 +162,6 @@ def operate_stepped(
         operation: What to do; its connections do not matter, the power meter is read if it has a supply voltage.
         folder: As in `operate`; a recording of that name is replaced.
         tank: What is operated.
-        keys: What the operator presses.
-        show: Called with every tick.
-        text: The trial file as it was read.
         twin: As in `operate`.
         frames: Whether the raw frames of the bus are recorded, too.
 
@@ -176,14 +170,14 @@ def operate_stepped(
     """
     meter = "" if operation.supply_voltage is None else "stepped"
     operation = replace(operation, connection=replace(operation.connection, meter_port=meter))
-    operator, keys = Operator(operation=operation, twin=twin), keys or Keys()
+    operator = Operator(operation=operation, twin=twin)
     path = folder / f"{operation.name}.mcap"
     path.unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
-    with OperationRecorder(path, header_of(operator, text)) as recorder:
+    with OperationRecorder(path, header_of(operator)) as recorder:
         sink = PlainSink(recorder, frames=frames)
         longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
-        state = run_stepped(operator, tank, keys=lambda _: keys.events, sink=sink, show=show, longest=longest)
+        state = run_stepped(operator, tank, sink=sink, longest=longest)
     return result_of(operator, state, path, None)
 
 

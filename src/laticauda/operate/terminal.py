@@ -49,14 +49,6 @@ class Keys:
         """
         self._pressed.setdefault(EMERGENCY if STOP in self._pressed else STOP, how)
 
-    def emergency(self, how: str = "by key") -> None:
-        """The emergency stop.
-
-        Args:
-            how: It was asked for.
-        """
-        self._pressed.setdefault(EMERGENCY, how)
-
     def _signalled(self, number: int, frame: FrameType | None) -> None:
         self.stop(f"by {signal.Signals(number).name}")
 

@@ -162,16 +162,10 @@ def from_node(identifier: int) -> bool:
     return identifier >= _FIRST_ANSWER
 
 
-def to_frame(message: CanMessage, timestamp: float = 0.0) -> Any:
-    """The `can.Message` that carries a message.
-
-    Args:
-        message: What to send.
-        timestamp: Of the frame [s].
-    """
+def to_frame(message: CanMessage) -> Any:
+    """The `can.Message` that carries a `message`."""
     identifier, data = encode(message)
-    can = python_can()
-    return can.Message(timestamp=timestamp, arbitration_id=identifier, data=data, is_extended_id=False)
+    return python_can().Message(arbitration_id=identifier, data=data, is_extended_id=False)
 
 
 def from_frame(frame: Any) -> CanMessage | None:

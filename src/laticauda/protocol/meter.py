@@ -113,18 +113,6 @@ def live_text(current: float) -> str:
     return f"{current:.6E},ADC,NORMAL,NONE"
 
 
-def decode_live(text: str) -> float:
-    """The current that the answer to QM tells [A].
-
-    Raises:
-        ProtocolError: If it is no such answer, or not a direct current, or the meter is overloaded.
-    """
-    words = text.split(",")
-    if len(words) != 4 or words[1] != "ADC" or words[2] != "NORMAL":
-        raise ProtocolError(f"the meter must show a direct current, its answer to QM is {text!r:.80}")
-    return _current(words[0])
-
-
 def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
     """The data of the answer to QDDA.
 

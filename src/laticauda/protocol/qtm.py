@@ -152,28 +152,6 @@ def encode_frame(frame: MocapFrame, components: Sequence[Component] = (Component
     return encode_packet(PacketType.DATA, b"".join(parts))
 
 
-def decode_frame(payload: bytes) -> MocapFrame:
-    """The frame in the payload of a data packet, from its first component of rotation matrices.
-
-    Raises:
-        ProtocolError: If it has none, or is cut short.
-    """
-    try:
-        time, number, count = DATA_HEADER.unpack_from(payload)
-        at = DATA_HEADER.size
-        for _ in range(count):
-            size, kind = COMPONENT_HEADER.unpack_from(payload, at)
-            if kind in (Component.BODIES, Component.BODIES_RESIDUAL):
-                bodies = _bodies(payload, at + COMPONENT_HEADER.size, kind == Component.BODIES_RESIDUAL)
-                return MocapFrame(timestamp=time / 1e6, number=number, bodies=bodies)
-            if size < COMPONENT_HEADER.size:
-                raise ProtocolError(f"a component says that it has {size} bytes")
-            at += size
-    except struct.error as error:
-        raise ProtocolError(f"a data packet of {len(payload)} bytes is cut short: {error}") from None
-    raise ProtocolError("a data packet has no bodies with rotation matrices")
-
-
 def parameters_6d(names: Sequence[str], markers: Sequence[Sequence[tuple[float, float, float]]]) -> str:
     """The answer to `getparameters 6d`.
 
@@ -226,15 +204,6 @@ def _body_bytes(body: BodyPose | None, component: Component) -> bytes:
         turned = body.rotation.T.ravel().tolist()
     residual = [1e3 * body.residual] if component in WITH_RESIDUAL else []
     return struct.pack(f"<{n}f", *(1e3 * body.position).tolist(), *turned, *residual)
-
-
-def _bodies(payload: bytes, at: int, with_residual: bool) -> tuple[BodyPose | None, ...]:
-    count, _, _ = BODIES_HEADER.unpack_from(payload, at)
-    form = struct.Struct("<13f" if with_residual else "<12f")
-    at += BODIES_HEADER.size
-    if not 0 <= count <= (len(payload) - at) // form.size:
-        raise ProtocolError(f"a data packet of {len(payload)} bytes says that it has {count} bodies")
-    return tuple(body_pose(form.unpack_from(payload, at + i * form.size)) for i in range(count))
 
 
 def body_pose(numbers: Sequence[float]) -> BodyPose | None:

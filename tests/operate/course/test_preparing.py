@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from laticauda.operate.course.preparing import CalibrationFailed, Stillness, joint_zeros, marker_yaw
+from laticauda.operate.course.preparing import CalibrationFailed, joint_zeros, marker_yaw, stayed
 
 
 def turned(yaw: float) -> np.ndarray:
@@ -38,14 +38,15 @@ def test_without_a_frame_there_is_no_yaw():
 
 
 def test_still_is_only_who_is_still_for_long_enough_and_noise_is_no_motion():
-    still, noise = Stillness(speed=0.01, rate=0.02, duration=1.0), np.random.default_rng(0)
+    noise = np.random.default_rng(0)
 
     def answers(speed: float, rate: float) -> list[bool]:
         seen, found = (), []
         for k in range(150):
             t = 0.01 * k
             x, y, heading = noise.normal(0.0, [0.001, 0.001, 0.002]).tolist()
-            seen, is_still = still.step(seen, t, x + speed * t, y, heading + rate * t)
+            place = (x + speed * t, y, heading + rate * t)
+            seen, is_still = stayed(seen, t, place, speed=0.01, rate=0.02, duration=1.0)
             found.append(is_still)
         return found
 

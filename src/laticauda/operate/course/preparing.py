@@ -14,7 +14,6 @@ from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import complaints
 from laticauda.operate.safety.transitions import phase_after
 from laticauda.operate.settings import Operation
-from laticauda.quantities import quantity, value
 
 GRANT_TIME = 5.0  # in which the supervisor has to let the robot move [s]
 CONNECT_TIME = 10.0  # devices that say nothing for so long are not there [s]
@@ -150,8 +149,8 @@ def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
     if estimate is None or state.supervisor.state != "ready" or np.any(state.reference.references):
         return replace(state, prepared=replace(state.prepared, places=())), ()
     start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
-    still = Stillness(speed=how.still_speed, rate=how.still_rate, duration=how.still_time)
-    places, is_still = still.step(state.prepared.places, now, *start)
+    still = {"speed": how.still_speed, "rate": how.still_rate, "duration": how.still_time}
+    places, is_still = stayed(state.prepared.places, now, start, **still)
     state = replace(state, prepared=replace(state.prepared, places=places, start=_mean(places)))
     if not is_still:
         return state, ()
@@ -251,37 +250,32 @@ def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) 
     return wrap_to_pi(mean - heading)
 
 
-@value
-class Stillness:
-    """Whether something has been still for long enough."""
+def stayed(
+    places: Places, now: float, place: tuple[float, float, float], *, speed: float, rate: float, duration: float
+) -> tuple[Places, bool]:
+    """Whether something has been still for long enough, after one more look.
 
-    speed: float = quantity("m/s", "slower than this is still", gt=0.0)
-    rate: float = quantity("rad/s", "turning slower than this is still", gt=0.0)
-    duration: float = quantity("s", "for how long it has to be", gt=0.0)
+    Means over two halves of the time are compared, so noise does not count as motion.
 
-    def step(self, places: Places, now: float, x: float, y: float, heading: float) -> tuple[Places, bool]:
-        """One more look. Means over two halves of the time are compared, so noise does not count as motion.
+    Args:
+        places: As the last call returned it; () at the start.
+        now: [s].
+        place: Center of mass [m, m] and heading [rad].
+        speed: Slower than this is still [m/s].
+        rate: Turning slower than this is still [rad/s].
+        duration: For how long it has to be [s].
 
-        Args:
-            places: As the last call returned it; () at the start.
-            now: [s].
-            x: Of the center of mass [m].
-            y: Likewise [m].
-            heading: [rad].
-
-        Returns:
-            The places within the time, and whether it was still for all of it.
-        """
-        begin = now - self.duration
-        places = (*(place for place in places if place[0] > begin - 1e-9), (now, x, y, heading))
-        middle = now - 0.5 * self.duration
-        early = [place for place in places if place[0] <= middle]
-        late = [place for place in places if place[0] > middle]
-        if places[0][0] > begin + 0.1 * self.duration or not early or not late:
-            return places, False
-        gone, *way = (
-            sum(place[i] for place in late) / len(late) - sum(place[i] for place in early) / len(early)
-            for i in range(4)
-        )
-        speed, rate = math.hypot(way[0], way[1]) / gone, way[2] / gone
-        return places, speed <= self.speed and abs(rate) <= self.rate
+    Returns:
+        The places within the time, and whether it was still for all of it.
+    """
+    begin = now - duration
+    places = (*(place for place in places if place[0] > begin - 1e-9), (now, *place))
+    middle = now - 0.5 * duration
+    early = [place for place in places if place[0] <= middle]
+    late = [place for place in places if place[0] > middle]
+    if places[0][0] > begin + 0.1 * duration or not early or not late:
+        return places, False
+    gone, *way = (
+        sum(place[i] for place in late) / len(late) - sum(place[i] for place in early) / len(early) for i in range(4)
+    )
+    return places, math.hypot(way[0], way[1]) / gone <= speed and abs(way[2] / gone) <= rate

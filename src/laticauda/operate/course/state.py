@@ -15,8 +15,8 @@ from laticauda.operate.safety.supervisor import SupervisorState
 from laticauda.operate.safety.transitions import PHASES
 from laticauda.operate.settings import CaptureVolume, Operation
 from laticauda.protocol import CanMessage
-from laticauda.quantities import quantity, value
 
+CLOCK_WINDOW = 5.0  # in which the smallest latency of the cameras is looked for [s]
 Places = tuple[tuple[float, float, float, float], ...]
 
 
@@ -36,37 +36,25 @@ class ClockState(NamedTuple):
         return min(self.smallest, self.before)
 
 
-@value
-class ClockOffset:
-    """The difference of two clocks from the frames with the smallest latency.
+def clock_after(state: ClockState | None, arrival: float, stamp: float, window: float = CLOCK_WINDOW) -> ClockState:
+    """What is known of the difference of two clocks after one more frame.
 
     A frame is never early: own time of arrival minus its stamp is the offset plus a latency >= 0. The smallest one of
     the last seconds is the best estimate, and the smallest latency itself stays in it. What is older is forgotten:
     clocks drift, and the cameras' clock may jump, when their computer stalls or the measurement is begun anew.
+
+    Args:
+        state: As the last call returned it; None: nothing is known.
+        arrival: Of the frame, own clock [s].
+        stamp: Of the frame, the other clock [s].
+        window: For so long a smallest latency counts at least, and for twice as long at most [s].
     """
-
-    window: float = quantity(
-        "s", "a smallest latency counts for this long at least, and for twice as long at most", gt=0.0, default=5.0
-    )
-
-    def init(self) -> ClockState | None:
-        """Nothing known."""
-        return None
-
-    def step(self, state: ClockState | None, arrival: float, stamp: float) -> ClockState:
-        """What is known after one more frame.
-
-        Args:
-            state: As the last call returned it, or `init`.
-            arrival: Of the frame, own clock [s].
-            stamp: Of the frame, the other clock [s].
-        """
-        difference = arrival - stamp
-        if state is None or arrival - state.began >= 2.0 * self.window:
-            return ClockState(smallest=difference, before=difference, began=arrival)
-        if arrival - state.began >= self.window:
-            return ClockState(smallest=difference, before=state.smallest, began=arrival)
-        return state._replace(smallest=min(state.smallest, difference))
+    difference = arrival - stamp
+    if state is None or arrival - state.began >= 2.0 * window:
+        return ClockState(smallest=difference, before=difference, began=arrival)
+    if arrival - state.began >= window:
+        return ClockState(smallest=difference, before=state.smallest, began=arrival)
+    return state._replace(smallest=min(state.smallest, difference))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +205,7 @@ def take_in(
     modules = updated(state.modules, inputs.messages)
     samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
     for arrival, frame in inputs.frames:
-        clock = ClockOffset().step(state.clock, arrival, frame.time)
+        clock = clock_after(state.clock, arrival, frame.time)
         pose = _pose(operation.tank, frame, clock.offset, state.prepared.marker_turned)
         samples.append(pose)
         state = replace(state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival)

@@ -10,17 +10,7 @@ from typing import Any
 
 from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker, hardware
 from laticauda.operate.recording.entries import PowerReading
-from laticauda.protocol import ProtocolError
-from laticauda.protocol.meter import (
-    BAUD_RATE,
-    DISPLAYED,
-    IDENTITY,
-    RESTART,
-    LineReader,
-    decode_displayed,
-    decode_identity,
-    encode_question,
-)
+from laticauda.protocol import ProtocolError, meter
 
 ANSWER_TIME = 1.0  # [s, wall clock]
 INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]
@@ -46,7 +36,7 @@ class MeterDriver(Worker[PowerReading]):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            self.identity = decode_identity(self._query(IDENTITY))
+            self.identity = meter.decode_identity(self._query(meter.IDENTITY))
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
             raise DeviceFailed(
@@ -63,10 +53,10 @@ class MeterDriver(Worker[PowerReading]):
         """One question and its answer."""
         try:
             if self._restart.is_set():
-                self._query(RESTART, has_data=False)
+                self._query(meter.RESTART, has_data=False)
                 self._since = self._clock.now()
                 self._restart.clear()
-            shown = decode_displayed(self._query(DISPLAYED))
+            shown = meter.decode_displayed(self._query(meter.DISPLAYED))
         except Exception:
             self.release()  # and open it again at the next try
             raise
@@ -85,10 +75,10 @@ class MeterDriver(Worker[PowerReading]):
     def _query(self, word: str, *, has_data: bool = True) -> str:
         """The answer's line of data."""
         if self._line is None:
-            self._line = self._serial.Serial(self._port, BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
+            self._line = self._serial.Serial(self._port, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
         self._line.reset_input_buffer()
-        self._line.write(encode_question(word))
-        reader, lines, end = LineReader(), list[str](), time.monotonic() + ANSWER_TIME
+        self._line.write(meter.encode_question(word))
+        reader, lines, end = meter.LineReader(), list[str](), time.monotonic() + ANSWER_TIME
         while len(lines) < 1 + has_data:
             if time.monotonic() > end or self._ended.is_set():
                 raise ProtocolError(f"no answer to {word}")

@@ -92,28 +92,24 @@ class Tick(NamedTuple):
         return self.began
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class Timing:
-    """The ticks of one operation."""
+    """How punctual the ticks of one operation were."""
 
-    due: Times
-    """When each was to begin [s]."""
-    began: Times
-    """When it began [s]."""
-    sent: Times
-    """When its last frame had been handed to the bus [s]."""
+    ticks: Sequence[Tick]
+    """In their order."""
     interval: float
-    """Between two ticks, as asked for [s]."""
+    """Between two of them, as asked for [s]."""
 
     @property
     def period(self) -> Times:
         """From the begin of a tick to that of the next [s]."""
-        return np.diff(self.began)
+        return np.diff([tick.began for tick in self.ticks])
 
     @property
     def latency(self) -> Times:
         """From when a tick was due until its last frame was sent [s]."""
-        return self.sent - self.due
+        return np.array([tick.sent - tick.due for tick in self.ticks])
 
     @property
     def missed(self) -> int:
@@ -122,24 +118,13 @@ class Timing:
 
     def summary(self) -> dict[str, float | int]:
         """Median, 99th percentile and largest of period and latency, the ticks and the missed deadlines."""
-        found: dict[str, float | int] = {"ticks": int(self.due.size), "interval": self.interval, "missed": self.missed}
+        found: dict[str, float | int] = {"ticks": len(self.ticks), "interval": self.interval, "missed": self.missed}
         for name in ("period", "latency"):
             values: Times = getattr(self, name)
             if values.size:
                 numbers = np.percentile(values, (50.0, 99.0, 100.0)).tolist()
                 found |= {f"{name}_{of}": number for of, number in zip(SPREAD, numbers, strict=True)}
         return found
-
-
-def timing_of(ticks: Sequence[Tick], interval: float) -> Timing:
-    """The ticks of an operation together.
-
-    Args:
-        ticks: In their order.
-        interval: Between two of them, as asked for [s].
-    """
-    due, began, sent = np.array(ticks).T if ticks else np.zeros((3, 0))
-    return Timing(due=due, began=began, sent=sent, interval=interval)
 
 
 Numbers: TypeAlias = Float[np.ndarray, " _"]

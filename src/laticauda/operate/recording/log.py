@@ -13,7 +13,7 @@ from laticauda.errors import BadArgument, TrialFileError, instance
 from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, ReferenceSample, StateEstimator
 from laticauda.interfaces import Command, Controller
 from laticauda.logs import Logged, open_recording
-from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing, timing_of
+from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing
 from laticauda.operate.recording.header import FORMATS, HEADER, Header, header_from_texts, named_today
 from laticauda.operate.recording.recorder import COMMAND, TICK
 
@@ -42,7 +42,7 @@ class OperationLog:
         """How punctual the loop was; None if it had no clock."""
         ticks = self.of(Tick)
         rate = self.header.run.notes.get("rate")
-        return timing_of(ticks, 1.0 / float(rate)) if ticks and rate is not None else None
+        return Timing(ticks=ticks, interval=1.0 / float(rate)) if ticks and rate is not None else None
 
     @property
     def span(self) -> tuple[float, float]:

@@ -25,6 +25,7 @@ from laticauda.operate.drivers.can import Frame
 from laticauda.operate.recording.entries import ESTIMATE, SCHEMAS, Event, Measurement, PowerReading, Tick, topic_of
 from laticauda.operate.recording.header import HEADER, Header
 
+CHUNK = 0.5  # what is lost at most when the program is killed [s]
 COMMAND = "/command"
 TICK = "/loop/tick"
 RECEIVED, SENT = "/can/received", "/can/sent"
@@ -39,15 +40,14 @@ class OperationRecorder:
     Args:
         path: The file; an older one is never replaced.
         header: What is known at the start; it is on disk at once.
-        chunk_seconds: What is lost at most when the program is killed [s].
 
     Raises:
         StorageFailed: If the file exists, or cannot be written; later, if the disk is full.
         MissingExtra: If the package `mcap` is not installed.
     """
 
-    def __init__(self, path: str | Path, header: Header, *, chunk_seconds: float = 0.5) -> None:
-        self._recorder = Recorder(path, chunk_seconds=chunk_seconds)
+    def __init__(self, path: str | Path, header: Header) -> None:
+        self._recorder = Recorder(path, chunk_seconds=CHUNK)
         self._recorder.metadata(HEADER, header.texts())
         robot = header.run.robot
         self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
@@ -150,7 +150,7 @@ PATIENCE = 10.0  # for the rest to be written at the end [s, wall clock]
 
 
 class Sink:
-    """What keeps a record of every tick; this one keeps nothing."""
+    """What keeps a record of every tick, and says by `trouble` if it cannot; this one keeps nothing."""
 
     trouble = ""
     """Why nothing is recorded any more; "" as long as it is."""
