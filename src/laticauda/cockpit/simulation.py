@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any, TypedDict, Unpack, cast
 
 import numpy as np
@@ -13,7 +12,7 @@ from laticauda.dynamics.plant import Plant
 from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
-from laticauda.robot import CaudalFin, Robot, Water, load_robot
+from laticauda.robot import Robot, Water, load_robot
 from laticauda.scenarios import Model, Scenario, default_water, model_of, preset_water
 from laticauda.series import Log
 from laticauda.simulate import plant
@@ -252,13 +251,6 @@ def measured(scenario: Scenario) -> MeasuredTrial | None:
     return measured_setting(scenario.robot, gait, scenario.environment)
 
 
-@cache
-def _mamba_fin() -> CaudalFin:
-    fin = load_robot("mamba-fin").caudal_fin
-    assert fin is not None
-    return fin
-
-
 def with_fin(robot: Robot, has_fin: bool, rigidity: float | None) -> Robot:
     """The robot with or without a fin: its own, or Mamba's if it has none.
 
@@ -272,6 +264,7 @@ def with_fin(robot: Robot, has_fin: bool, rigidity: float | None) -> Robot:
     """
     if not has_fin:
         return robot if robot.caudal_fin is None else replace(robot, caudal_fin=None)
-    fin = robot.caudal_fin or _mamba_fin()
+    fin = robot.caudal_fin or load_robot("mamba-fin").caudal_fin
+    assert fin is not None
     hinges = 0 if rigidity is None else N_HINGES
     return replace(robot, caudal_fin=replace(fin, n_hinges=hinges, flexural_rigidity=rigidity))

@@ -6,7 +6,6 @@ Both are values with a pure step.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -17,13 +16,6 @@ from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 MOVING = (NodeState.ACTIVE, NodeState.HOLD)
 """States in which the motor of a module is on."""
 Numbers = Float[np.ndarray, " n_joints"]
-
-
-@cache
-def _unknown(n: int) -> Numbers:
-    values = np.full(n, np.nan)
-    values.flags.writeable = False
-    return values
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +79,7 @@ def no_reports(n: int) -> Modules:
     Args:
         n: How many modules there are.
     """
-    unknown = _unknown(n)
+    unknown = np.full(n, np.nan)
     return Modules(
         angle=unknown,
         rate=unknown,
