@@ -14,6 +14,7 @@ MOST_CLIENTS = 16
 MOST_WAITING = 1 << 20  # bytes that a client may leave unread before it misses frames
 OLDEST, NEWEST = (1, 8), (1, 25)
 MASTER = "You are now master"
+PARSE_ERROR = qtm.encode_text("Parse error", qtm.PacketType.ERROR)
 
 
 class ServerFailed(LaticaudaError, OSError):
@@ -119,13 +120,9 @@ class QtmServer:
             writer.close()
 
     def _answer(self, client: _Client, kind: int, text: str) -> None:
-        if kind != qtm.PacketType.COMMAND:
-            client.send(qtm.encode_text("Parse error", qtm.PacketType.ERROR))
-            return
         word, _, rest = text.strip().partition(" ")
-        words = rest.split()
-        answer = self._commands().get(word.lower())
-        client.send(qtm.encode_text("Parse error", qtm.PacketType.ERROR) if answer is None else answer(client, words))
+        answer = self._commands().get(word.lower()) if kind == qtm.PacketType.COMMAND else None
+        client.send(PARSE_ERROR if answer is None else answer(client, rest.split()))
 
     def _commands(self) -> dict[str, Callable[[_Client, Sequence[str]], bytes]]:
         def says(text: str) -> Callable[[_Client, Sequence[str]], bytes]:
@@ -168,21 +165,21 @@ class QtmServer:
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
         components = _components(words)
         if components is None:
-            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
+            return PARSE_ERROR
         if self._latest is None:
             return qtm.encode_packet(qtm.PacketType.NO_MORE_DATA, b"")
         return qtm.encode_frame(self._latest, components)
 
     def _stream_frames(self, client: _Client, words: Sequence[str]) -> bytes:
         if not words:
-            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
+            return PARSE_ERROR
         rate, *rest = (word.lower() for word in words)
         if rate == "stop":
             client.components = ()
             return b""
         components, divisor = _components(rest), self._divisor(rate)
         if components is None or divisor is None:
-            return qtm.encode_text("Parse error", qtm.PacketType.ERROR)
+            return PARSE_ERROR
         client.components, client.divisor = components, divisor
         return b""  # the first frame is the answer
 
