@@ -14,14 +14,14 @@ import viser
 from viser._messages import ViewerCameraMessage
 from websockets.sync.client import connect
 
-from laticauda.cockpit.scene import look_down
+from laticauda.cockpit.scene import HOME
 
 REPORT = 0.1  # between two words about the camera: what a page says whose camera goes along [s]
 
 
 def camera() -> bytes:
     """What a page of a browser says of its camera."""
-    position, look_at = look_down()
+    position, look_at = HOME
     said = ViewerCameraMessage(
         wxyz=(1.0, 0.0, 0.0, 0.0),
         position=position,

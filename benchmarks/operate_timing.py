@@ -68,7 +68,7 @@ def main() -> None:
         lab.terminate()
         lab.wait(10)
     timing = result.timing
-    print(f"{result.reason} {timing.due.size} ticks of {1e3 * timing.interval:g} ms")
+    print(f"{result.reason} {len(timing.ticks)} ticks of {1e3 * timing.interval:g} ms")
     for name, value in timing.summary().items():
         print(f"{name:<18}{1e3 * value:>10.3f} ms" if isinstance(value, float) else f"{name:<18}{value:>10}")
     print_load()
