@@ -122,7 +122,7 @@ def test_a_lab_that_goes_away_is_said_and_its_robot_stays_until_somebody_disconn
     shown(cockpit)
     assert operated._text.content.endswith("**The motion capture closed the connection.**")
     assert operated.is_on
-    operated.disconnect()
+    operated._left(None)
     shown(cockpit)
     assert listener.is_closed
     assert (operated._text.content, operated._body._frames) == ("", [])

@@ -60,7 +60,7 @@ class Board:
         with self._folder:
             self._about = gui.add_markdown("")
             self._x, self._y = gui.add_dropdown("across", ("",)), gui.add_dropdown("up", ("",))
-            gui.add_button("back to the computed map", order=1e9).on_click(lambda _: self.show_sweep(None))
+            gui.add_button("back to the computed map", order=1e9).on_click(self._remove)
         self._x.on_update(self._choose)
         self._y.on_update(self._choose)
         self._sweep: Map | None = None
@@ -189,6 +189,9 @@ class Board:
     def _load(self, event: Any) -> None:
         file = event.target.value
         self.show_sweep(received_sweep(file.name, file.content))
+
+    def _remove(self, event: Any) -> None:
+        self.show_sweep(None)
 
     def _choose(self, event: Any) -> None:
         """After another axis was chosen; one that was on the other axis changes places with it."""

@@ -54,7 +54,7 @@ class OperatedRobot:
         self._text = gui.add_markdown("")
         self._offer(Connection())
         self._on.on_click(self._clicked)
-        self._off.on_click(lambda _: self.disconnect())
+        self._off.on_click(self._left)
 
     @property
     def is_on(self) -> bool:
@@ -142,6 +142,9 @@ class OperatedRobot:
         """Let the fields show where bus and cameras are."""
         bus = BusAddress(interface=connection.can_interface, channel=connection.can_channel, port=connection.can_port)
         self._can.value, self._mocap.value = str(bus), f"{connection.mocap_host}:{connection.mocap_port}"
+
+    def _left(self, event: Any) -> None:
+        self.disconnect()
 
     @refusing
     def _clicked(self, event: Any) -> None:
