@@ -35,7 +35,7 @@ from laticauda.robot import Robot, Water
 from laticauda.simulate import plant, run
 from laticauda.simulate.numbers import changed
 from laticauda.trial import Trial
-from laticauda.trial.null_models import NULL_MODELS, Row, design, fit, group_name, left_out, mape, predict
+from laticauda.trial.null_models import NULL_MODELS, Row, fit, group_name, left_out, mape, predict
 
 Values = Mapping[str, float]
 
@@ -400,7 +400,7 @@ def null_results() -> list[dict[str, Any]]:
     groups = sorted({row.group for row in rows})
     found: list[dict[str, Any]] = []
     for name in NULL_MODELS:
-        columns, known = design(name, rows, groups)
+        columns, known = NULL_MODELS[name](rows, groups)
         target = np.log(MEASURED) - known
         speeds = np.exp(columns @ fit(columns, target) + known)
         one, group = (np.exp(left_out(columns, target, by) + known) for by in (np.arange(len(ROWS)), GROUP))
