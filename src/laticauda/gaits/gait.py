@@ -41,9 +41,8 @@ class Gait:
 
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
-    and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its
-    envelope: lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)), custom, or a class of one's own
-    (`laticauda.gaits.envelopes`).
+    and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its envelope: lateral_undulation (g = 1),
+    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`laticauda.gaits.envelopes`).
 
     Raises:
         ValueError: If a field is out of its range.

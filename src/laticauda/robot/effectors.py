@@ -88,8 +88,8 @@ class CaudalFin:
     The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient that
     is None is the water's. The defaults are Mamba's fin, taken as rigid.
 
-    With `n_hinges` the plate bends: rigid pieces between passive hinges stand for it. With
-    a `joint` it turns about its root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
+    With `n_hinges` the plate bends: rigid pieces between passive hinges stand for it. With a `joint` it turns about its
+    root, as `Gait.fin` says. Neither counts as a link or a joint of the body.
     """
 
     length: float = quantity(
