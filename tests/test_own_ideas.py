@@ -258,6 +258,8 @@ def test_the_command_line_drives_stores_and_resumes_them(ideas, tmp_path, monkey
     np.testing.assert_array_equal(lc.swim(stored.scenario).center_of_mass, stored.center_of_mass)
     written = lc.load_scenario("own.toml")
     assert (written.environment, written.model.joints) == (stored.scenario.environment, stored.scenario.model.joints)
+    assert main(f"swim own.toml {LINE.removeprefix('--robot mamba')} --save same.nc".split()) == 0
+    assert lc.load_trial("same.nc").scenario == stored.scenario
     assert main("swim --resume own.nc --duration 1 --save on.nc".split()) == 0
     assert lc.load_trial("on.nc").time[-1] == pytest.approx(3.0)
     assert main(f"sweep {LINE} --vary water.drag.wash=0:0.4:2 joints.stiffness=20,30 --output swept".split()) == 0

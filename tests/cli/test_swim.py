@@ -297,6 +297,21 @@ def test_a_scenario_is_a_file_that_options_change(run):
     assert (refused.status, "`gait.pitch` must be None unless `model` is `spatial`" in refused.err) == (2, True)
 
 
+def test_a_gait_of_ones_own_that_a_scenario_file_names_is_typed_beside_it_and_keeps_its_numbers(run, folder):
+    (folder / "unheard.py").write_text(
+        "import laticauda as lc\nfrom laticauda.quantities import quantity, value\n\n\n@value\n"
+        'class UnheardOf(lc.Envelope):\n    share: float = quantity("", "Of it", ge=0.0, le=1.0, default=0.9)\n\n'
+        "    def __call__(self, i, n):\n        return self.share\n"
+    )
+    (folder / "own.toml").write_text(
+        'kind = "scenario"\nrobot = "mamba"\nduration = 1.0\n\n[gait]\namplitude_deg = 30\nfrequency_deg_s = 130\n'
+        'phase_shift_deg = 40\nenvelope = { kind = "unheard-of", share = 0.5 }\n'
+    )
+    assert "got 'unheard-of'" in run("swim own.toml").err
+    done = run("swim own.toml --gait unheard:UnheardOf --json")
+    assert json.loads(done.out)["gait_parameters"]["envelope"] == {"share": 0.5}
+
+
 def test_a_water_that_is_named_beside_a_scenario_file_keeps_its_name(run):
     assert run("swim --duration 1 --save-scenario run.toml").status == 0
     assert json.loads(run("swim run.toml --water paper-eel --json").out)["environment"] == "paper-eel"

@@ -41,6 +41,12 @@ class Tank:
     )
     mocap: str | None = option("Its motion capture, HOST:PORT; likewise", default=None)
 
+    def __post_init__(self) -> None:
+        """Refuse an address of nothing."""
+        for name in ("can", "mocap"):
+            if getattr(self, name) is not None and not self.is_asked_for:
+                raise BadArgument(name, "must be given with --lab or --trial, which show the robot that is there")
+
     @property
     def is_asked_for(self) -> bool:
         """Whether one is to be shown."""

@@ -175,7 +175,7 @@ def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
         name, _, (sigma,) = numbers("measured", word, form)
         if sigma <= 0.0:
             raise BadArgument("measured", f"must be {form}, got {word!r}")
-        one_of("measured", name, (*UNITS, *SERIES))
+        one_of("measured", name, list(dict.fromkeys((*UNITS, *SERIES))))
         found["series" if name in SERIES else "figures"][name] = sigma
     return found
 

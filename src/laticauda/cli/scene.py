@@ -69,6 +69,8 @@ class Names(Choice):
             words: What was typed. A file may come first: its scenario is changed by those names that were typed.
         """
         if words and not words[0].startswith("-"):
+            for option in ("gait", "law", "joints"):  # a file imports nothing, so what it names is typed as well
+                imported(getattr(self, option) or "", option)
             return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
         gait = self.motion()
         chosen = self._known().resolved(gait)
@@ -79,7 +81,9 @@ class Names(Choice):
     def _changed(self, found: Scenario, words: Sequence[str]) -> Scenario:
         """A file's scenario with what was typed besides."""
         typed = {name for name in NAMES if was_typed(name, words)}
-        gait = replace(found.gait, envelope=self._envelope()) if typed & {"gait", "envelope"} else found.gait
+        envelope = self._envelope() if typed & {"gait", "envelope"} else found.gait.envelope
+        is_kept = "envelope" not in typed and type(envelope) is type(found.gait.envelope)  # with the file's numbers
+        gait = found.gait if is_kept else replace(found.gait, envelope=envelope)
 
         def find_robot(name: str, n_links: int | None) -> Robot:
             if "robot" in typed:
@@ -89,12 +93,13 @@ class Names(Choice):
         chosen = self._known().resolved(gait, find_robot)
         where = chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
         model = chosen.model if "model" in typed else found.model
+        joints = self._known().joints if "joints" in typed else None
         return replace(
             found,
             robot=chosen.robot,
             motion=gait if isinstance(found.motion, Gait) else replace(cast("Any", found.motion), gait=gait),
             environment=self._with_law(where),
-            model=model_of(model, joints=self._known().joints) if "joints" in typed else model,
+            model=model_of(model, joints=joints) if joints not in (None, name_of(type(model.joints))) else model,
         )
 
     def _known(self) -> Self:
@@ -104,8 +109,9 @@ class Names(Choice):
     def _with_law(self, environment: Environment) -> Environment:
         if self.law is None:
             return environment
-        law = member(DragLaw, self.law, "law")
-        return replace(environment, **{"drag" if isinstance(environment, Water) else "friction": law})
+        law, field = member(DragLaw, self.law, "law"), "drag" if isinstance(environment, Water) else "friction"
+        is_kept = type(law) is type(getattr(environment, field))  # with the numbers that it has there
+        return environment if is_kept else replace(environment, **{field: law})
 
 
 def imported(name: str, option: str) -> str:
