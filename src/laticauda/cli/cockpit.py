@@ -43,9 +43,8 @@ class Tank:
 
     def __post_init__(self) -> None:
         """Refuse an address of nothing."""
-        for name in ("can", "mocap"):
-            if getattr(self, name) is not None and not self.is_asked_for:
-                raise BadArgument(name, "must be given with --lab or --trial, which show the robot that is there")
+        if (self.can or self.mocap) and not self.is_asked_for:
+            raise BadArgument("can" if self.can else "mocap", "must be given with --lab or --trial, which show a robot")
 
     @property
     def is_asked_for(self) -> bool:

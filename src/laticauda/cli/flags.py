@@ -28,7 +28,7 @@ NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_pha
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
-    **{"measurements": "files", "trials": "files", "kind": "gait"},
+    **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""
 SPELLED = {"center_of_mass": "position", "interval": "control_interval"}

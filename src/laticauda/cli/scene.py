@@ -130,12 +130,9 @@ def imported(name: str, option: str) -> str:
     if "" not in sys.path:  # as for `python -m`: one's own file lies in the folder that one is in
         sys.path.insert(0, "")
     try:
-        found = getattr(import_module(module), word)
+        return name_of(getattr(import_module(module), word))
     except (ImportError, AttributeError) as error:
         raise BadArgument(option, f"must be a name or MODULE:CLASS, got {name}: {error}") from None
-    if not isinstance(found, type):
-        raise BadArgument(option, f"must be a name or MODULE:CLASS, got {name}, which is no class")
-    return name_of(found)
 
 
 def member(base: type[Kind], name: str, option: str) -> Kind:

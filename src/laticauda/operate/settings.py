@@ -59,10 +59,7 @@ class Connection:
         """
         changes: dict[str, Any] = {} if meter is None else {"meter_port": meter}
         if can is not None:
-            try:
-                address = bus_address(can)
-            except BadArgument as error:
-                raise BadArgument("can", error.rule) from None
+            address = bus_address(can)
             changes |= {"can_interface": address.interface, "can_channel": address.channel, "can_port": address.port}
         if mocap is not None:
             host, _, port = mocap.rpartition(":")

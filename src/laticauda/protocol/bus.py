@@ -71,15 +71,12 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
         ValueError: If it is none.
     """
     interface, _, rest = text.partition(":")
+    if interface != "udp_multicast":
+        return BusAddress(interface=cast("Any", interface), channel=rest)
     channel, _, port = rest.partition(":")
-    try:
-        if interface != "udp_multicast":
-            return BusAddress(interface=cast("Any", interface), channel=rest)
-        if port and not (port.isascii() and port.isdigit()):
-            raise BadArgument("port", f"must be a whole number, got {port!r}")
-        return BusAddress(interface="udp_multicast", channel=channel, port=int(port) if port else PORT, hops=hops)
-    except BadArgument as error:
-        raise BadArgument("bus", f"is INTERFACE[:CHANNEL[:PORT]]; its `{error.name}` {error.rule}") from None
+    if port and not (port.isascii() and port.isdigit()):
+        raise BadArgument("port", f"must be a whole number, got {port!r}")
+    return BusAddress(interface="udp_multicast", channel=channel, port=int(port) if port else PORT, hops=hops)
 
 
 def open_bus(address: BusAddress) -> Any:
