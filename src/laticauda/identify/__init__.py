@@ -6,9 +6,13 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.identify.fitting import fit as fit
-    from laticauda.identify.measurements import Measurement as Measurement
+    from laticauda.identify.measurements import (
+        Measurement as Measurement,
+        from_table1 as from_table1,
+        from_trial as from_trial,
+    )
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
-    from laticauda.identify.trials import TrialFile as TrialFile, from_table1 as from_table1, from_trial as from_trial
+    from laticauda.identify.tasks import TrialFile as TrialFile
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (

@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, not_negative, positive
+from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.measurements import Measurement
+from laticauda.identify.measurements import Measurement, setting_of
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, other_measurements
 from laticauda.identify.resolution import with_tied
 from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown
 from laticauda.interfaces import Start
+from laticauda.quantities import quantity, value
 from laticauda.robot import Environment, Robot, Water
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import changed
@@ -44,22 +45,15 @@ INTERVAL = 0.5
 _DIFFERENCE = 2.0**-12
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@value
 class Tow:
     """The force that pulls the straight robot along itself at a constant speed."""
 
-    speed: float
-    """Through the water [m/s]."""
-    sigma: float = FORCE_SIGMA
-    """Standard deviation of the noise of the force [N]."""
-    share: float = FORCE_SHARE
-    """The same as a share of the force: speed, alignment and calibration [-]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        positive("speed", self.speed, "m/s")
-        positive("sigma", self.sigma, "N")
-        not_negative("share", self.share)
+    speed: float = quantity("m/s", "Through the water", gt=0.0)
+    sigma: float = quantity("N", "Standard deviation of the noise of the force", default=FORCE_SIGMA, gt=0.0)
+    share: float = quantity(
+        "", "The same as a share of the force: speed, alignment and calibration", default=FORCE_SHARE, ge=0.0
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,19 +91,8 @@ def swims(
     """
     found: list[Candidate] = []
     for gait in gaits:
-        name = f"swim, {_words(robot, gait)}"
-        measured = _placeholders(robot, sensors, duration, interval)
-        found.append(
-            Candidate(
-                name=name,
-                kind="swim",
-                measurement=Measurement(
-                    name=name,
-                    scenario=Scenario(robot=robot, motion=gait, environment=environment, duration=duration),
-                    **measured,
-                ),
-            )
-        )
+        scenario = Scenario(robot=robot, motion=gait, environment=environment, duration=duration)
+        found.append(_candidate("swim", f"swim, {_words(robot, gait)}", scenario, sensors, interval))
     return found
 
 
@@ -125,18 +108,9 @@ def coast_down(
         sigma: Standard deviation of the noise of the path [m].
         duration: [s].
     """
-    name = f"coast-down from {speed:g} m/s{_fin(robot)}"
-    measured = _placeholders(robot, {"path": sigma}, duration, 0.1)
     start = Start(velocity=positive("speed", speed, "m/s"))
-    return Candidate(
-        name=name,
-        kind="coast-down",
-        measurement=Measurement(
-            name=name,
-            scenario=Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration),
-            **measured,
-        ),
-    )
+    scenario = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration)
+    return _candidate("coast-down", f"coast-down from {speed:g} m/s{_fin(robot)}", scenario, {"path": sigma}, 0.1)
 
 
 def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
@@ -244,26 +218,26 @@ def _force(scenario: Scenario, speed: float, values: Mapping[str, float]) -> flo
     return towing_drag(swims.robot, swims.environment, speed) + tether
 
 
-def _placeholders(robot: Robot, sensors: Mapping[str, float], duration: float, interval: float) -> dict[str, Any]:
-    """Figures and series of a measurement whose numbers do not count."""
-    positive("interval", interval, "s")
-    time = np.arange(1, round(positive("duration", duration, "s") / interval) + 1) * interval
+def _candidate(kind: str, name: str, scenario: Scenario, sensors: Mapping[str, float], interval: float) -> Candidate:
+    """A trial with figures and series whose numbers do not count."""
+    robot, duration = scenario.robot, scenario.duration
+    time = np.arange(1, round(duration / positive("interval", interval, "s")) + 1) * interval
     time = time[time <= duration * (1.0 + 1e-9)]
     figures: dict[str, tuple[float, float]] = {}
     series: dict[str, tuple[np.ndarray, float]] = {}
     shapes = {"center_of_mass": (time.size, 2), "heading": (time.size,)}
     for word, sigma in sensors.items():
-        kind, name, _ = SENSORS[word]
-        if kind == "figure":
-            figures[name] = (0.0, sigma)
+        form, what, _ = SENSORS[word]
+        if form == "figure":
+            figures[what] = (0.0, sigma)
         else:
-            series[name] = (np.zeros(shapes.get(name, (time.size, robot.n_links - 1))), sigma)
-    return {"figures": figures, "series": series, "time": time if series else None}
+            series[what] = (np.zeros(shapes.get(what, (time.size, robot.n_links - 1))), sigma)
+    measured: Any = {"figures": figures, "series": series, "time": time if series else None}
+    return Candidate(name=name, kind=kind, measurement=Measurement(name=name, scenario=scenario, **measured))
 
 
 def _words(robot: Robot, gait: Gait) -> str:
-    numbers = "/".join(f"{np.degrees(value):.0f}" for value in (gait.amplitude, gait.frequency, gait.phase_shift))
-    return f"{gait.kind.replace('_', '-')} {numbers} deg{_fin(robot)}"
+    return f"{gait.kind.replace('_', '-')} {setting_of(gait)} deg{_fin(robot)}"
 
 
 def _fin(robot: Robot) -> str:

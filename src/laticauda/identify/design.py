@@ -243,16 +243,11 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
     def volume(information: Matrix) -> float:
         return 0.5 * float(np.linalg.slogdet(information + _FAINT * np.eye(len(information)))[1])
 
-    def spread(information: Matrix) -> float:
+    def sharpness(information: Matrix) -> float:
         variances = np.diag(np.linalg.inv(information + _FAINT * np.eye(len(information))))
-        return -0.5 * float(np.log(np.mean(variances)))
+        return -0.5 * float(np.log(np.mean(variances) if criterion == "A" else variances[names.index(criterion)]))
 
-    def one(information: Matrix) -> float:
-        covariance = np.linalg.inv(information + _FAINT * np.eye(len(information)))
-        k = list(names).index(criterion)
-        return -0.5 * float(np.log(covariance[k, k]))
-
-    return {"D": volume, "A": spread}.get(criterion, one)
+    return volume if criterion == "D" else sharpness
 
 
 def _step(candidate: Candidate, total: Matrix, added: Matrix, unknowns: Sequence[ResolvedUnknown]) -> Step:

@@ -1,21 +1,20 @@
 """`fit`: the values of the unknowns with which the model describes the measurements best."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Unpack
+from typing import NamedTuple, Unpack
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument, SimulationFailed
 from laticauda.extras import optional_import
-from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
-from laticauda.identify.least_squares import Method, Minimum, minimize
+from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.measurements import Measurement
-from laticauda.identify.model import predict
+from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, make_problem
-from laticauda.identify.result import Fit, LocalSearch, ParameterEstimate
+from laticauda.identify.result import Fit, LocalSearch, Method, fit_of
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
@@ -24,8 +23,26 @@ from laticauda.simulate.runner import Progress
 SPREAD = 3.0  # further starts lie within this factor of the first
 _ROUNDS = 20  # of estimating the noise beside priors
 _SAME = 1e-6
+_LOSSES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "linear": lambda z: z,
+    "soft_l1": lambda z: 2.0 * (np.sqrt(1.0 + z) - 1.0),
+    "huber": lambda z: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+    "cauchy": np.log1p,
+    "arctan": np.arctan,
+}
+_TIGHT = 1e-10
+_MOST_STEPS = 100
 
 Vector = Float[np.ndarray, " n"]
+
+
+class Minimum(NamedTuple):
+    """Where a search ended."""
+
+    x: Vector
+    cost: float
+    jacobian: np.ndarray
+    converged: bool
 
 
 def fit(
@@ -112,7 +129,15 @@ def solve(problem: Problem, method: Method, *, start: Vector | None = None, prog
     best = searches[0][0]
     if method.noise == "estimated":
         best = _with_noise(problem, method, best)
-    return fit_of(problem, method, best, searches)
+
+    def named(x: Vector) -> dict[str, float]:
+        return dict(zip(problem.names, problem.values_of(x).tolist(), strict=True))
+
+    ways = [
+        LocalSearch(start=named(x), end=named(found.x), cost=found.cost, converged=found.converged)
+        for found, x in searches
+    ]
+    return fit_of(problem, method, best.x, best.jacobian, ways)
 
 
 def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]:
@@ -132,7 +157,7 @@ def _with_noise(problem: Problem, method: Method, best: Minimum) -> Minimum:
     """The search again with the noise as the residuals have it, until both agree; once, without priors."""
     factor = 1.0
     for _ in range(_ROUNDS):
-        information = information_of(problem, best)
+        information = problem.information(best.jacobian)
         whole_information = best.jacobian.T @ best.jacobian
         fitted = float(np.trace(np.linalg.pinv(whole_information) @ information))
         off = (predict(problem, problem.values_of(best.x)).values - problem.observed) / problem.sigma
@@ -175,126 +200,77 @@ def refitted(found: Fit, problem: Problem) -> Fit:
     return solve(problem, replace(found.method, n_starts=1), start=found.best)
 
 
-_AT_END = 1e-6  # closer to the end of its range, in sizes, an unknown is there
+# ---- one search ------------------------------------------------------------------------------------------------------
 
 
-def fit_of(problem: Problem, method: Method, best: Minimum, searches: Sequence[tuple[Minimum, np.ndarray]]) -> Fit:
-    """Everything that is known at the end of a search.
+def minimize(
+    problem: Problem, x: Vector, *, loss: str, factor: float = 1.0, free: Int[np.ndarray, " n_free"] | None = None
+) -> Minimum:
+    """One search.
 
     Args:
         problem: Measurements and unknowns.
-        method: How it was searched.
-        best: The end, with the Jacobian in the noise that counts.
-        searches: Ends and starts of all searches, the best first.
-    """
-    values = problem.values_of(best.x)
-    predicted = predict(problem, values).values
-    chi2 = float(np.sum(((predicted - problem.observed) / problem.sigma) ** 2))
-    by_data = identifiability(information_of(problem, best), problem.unknowns, limit=method.limit)
-    by_all = identifiability(best.jacobian.T @ best.jacobian, problem.unknowns, limit=method.limit)
-    n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
-    degrees = float(problem.observed.size - max(len(problem.unknowns) - n_priors, 0))
-    covariance, correlations = _covariance(problem, best.jacobian, by_all)
-    quantile = quantile_of(method.confidence, degrees if method.noise == "estimated" else math.inf)
-    names = problem.names
-    return Fit(
-        problem=problem,
-        method=method,
-        estimates=tuple(_estimate(problem, k, values, by_data, by_all, quantile) for k in range(len(names))),
-        covariance=covariance,
-        correlations=correlations,
-        identifiability=by_data,
-        predictions=predicted,
-        chi2=chi2,
-        noise_factor=math.sqrt(chi2 / degrees) if degrees > 0.0 else math.nan,
-        degrees_of_freedom=degrees,
-        searches=tuple(
-            LocalSearch(
-                start=dict(zip(names, map(float, problem.values_of(x)), strict=True)),
-                end=dict(zip(names, map(float, problem.values_of(found.x)), strict=True)),
-                cost=found.cost,
-                converged=found.converged,
-            )
-            for found, x in searches
-        ),
-        warnings=(*_warnings(problem), *by_data.words),
-    )
+        x: Coordinates to begin with.
+        loss: How residuals count.
+        factor: How many times the stated noise counts.
+        free: Numbers of the unknowns that may change; None: all.
 
-
-def _covariance(problem: Problem, jacobian: np.ndarray, seen: Identifiability) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance and correlations of the coordinates; inf and nan for what is not seen at all."""
-    sizes = problem.sizes
-    scaled = jacobian * sizes
-    covariance = np.linalg.pinv(scaled.T @ scaled, rcond=1e-13, hermitian=True)
-    blind = ~np.isfinite(seen.sigma)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        deviation = np.sqrt(np.diag(covariance))
-        correlations = np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0)
-    covariance = covariance * np.outer(sizes, sizes)
-    covariance[blind, :], covariance[:, blind] = np.inf, np.inf
-    hidden = seen.sigma >= seen.limit
-    correlations[hidden, :], correlations[:, hidden] = np.nan, np.nan
-    return covariance, correlations
-
-
-def _estimate(
-    problem: Problem, k: int, values: np.ndarray, by_data: Identifiability, by_all: Identifiability, quantile: float
-) -> ParameterEstimate:
-    """What is known of one unknown."""
-    unknown, value = problem.unknowns[k], float(values[k])
-    share, alone = float(by_all.sigma[k]), float(by_data.sigma[k])
-    x, deviation = unknown.x(value), share * unknown.size
-    parameter, notes = unknown.parameter, list[str]()
-    if unknown.name in by_data.without_effect:
-        notes.append("has no effect on what was measured")
-    elif alone >= by_data.limit:
-        its_own = [direction for direction in by_data.directions if abs(direction.weights[k]) > 0.1]
-        worst = max(its_own, key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, 1e9))
-        notes.append(f"not identifiable: the data do not see {worst.name}")
-    if unknown.prior is not None and share**2 > 0.5 * (unknown.prior[1] / unknown.slope(value) / unknown.size) ** 2:
-        notes.append("known from the prior rather than from the data")
-    reach = _AT_END * (1.0 if unknown.is_log else unknown.size)
-    for end, word in ((unknown.lower, "lower"), (unknown.upper, "upper")):
-        if math.isfinite(end) and abs(unknown.x(end) - x) <= reach:
-            notes.append(f"at the {word} end of its range")
-    identified = share < by_all.limit
-    low, high = (unknown.value(x + sign * quantile * deviation) if identified else 0.0 for sign in (-1.0, 1.0))
-    return ParameterEstimate(
-        name=unknown.name,
-        unit=parameter.unit,
-        title=parameter.title,
-        value=value,
-        sigma=deviation * unknown.slope(value) if identified else None,
-        interval=(low, high) if identified else None,
-        note="; ".join(notes),
-    )
-
-
-def _warnings(problem: Problem) -> list[str]:
-    """What is odd about the data, though nothing is wrong with it."""
-    found: list[str] = []
-    gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
-    if len(gaits) == 1 and len(problem.scenarios) > 1:
-        found.append("All measurements are of the same gait with the same robot: they are one measurement, repeated.")
-    return found
-
-
-def information_of(problem: Problem, found: Minimum) -> np.ndarray:
-    """J^T J of the data alone, without priors."""
-    data = found.jacobian[: problem.observed.size]
-    return data.T @ data
-
-
-def quantile_of(confidence: float, degrees: float) -> float:
-    """The quantile of Student's t (normal for infinite degrees of freedom) with `confidence` between -q and q.
-
-    Args:
-        confidence: [-].
-        degrees: Of freedom.
+    Returns:
+        Where it ended, with all coordinates, and the Jacobian of those that are free.
 
     Raises:
         MissingExtra: If scipy is not installed.
     """
-    special = optional_import("Identification", "scipy", "identify", "scipy.special")
-    share = 0.5 * (1.0 + confidence)
-    return float(special.ndtri(share) if np.isinf(degrees) else special.stdtrit(degrees, share))
+    optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
+    mine = np.arange(x.size) if free is None else free
+
+    def values_at(at: np.ndarray) -> np.ndarray:
+        every = x.copy()
+        every[mine] = at
+        return problem.values_of(every)
+
+    def residuals(at: np.ndarray) -> np.ndarray:
+        return all_residuals(problem, values_at(at), factor)
+
+    def jacobian(at: np.ndarray) -> np.ndarray:
+        values = values_at(at)
+        rows = [scaled_jacobian(problem, values, factor), problem.prior_slopes(values)]
+        return np.concatenate(rows)[:, mine]
+
+    ends = (u.x(end) if math.isfinite(end) else end for u in problem.unknowns for end in (u.lower, u.upper))
+    bounds = np.reshape(list(ends), (-1, 2))[mine]
+    found = optimize.least_squares(
+        residuals,
+        np.clip(x[mine], *bounds.T),
+        jac=jacobian,
+        bounds=tuple(bounds.T),
+        x_scale=problem.sizes[mine],
+        loss=loss,
+        method="trf",
+        xtol=_TIGHT,
+        ftol=_TIGHT,
+        gtol=_TIGHT,
+        max_nfev=_MOST_STEPS,
+    )
+    every = x.copy()
+    every[mine] = found.x
+    return Minimum(every, 2.0 * float(found.cost), np.asarray(found.jac), found.status > 0)
+
+
+def all_residuals(
+    problem: Problem, values: Float[np.ndarray, " n_unknowns"], factor: float = 1.0
+) -> Float[np.ndarray, " n_residuals"]:
+    """Those of the data and of the priors, in standard deviations.
+
+    Args:
+        problem: Measurements and unknowns.
+        values: Of the unknowns.
+        factor: How many times the stated noise counts.
+    """
+    data = (predict(problem, values).values - problem.observed) / (factor * problem.sigma)
+    return np.concatenate([data, problem.prior_residuals(values)])
+
+
+def cost_of(residuals: Float[np.ndarray, " n_residuals"], loss: str) -> float:
+    """What a search minimizes: the sum of rho(r^2) with the loss function rho."""
+    return float(np.sum(_LOSSES[loss](residuals**2)))

@@ -23,7 +23,7 @@ from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import UNITS, changed
-from laticauda.simulate.runner import Progress, swim
+from laticauda.simulate.runner import swim
 from laticauda.trial import Trial
 
 DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change
@@ -43,14 +43,13 @@ class Predicted:
     """How runs ended that diverged, by name of the measurement."""
 
 
-def predict(problem: Problem, values: Values, *, jacobian: bool = False, progress: Progress | None = None) -> Predicted:
+def predict(problem: Problem, values: Values, *, jacobian: bool = False) -> Predicted:
     """What the model says about all measurements.
 
     Args:
         problem: Measurements and unknowns.
         values: Of the unknowns, in their units.
         jacobian: Whether derivatives are wanted.
-        progress: Called with the share that is finished (3D twin only).
     """
     scenarios = problem.scenarios_at(values)
     if isinstance(problem.model, Planar):
@@ -58,7 +57,7 @@ def predict(problem: Problem, values: Values, *, jacobian: bool = False, progres
         found = partial(_planar_jacobian, problem, scenarios, values, raw)
     else:
         raw, failures = _spatial_runs(problem, scenarios)
-        found = partial(_differences, problem, values, progress)
+        found = partial(_differences, problem, values)
     predicted = _seen(problem, raw, values)
     return Predicted(values=predicted, jacobian=found() if jacobian else None, failures=failures)
 
@@ -225,7 +224,7 @@ def _raw_of(trial: Trial, measurement: Measurement) -> Raw:
     return raw
 
 
-def _differences(problem: Problem, values: Values, progress: Progress | None) -> np.ndarray:
+def _differences(problem: Problem, values: Values) -> np.ndarray:
     """The Jacobian of the 3D twin by central differences."""
     columns: list[np.ndarray] = []
     for k, unknown in enumerate(problem.unknowns):
@@ -235,8 +234,6 @@ def _differences(problem: Problem, values: Values, progress: Progress | None) ->
         moved[:, k] = ends
         behind, ahead = (_seen(problem, _spatial_runs(problem, problem.scenarios_at(at))[0], at) for at in moved)
         columns.append((ahead - behind) / (ends[1] - ends[0]))
-        if progress is not None:
-            progress((3 + 2 * k) / (1 + 2 * len(problem.unknowns)))
     return np.stack(columns, axis=1)
 
 

@@ -146,6 +146,11 @@ class Problem:
         ]
         return np.reshape(found, (len(found), len(self.unknowns)))
 
+    def information(self, jacobian: Float[np.ndarray, "n_residuals n_unknowns"]) -> Float[np.ndarray, "n n"]:
+        """J^T J of the data alone, without the rows of the priors, which come after those of the data."""
+        data = jacobian[: self.observed.size]
+        return data.T @ data
+
     def part(self, members: Sequence[int]) -> "Problem":
         """The same with some of its measurements only, by number; the unknowns stay, whether seen or not."""
         return replace(self, measurements=tuple(self.measurements[i] for i in members), moves=self.moves[list(members)])

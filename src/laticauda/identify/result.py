@@ -1,6 +1,7 @@
 """`Fit`: what an identification found, with its uncertainty, and how well it describes the measurements."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
@@ -9,13 +10,53 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of
+from laticauda.extras import optional_import
 from laticauda.identify.exporting import applied, as_parameters
-from laticauda.identify.identifiability import Identifiability
-from laticauda.identify.least_squares import Method
+from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
 from laticauda.identify.measurements import SERIES
+from laticauda.identify.model import predict
 from laticauda.identify.problem import Problem
+from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.numbers import UNITS
+
+_AT_END = 1e-6  # closer to the end of its range, in sizes, an unknown is there
+
+
+@value
+class Method:
+    """How a fit is made."""
+
+    noise: str = option(
+        "known: as the measurements state it; estimated: that times a common factor, which the residuals say",
+        default="known",
+        check=one_among("known", "estimated"),
+    )
+    loss: str = option(
+        "How residuals count: all but linear give outliers less weight",
+        default="linear",
+        check=one_among("linear", "soft_l1", "huber", "cauchy", "arctan"),
+    )
+    n_starts: int = quantity("", "How many starts", default=4, ge=1)
+    seed: int = quantity("", "Of the further starts", default=0, ge=0)
+    confidence: float = quantity("", "Of the intervals", default=0.95, ge=0.5, le=0.9999)
+    limit: float = quantity(
+        "", "From which relative standard deviation on an unknown counts as not identified", default=LIMIT, gt=0.0
+    )
+
+    def quantile(self, degrees: float) -> float:
+        """How many standard deviations an interval reaches to either side: Student's t, normal if the noise is known.
+
+        Args:
+            degrees: Of freedom.
+
+        Raises:
+            MissingExtra: If scipy is not installed.
+        """
+        special = optional_import("Identification", "scipy", "identify", "scipy.special")
+        share = 0.5 * (1.0 + self.confidence)
+        is_normal = self.noise == "known" or np.isinf(degrees)
+        return float(special.ndtri(share) if is_normal else special.stdtrit(degrees, share))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,20 +227,37 @@ class Fit:
             )
         return tuple(found)
 
-    def percentage_error(self, figure: str = "forward_velocity") -> float:
-        """Mean of |predicted - measured| / measured over all measurements of a figure [%].
+    def places_of(self, figure: str) -> list[int]:
+        """Where a figure of every measurement that has it stands among the data.
 
         Args:
             figure: Its name.
 
         Raises:
+            ValueError: If no measurement has it.
+        """
+        places = [one.at.start for one in self.problem.places if one.what == figure and not one.is_series]
+        if not places:
+            measured = sorted({one.what for one in self.problem.places})
+            raise BadArgument("figure", f"must be one that was measured, of {', '.join(measured)}, got {figure!r}")
+        return places
+
+    def percentage_error(
+        self, figure: str = "forward_velocity", predictions: Float[np.ndarray, " n_data"] | None = None
+    ) -> float:
+        """Mean of |predicted - measured| / measured over all measurements of a figure that are not 0 [%].
+
+        Args:
+            figure: Its name.
+            predictions: As its own, which None takes; where one is nan, so is the error.
+
+        Raises:
             ValueError: If it was not measured.
         """
-        mine = [residual for residual in self.residuals if residual.what == figure]
-        if not mine:
-            measured = sorted({residual.what for residual in self.residuals})
-            raise BadArgument("figure", f"must be one that was measured, of {', '.join(measured)}, got {figure!r}")
-        return 100.0 * float(np.mean([abs(r.deviation / r.measured) for r in mine if r.measured]))
+        at = self.places_of(figure)
+        measured = self.problem.observed[at]
+        off = (self.predictions if predictions is None else predictions)[at] - measured
+        return 100.0 * float(np.mean(np.abs(off[measured != 0.0] / measured[measured != 0.0])))
 
     def robot(self, robot: Robot, gait_kind: str) -> Robot:
         """A robot with what was identified of it.
@@ -233,3 +291,102 @@ class Fit:
             ValueError: If the measurements were not made in water, or a parameter file cannot say what was identified.
         """
         return as_parameters(self.problem, self.values, name, title)
+
+
+def fit_of(
+    problem: Problem,
+    method: Method,
+    x: Float[np.ndarray, " n_unknowns"],
+    jacobian: Float[np.ndarray, "n_residuals n_unknowns"],
+    searches: Sequence[LocalSearch],
+) -> Fit:
+    """Everything that is known at the end of a search.
+
+    Args:
+        problem: Measurements and unknowns.
+        method: How it was searched.
+        x: Coordinates of the end.
+        jacobian: Of the residuals there, in the noise that counts.
+        searches: All of them, the best first.
+    """
+    values = problem.values_of(x)
+    predicted = predict(problem, values).values
+    chi2 = float(np.sum(((predicted - problem.observed) / problem.sigma) ** 2))
+    by_data = identifiability(problem.information(jacobian), problem.unknowns, limit=method.limit)
+    by_all = identifiability(jacobian.T @ jacobian, problem.unknowns, limit=method.limit)
+    n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
+    degrees = float(problem.observed.size - max(len(problem.unknowns) - n_priors, 0))
+    covariance, correlations = _covariance(problem, jacobian, by_all)
+    quantile = method.quantile(degrees)
+    return Fit(
+        problem=problem,
+        method=method,
+        estimates=tuple(_estimate(problem, k, values, by_data, by_all, quantile) for k in range(values.size)),
+        covariance=covariance,
+        correlations=correlations,
+        identifiability=by_data,
+        predictions=predicted,
+        chi2=chi2,
+        noise_factor=math.sqrt(chi2 / degrees) if degrees > 0.0 else math.nan,
+        degrees_of_freedom=degrees,
+        searches=tuple(searches),
+        warnings=(*_warnings(problem), *by_data.words),
+    )
+
+
+def _covariance(problem: Problem, jacobian: np.ndarray, seen: Identifiability) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance and correlations of the coordinates; inf and nan for what is not seen at all."""
+    sizes = problem.sizes
+    scaled = jacobian * sizes
+    covariance = np.linalg.pinv(scaled.T @ scaled, rcond=1e-13, hermitian=True)
+    blind = ~np.isfinite(seen.sigma)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deviation = np.sqrt(np.diag(covariance))
+        correlations = np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0)
+    covariance = covariance * np.outer(sizes, sizes)
+    covariance[blind, :], covariance[:, blind] = np.inf, np.inf
+    hidden = seen.sigma >= seen.limit
+    correlations[hidden, :], correlations[:, hidden] = np.nan, np.nan
+    return covariance, correlations
+
+
+def _estimate(
+    problem: Problem, k: int, values: np.ndarray, by_data: Identifiability, by_all: Identifiability, quantile: float
+) -> ParameterEstimate:
+    """What is known of one unknown."""
+    unknown, value = problem.unknowns[k], float(values[k])
+    share, alone = float(by_all.sigma[k]), float(by_data.sigma[k])
+    x, deviation = unknown.x(value), share * unknown.size
+    parameter, notes = unknown.parameter, list[str]()
+    if unknown.name in by_data.without_effect:
+        notes.append("has no effect on what was measured")
+    elif alone >= by_data.limit:
+        its_own = [direction for direction in by_data.directions if abs(direction.weights[k]) > 0.1]
+        worst = max(its_own, key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, 1e9))
+        notes.append(f"not identifiable: the data do not see {worst.name}")
+    if unknown.prior is not None and share**2 > 0.5 * (unknown.prior[1] / unknown.slope(value) / unknown.size) ** 2:
+        notes.append("known from the prior rather than from the data")
+    reach = _AT_END * (1.0 if unknown.is_log else unknown.size)
+    for end, word in ((unknown.lower, "lower"), (unknown.upper, "upper")):
+        if math.isfinite(end) and abs(unknown.x(end) - x) <= reach:
+            notes.append(f"at the {word} end of its range")
+    identified = share < by_all.limit
+    low, high = (unknown.value(x + sign * quantile * deviation) if identified else 0.0 for sign in (-1.0, 1.0))
+    return ParameterEstimate(
+        name=unknown.name,
+        unit=parameter.unit,
+        title=parameter.title,
+        value=value,
+        sigma=deviation * unknown.slope(value) if identified else None,
+        interval=(low, high) if identified else None,
+        note="; ".join(notes),
+    )
+
+
+def _warnings(problem: Problem) -> list[str]:
+    """What is odd about the data, though nothing is wrong with it."""
+    found: list[str] = []
+    gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
+    if len(gaits) == 1 and len(problem.scenarios) > 1:
+        found.append("All measurements are of the same gait with the same robot: they are one measurement, repeated.")
+    return found

@@ -8,8 +8,7 @@ from jaxtyping import Float
 
 from laticauda.errors import one_of, whole
 from laticauda.extras import optional_import
-from laticauda.identify.fitting import quantile_of
-from laticauda.identify.least_squares import all_residuals, cost_of, minimize
+from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress
 
@@ -57,8 +56,7 @@ def profile(found: Fit, name: str) -> Profile:
 def _end(found: Fit, k: int, sign: float) -> float | None:
     """One end of the interval."""
     x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
-    degrees = found.degrees_of_freedom if found.method.noise == "estimated" else math.inf
-    quantile = quantile_of(found.method.confidence, degrees)
+    quantile = found.method.quantile(found.degrees_of_freedom)
     free = np.array([j for j in range(x.size) if j != k], dtype=int)
     deviation = math.sqrt(found.covariance[k, k])
     end = unknown.lower if sign < 0.0 else unknown.upper

@@ -1,5 +1,6 @@
 """Can the model predict what it was not fitted to? Refits without one measurement or one group, beside null models."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -14,8 +15,7 @@ from laticauda.identify.result import Fit
 from laticauda.identify.tasks import Task
 from laticauda.identify.uncertainty import Profile, profile
 from laticauda.simulate.runner import Progress
-from laticauda.trial import null_models
-from laticauda.trial.null_models import Row, left_out, mape
+from laticauda.trial.null_models import NullModel, Row, compared
 
 BY = ("measurement", "group")
 
@@ -39,26 +39,7 @@ class LeftOut:
         Args:
             figure: Its name.
         """
-        at = figure_places(self.fit, figure)
-        if np.any(np.isnan(self.predictions[at])):
-            return float("nan")
-        return mape(self.fit.problem.observed[at], self.predictions[at])
-
-
-@dataclass(frozen=True, kw_only=True)
-class NullModel:
-    """How well speeds are predicted without physics."""
-
-    name: str
-    """Which of `trial.null_models`."""
-    n_parameters: int
-    """How many numbers are fitted."""
-    fitted: float
-    """Mean error over the measurements that it is fitted to [%]."""
-    left_out: float
-    """The same with each one predicted by the others; nan if they do not suffice [%]."""
-    group_left_out: float
-    """The same with each group predicted by the others [%]."""
+        return self.fit.percentage_error(figure, self.predictions)
 
 
 def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None = None) -> LeftOut:
@@ -122,50 +103,12 @@ def compared_with_null_models(found: Fit) -> tuple[NullModel, ...]:
     problem = found.problem
     if not any("forward_velocity" in measurement.figures for measurement in problem.measurements):
         return ()
-    at = figure_places(found, "forward_velocity")
+    at = found.places_of("forward_velocity")
     scenarios = [problem.scenarios[int(i)] for i in problem.owner[at]]
     if any(one.gait.kind not in GAIT_WORDS for one in scenarios):
         return ()
     rows = [Row(gait=one.gait, has_fin=one.robot.caudal_fin is not None) for one in scenarios]
-    groups = sorted({row.group for row in rows})
-    by_row, by_group = np.arange(len(rows)), np.array([groups.index(row.group) for row in rows])
-    measured = problem.observed[at]
-    result: list[NullModel] = []
-    for name, columns_of in null_models.NULL_MODELS.items():
-        columns, known = columns_of(rows, groups)
-        target = np.log(measured) - known
-        fitted = np.exp(columns @ null_models.fit(columns, target) + known)
-        errors = [_error(measured, np.exp(left_out(columns, target, by) + known)) for by in (by_row, by_group)]
-        result.append(
-            NullModel(
-                name=name,
-                n_parameters=int(np.linalg.matrix_rank(columns)),
-                fitted=mape(measured, fitted),
-                left_out=errors[0],
-                group_left_out=errors[1],
-            )
-        )
-    return tuple(result)
-
-
-def _error(measured: np.ndarray, predicted: np.ndarray) -> float:
-    return float("nan") if np.any(np.isnan(predicted)) else mape(measured, predicted)
-
-
-def figure_places(found: Fit, figure: str) -> np.ndarray:
-    """Where a figure of every measurement that has it stands among the data.
-
-    Args:
-        found: The fit.
-        figure: Its name.
-
-    Raises:
-        ValueError: If no measurement has it.
-    """
-    places = [one.at.start for one in found.problem.places if one.what == figure and not one.is_series]
-    if not places:
-        raise BadArgument("figure", f"must be one that was measured, got {figure!r}")
-    return np.array(places)
+    return compared(rows, problem.observed[at])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -187,16 +130,13 @@ class Validation:
     profiles: tuple[Profile, ...]
     """Intervals from the likelihood itself, if asked for."""
 
-    def error(self, predictions: Float[np.ndarray, " n_data"] | None, figure: str = "forward_velocity") -> float | None:
-        """Mean error of a figure, in percent; None without such measurements or predictions."""
-        measured = {name for m in self.found.problem.measurements for name in m.figures}
-        if predictions is None or figure not in measured:
+    def error(self, predictions: Float[np.ndarray, " n_data"] | None) -> float | None:
+        """Mean error of the forward velocity, in percent; None without such measurements or predictions."""
+        measured = any("forward_velocity" in one.figures for one in self.found.problem.measurements)
+        if predictions is None or not measured:
             return None
-        at = figure_places(self.found, figure)
-        observed = self.found.problem.observed[at]
-        if np.any(np.isnan(predictions[at])) or np.any(observed == 0.0):
-            return None
-        return mape(observed, predictions[at])
+        error = self.found.percentage_error(predictions=predictions)
+        return error if math.isfinite(error) else None
 
 
 def validate(
@@ -235,8 +175,7 @@ def validate(
     shown = found.problem.of_interest if profiles else []
     for done, k in enumerate(shown):
         kept.append(profile(found, found.estimates[k].name))
-        if progress is not None:
-            progress("profiles", (done + 1) / len(shown))
+        part("profiles")((done + 1) / len(shown))
     return Validation(
         task=task,
         found=found,

@@ -11,7 +11,7 @@ from typing import Any
 from laticauda.gaits import Gait, envelope_of
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trial import MeasuredTrial, MeasuredTrials
-from laticauda.trial.null_models import group_name
+from laticauda.trial.null_models import Row
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 """The gaits as tables call them."""
@@ -22,24 +22,15 @@ _MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Row:
-    """What a row of either table has."""
+class _Row(Row):
+    """What a row of either table has: its gait is what the joints were asked for, apart from the steering."""
 
-    gait: Gait
-    """What the joints were asked for, apart from the steering."""
-    has_fin: bool
-    """Whether the robot wore the caudal fin."""
     case: int
     """Its number among those of the same gait with the same robot, from 1 [-]."""
     printed_velocity: float | None
     """The printed change of forward velocity by the fin; None where there is none [%]."""
     printed_power: float | None
     """The same for the power [%]."""
-
-    @property
-    def group(self) -> str:
-        """Name of the part of the table that it is in."""
-        return group_name(self.gait.kind, self.has_fin)
 
 
 @dataclass(frozen=True, kw_only=True)

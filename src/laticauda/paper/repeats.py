@@ -25,6 +25,7 @@ from laticauda.gaits import Gait, envelope_of
 from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.paper.measured import KINDS
 from laticauda.quantities import option, quantity, value
+from laticauda.trial.null_models import Row
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
 """Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
@@ -47,13 +48,9 @@ COLUMNS = tuple(_Cells.__dataclass_fields__)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Repeat:
+class Repeat(Row):
     """All trials of one setting."""
 
-    gait: Gait
-    """What the joints were asked for."""
-    has_fin: bool
-    """Whether the robot wore the caudal fin."""
     forward_velocity: tuple[float, ...]
     """Equation (5), trial by trial [m/s]."""
     mean_power: tuple[float | None, ...]

@@ -6,17 +6,17 @@ stands.
 What the fin changes, and what a meter costs, stands here too.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import singledispatch
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from laticauda.paper.efficiency import Case, EfficiencyStudy
-from laticauda.paper.measured import MeasuredCase, PrintedChange, efficiency_trials, percent_change, printed_changes
+from laticauda.paper.measured import PrintedChange, efficiency_trials, percent_change, printed_changes
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
-from laticauda.trial.null_models import NULL_MODELS, PREDICTORS, Row, Values, fit, left_out, mape, predict
+from laticauda.trial.null_models import PREDICTORS, Values, compared, mape, predict
 
 AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 
@@ -102,39 +102,26 @@ def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
     )
 
 
-@singledispatch
-def scores(study: Any) -> tuple[Score, ...]:
+def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
     """The errors of the simulations of a study, then those of the null models.
 
     Args:
         study: What `run_efficiency` or `run_path_following` returned.
     """
-    raise TypeError(f"There are no scores of {study!r}.")
+    return _table1(study) if isinstance(study, EfficiencyStudy) else simulated(study) + null_predictions(study)
 
 
-@scores.register
 def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
-    group = np.array([study.settings.groups.index(case.group) for case in study.measured])
-    measured = np.array([case.measured.forward_velocity for case in study.measured], dtype=float)
-    rows, groups = _rows([case.measured for case in study.measured])
+    rows = [case.measured for case in study.measured]
     found = [
         _scored(study, name, None, np.array([case.forward_velocity[i] for case in study.measured]))
         for i, name in enumerate(study.models)
     ]
-    for name in NULL_MODELS:
-        columns, known = NULL_MODELS[name](rows, groups)
-        target = np.log(measured) - known
-        others = [np.exp(left_out(columns, target, by) + known) for by in (np.arange(group.size), group)]
-        one, one_group = (mape(measured, values) if np.all(np.isfinite(values)) else None for values in others)
+    for null in compared(rows, np.array([row.forward_velocity for row in rows], dtype=float)):
+        one, one_group = (None if math.isnan(error) else error for error in (null.left_out, null.group_left_out))
         errors = {"leave_one_out": one, "leave_one_group_out": one_group}
-        speeds = np.exp(columns @ fit(columns, target) + known)
-        found.append(_scored(study, name, columns.shape[1], speeds, **errors))
+        found.append(_scored(study, null.name, null.n_parameters, null.speeds, **errors))
     return tuple(found)
-
-
-@scores.register
-def _table2(study: PathFollowingStudy) -> tuple[Score, ...]:
-    return simulated(study) + null_predictions(study)
 
 
 def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
@@ -159,20 +146,19 @@ def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
     return [[case.run for case in cases], *others, [case.cycle_mean for case in cases]]
 
 
-def null_predictions(study: PathFollowingStudy, trials: Sequence[MeasuredCase] | None = None) -> tuple[Score, ...]:
+def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     """What the null models, fitted to Table 1, say of Table 2.
 
     Args:
         study: What `run_path_following` returned.
-        trials: What they are fitted to; None takes the measured rows of Table 1.
     """
-    known = [trial for trial in trials or efficiency_trials() if trial.forward_velocity is not None]
-    (rows, _), (others, _) = _rows(known), _rows([case.measured for case in study.cases])
+    known = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]
+    others = [case.measured for case in study.cases]
     speeds = np.array([trial.forward_velocity for trial in known], dtype=float)
     return tuple(
         _scored(study, name, n_fitted, predicted)
         for name in PREDICTORS
-        for predicted, n_fitted in [predict(name, rows, speeds, others)]
+        for predicted, n_fitted in [predict(name, known, speeds, others)]
     )
 
 
@@ -191,12 +177,6 @@ def meter_costs(study: PathFollowingStudy) -> tuple[MeterCost, ...]:
         for group in study.settings.groups
         for cases in [[case for case in study.cases if case.group == group]]
     )
-
-
-def _rows(measured: Sequence[Any]) -> tuple[list[Row], list[str]]:
-    """What null models know of rows of a table, and the names of their groups."""
-    rows = [Row(gait=one.gait, has_fin=one.has_fin) for one in measured]
-    return rows, sorted({row.group for row in rows})
 
 
 def _scored(

@@ -102,13 +102,8 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
             "left_out_is_linearized": done.is_linearized,
             "group_left_out": done.error(None if done.by_group is None else done.by_group.predictions),
             "null_models": [
-                {
-                    "name": null.name,
-                    "n_parameters": null.n_parameters,
-                    "fitted": null.fitted,
-                    "left_out": finite(null.left_out),
-                    "group_left_out": finite(null.group_left_out),
-                }
+                {"name": null.name, "n_parameters": null.n_parameters}
+                | {name: finite(getattr(null, name)) for name in ("fitted", "left_out", "group_left_out")}
                 for null in done.null_models
             ],
         },

@@ -3,8 +3,10 @@
 Each is fitted to measured speeds by least squares of the logarithm.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -18,7 +20,7 @@ Design = Float[np.ndarray, "n_rows n_parameters"]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """What a null model knows of a row of the paper's tables."""
+    """What a null model knows of a row of a table of speeds."""
 
     gait: Gait
     """What the joints were asked for."""
@@ -41,7 +43,7 @@ def group_name(gait: str, has_fin: bool) -> str:
     return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
 
 
-NullModel = Callable[[Sequence[Row], Sequence[str]], tuple[Design, Values]]
+Columns = Callable[[Sequence[Row], Sequence[str]], tuple[Design, Values]]
 """Rows and the names of all groups to the columns that are fitted to log v, and what is added to them."""
 
 
@@ -55,7 +57,7 @@ def _constant_fin_eel(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Desig
     return np.array(columns), np.zeros(len(rows))
 
 
-def _stride(build: NullModel) -> NullModel:
+def _stride(build: Columns) -> Columns:
     """The same model of the distance per cycle: v proportional to the frequency."""
 
     def divided(rows: Sequence[Row], groups: Sequence[str]) -> tuple[Design, Values]:
@@ -64,7 +66,7 @@ def _stride(build: NullModel) -> NullModel:
     return divided
 
 
-NULL_MODELS: dict[str, NullModel] = {
+NULL_MODELS: dict[str, Columns] = {
     "constant per group": _constant_per_group,
     "constant + fin + eel": _constant_fin_eel,
     "constant stride per group": _stride(_constant_per_group),
@@ -80,7 +82,7 @@ def fit(columns: Design, target: Values) -> Float[np.ndarray, " n_parameters"]:
     """The numbers of a null model by least squares.
 
     Args:
-        columns: Those of a `NullModel`.
+        columns: What one of `NULL_MODELS` gave.
         target: log v less what is added to them.
     """
     return np.linalg.lstsq(columns, target)[0]
@@ -90,7 +92,7 @@ def left_out(columns: Design, target: Values, by: Int[np.ndarray, " n_rows"]) ->
     """Each row's log v as a null model says that is fitted to the rows with another number in `by`.
 
     Args:
-        columns: Those of a `NullModel`.
+        columns: What one of `NULL_MODELS` gave.
         target: log v less what is added to them.
         by: A number per row: rows of equal number are left out together.
 
@@ -103,6 +105,46 @@ def left_out(columns: Design, target: Values, by: Int[np.ndarray, " n_rows"]) ->
         if np.linalg.matrix_rank(columns[~out]) == columns.shape[1]:
             found[out] = columns[out] @ fit(columns[~out], target[~out])
     return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NullModel:
+    """How well speeds are predicted without physics."""
+
+    name: str
+    """Which of `NULL_MODELS`."""
+    n_parameters: int
+    """How many numbers are fitted."""
+    speeds: Values
+    """What it says of the speeds that it is fitted to [m/s]."""
+    fitted: float
+    """Mean error over them [%]."""
+    left_out: float
+    """The same with each one predicted by the others; nan if they do not suffice [%]."""
+    group_left_out: float
+    """The same with each group predicted by the others [%]."""
+
+
+def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
+    """Every null model fitted to the same speeds, and how it does on those that were left out of the fit.
+
+    Args:
+        rows: What they are fitted to.
+        measured: Their speeds [m/s].
+    """
+    groups = sorted({row.group for row in rows})
+    apart = np.arange(len(rows)), np.array([groups.index(row.group) for row in rows])
+    found: list[NullModel] = []
+    for name, columns_of in NULL_MODELS.items():
+        columns, known = columns_of(rows, groups)
+        target = np.log(measured) - known
+        speeds = np.exp(columns @ fit(columns, target) + known)
+        others = [np.exp(left_out(columns, target, by) + known) for by in apart]
+        errors = [math.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others]
+        n_parameters = int(np.linalg.matrix_rank(columns))
+        how: Any = {"fitted": mape(measured, speeds), "left_out": errors[0], "group_left_out": errors[1]}
+        found.append(NullModel(name=name, n_parameters=n_parameters, speeds=speeds, **how))
+    return tuple(found)
 
 
 def predict(

@@ -14,7 +14,6 @@ from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, mi
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter
-from laticauda.trial.null_models import group_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -142,7 +141,7 @@ def _sweeps(study: EfficiencyStudy) -> list[Row]:
 def _repeat(repeat: Repeat) -> Row:
     (velocity, deviation), (power, power_deviation) = repeat.velocity, repeat.power or (None, None)
     return {
-        "group": group_name(repeat.gait.kind, repeat.has_fin),
+        "group": repeat.group,
         **_setting(repeat.gait),
         "trials": len(repeat.forward_velocity),
         "v: mean [m/s]": velocity,
@@ -190,7 +189,5 @@ def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequ
 
 def _is_shown(repeat: Repeat, group: Group, sweep: SweepSettings) -> bool:
     """Whether a panel of this group and sweep has a place for repeated trials."""
-    value = getattr(repeat.gait, sweep.parameter)
-    within = sweep.low - 1e-9 <= value <= sweep.high + 1e-9
-    same = repeat.gait.kind == group.gait and repeat.has_fin == group.has_fin
-    return same and within and sweep.contains(repeat.gait)
+    within = sweep.low - 1e-9 <= getattr(repeat.gait, sweep.parameter) <= sweep.high + 1e-9
+    return repeat.group == group.name and within and sweep.contains(repeat.gait)
