@@ -1,5 +1,6 @@
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import get_args
 
 import numpy as np
@@ -164,8 +165,7 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
 def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
     def grown(doubling, speed, power):
         short = doubling.shorter
-        long = replace(
-            doubling.longer,
+        long = SimpleNamespace(
             forward_velocity=speed * short.forward_velocity,
             mechanical_power=power * short.mechanical_power,
         )

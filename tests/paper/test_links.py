@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,12 +16,13 @@ def links():
 def test_every_run_is_what_swim_gives_for_that_many_links(links):
     assert len(links.doublings) == 4
     for doubling in links.doublings:
-        assert (doubling.shorter.n_links, doubling.longer.n_links) == (10, 20)
+        assert (doubling.shorter.robot.n_links, doubling.longer.robot.n_links) == (10, 20)
         for run in (doubling.shorter, doubling.longer):
-            trial = lc.swim(lc.load_robot("mamba", n_links=run.n_links), run.gait, 30.0)
+            n_links = run.robot.n_links
+            trial = lc.swim(lc.load_robot("mamba", n_links=n_links), run.gait, 30.0)
             assert run.forward_velocity == trial.forward_velocity
             assert run.mechanical_power == trial.mechanical_power
-            assert run.length == pytest.approx(0.18 * run.n_links)
+            assert run.robot.length == pytest.approx(0.18 * n_links)
 
 
 def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(links):
@@ -32,14 +34,8 @@ def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(links):
 
 def test_changes_are_those_of_speed_and_power(links):
     one = links.doublings[0]
-    twice = replace(
-        one,
-        longer=replace(
-            one.longer,
-            forward_velocity=2 * one.shorter.forward_velocity,
-            mechanical_power=5 * one.shorter.mechanical_power,
-        ),
-    )
+    speed, power = one.shorter.forward_velocity, one.shorter.mechanical_power
+    twice = replace(one, longer=SimpleNamespace(forward_velocity=2 * speed, mechanical_power=5 * power))
     assert twice.velocity_change == pytest.approx(100.0)
     assert twice.power_factor == pytest.approx(5.0)
 

@@ -63,7 +63,7 @@ def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
 
 
 def test_a_duration_must_hold_its_cycles():
-    gait = swimmers()[0].gait  # 4 s
-    assert long_enough("duration", 12.0, (gait,), 3.0) == 12.0
+    slowest = swimmers()[0]  # its cycle takes 4 s
+    assert long_enough("duration", 12.0, (slowest,), 3.0) == 12.0
     with pytest.raises(ValueError, match="`duration` must be between 12 and 100000 s, got 11"):
-        long_enough("duration", 11.0, (gait,), 3.0)
+        long_enough("duration", 11.0, (slowest,), 3.0)

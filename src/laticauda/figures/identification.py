@@ -134,7 +134,7 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
             ax.plot(plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
             ax.plot(1.0, i, "o", color=style.INK, markersize=3.5)
         else:
-            _note(ax, "not identified", (1.0, i), xytext=(4, 0), va="center")
+            style.note(ax, "not identified", (1.0, i), (4, 0), va="center")
         if profile is not None:
             shown, at = np.where(np.isnan(profile), (low, high), profile), (i + 0.22, i + 0.22)
             ax.plot(shown, at, color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
@@ -175,16 +175,11 @@ def shrinking(
         ax.semilogy(beyond, np.full(beyond.size, top), marker, color=color, markerfacecolor="white", markersize=4.0)
     ax.axhline(limit, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
     at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
-    _note(ax, "not identified above", (1.0, limit), xytext=(-2, 2), va="bottom", **at_right)
+    style.note(ax, "not identified above", (1.0, limit), (-2, 2), va="bottom", **at_right)
     if not np.all(sigma < top):
-        _note(ax, "open: not known", (1.0, top), xytext=(-2, -4), va="top", **at_right)
+        style.note(ax, "open: not known", (1.0, top), (-2, -4), va="top", **at_right)
     style.dress(ax, xlabel="further trials", ylabel=ylabel)
     ax.set_xticks(n)
     ax.set_ylim(top=1.15 * top)
     style.legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return ax
-
-
-def _note(ax: Axes, text: str, at: tuple[float, float], **place: Any) -> None:
-    """Small gray words near a place."""
-    ax.annotate(text, at, textcoords="offset points", fontsize=style.TICK, color=style.GRAY, **place)

@@ -82,14 +82,13 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         places = [(each, _beside(center, near, each, half_width)) for each in (side, -side)]
         clear = [(each, at) for each, at in places if _gap(path, at + 0.5 * text * each) > 0.7 * text]
         side, place = clear[0] if clear else places[0]
-    ax.annotate(
+    style.note(
+        ax,
         f"{trial.time[sample]:.3g} s",
-        tuple(place),
-        xytext=tuple(3.0 * side),
-        textcoords="offset points",
+        (float(place[0]), float(place[1])),
+        (3.0 * float(side[0]), 3.0 * float(side[1])),
         ha="left" if side[0] > 0.5 else "right" if side[0] < -0.5 else "center",
         va="bottom" if side[1] > 0.5 else "top" if side[1] < -0.5 else "center",
-        fontsize=style.TICK,
         color=style.INK,
         path_effects=[withStroke(linewidth=2.0, foreground="white")],
         zorder=5,
@@ -185,10 +184,8 @@ def is_crowded(trial: Trial) -> bool:
 
 def _body_lengths(trial: Trial) -> float:
     """Length of the path in lengths of the body with its fin, and a little room."""
-    robot = planar_body(trial)
-    reach = robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
     steps = np.diff(trial.center_of_mass[:, :2], axis=0)
-    return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * reach)
+    return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * planar_body(trial).reach)
 
 
 def _apart(trial: Trial, samples: list[int]) -> list[int]:

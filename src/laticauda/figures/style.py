@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from laticauda.files import write
 
@@ -31,6 +32,13 @@ BLUE = "#0072B2"
 ORANGE = "#D55E00"
 AMBER = "#E69F00"
 GRAY = "#8A8A8A"
+# Of several lines, told apart by dashes too.
+LINES: tuple[tuple[str, Any], ...] = (
+    (BLUE, "-"),
+    (ORANGE, (0, (5, 2))),
+    (INK, (0, (1, 1.5))),
+    (AMBER, (0, (5, 1, 1, 1))),
+)
 AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # what was to be reached, or was measured
 
 
@@ -127,6 +135,20 @@ def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
     """
     text = f"({'abcdefgh'[place]})  {words}" if words else f"({'abcdefgh'[place]})"
     ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
+
+
+def note(ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any) -> Text:
+    """Small words beside a place, gray if they do not say.
+
+    Args:
+        ax: Where to draw.
+        text: The words.
+        at: The place, in data if `look` does not say (`xycoords`).
+        shift: From there to the words [pt].
+        look: As for matplotlib's `annotate`.
+    """
+    usual: dict[str, Any] = {"fontsize": TICK, "color": GRAY, **look}
+    return ax.annotate(text, at, xytext=shift, textcoords="offset points", **usual)
 
 
 def light_grid(ax: Axes, axis: Literal["x", "y"]) -> None:

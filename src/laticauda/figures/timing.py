@@ -61,10 +61,8 @@ def plot_timing(
         ("largest", sorted_ms[-1], 100.0 / n),
     ):
         ax.plot(value, share, "o", color=KINDS[kind], markersize=3)
-        said = ax.annotate(
-            f"{name} {value:.2f}", (value, share), (5, 4), textcoords="offset points", fontsize=style.TICK
-        )
-        said.set(color=style.INK, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+        said = style.note(ax, f"{name} {value:.2f}", (float(value), share), (5, 4), color=style.INK)
+        said.set(bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_ylim(50.0 / n, 400.0)

@@ -15,19 +15,14 @@ from laticauda.paper.path_following import FollowingRun, PathFollowingStudy
 from laticauda.paper.settings import PARAMETERS
 from laticauda.paper.stability import BEHAVIORS, StabilityStudy
 from laticauda.quantities import quantities_of
+from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import Trial, following
 
 if TYPE_CHECKING:
     import xarray
 
 UNITS = {"amplitude": "rad", "frequency": "rad/s", "phase_shift": "rad"}
-VELOCITY = ("m/s", "forward velocity, straight line over the whole run")
-POWER = ("W", "mechanical power, mean of sum |u phi'|")
-CURVES = {
-    "forward_velocity": VELOCITY,
-    "steady_velocity": ("m/s", "the same over whole gait cycles after the transient"),
-    "mechanical_power": POWER,
-}
+CURVES = {name: QUANTITIES[name] for name in ("forward_velocity", "steady_velocity", "mechanical_power")}
 HOW = ("offset_bandwidth", "dt", "ramp")  # the way of a run has them
 SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {
     "time": ("s", "time since the start of the run", lambda trial: trial.time),
@@ -41,7 +36,7 @@ SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {
 LOOPS = {
     "rms": ("m", "root mean square of the cycle-mean cross-track error over the last third of the run"),
     "rms_before": ("m", "the same over the second third"),
-    "forward_velocity": VELOCITY,
+    "forward_velocity": QUANTITIES["forward_velocity"],
 }
 
 

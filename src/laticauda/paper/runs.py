@@ -40,7 +40,7 @@ class Swimmer(Scenario):
     @property
     def length(self) -> float:
         """Of the straight robot, its fin included [m]."""
-        return self.robot.length + (0.0 if self.robot.caudal_fin is None else self.robot.caudal_fin.length)
+        return self.robot.reach
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,17 +160,17 @@ class Study(Generic[Settings]):
     """Version of laticauda that ran it."""
 
 
-def long_enough(name: str, duration: float, gaits: tuple[Gait, ...], n_cycles: float) -> float:
-    """A duration that holds so many cycles of every gait.
+def long_enough(name: str, duration: float, swimmers: tuple[Swimmer, ...], n_cycles: float) -> float:
+    """A duration that holds so many cycles of every swimmer's gait.
 
     Args:
         name: Of the argument.
         duration: [s].
-        gaits: That are to be seen.
+        swimmers: That are to be seen.
         n_cycles: How many of their cycles [-].
 
     Raises:
         ValueError: If it is too short.
     """
-    longest = max(2.0 * math.pi / gait.frequency for gait in gaits)
+    longest = max(2.0 * math.pi / swimmer.gait.frequency for swimmer in swimmers)
     return within(name, duration, n_cycles * longest, 1e5, "s")

@@ -24,6 +24,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
 from laticauda.scenarios import Model, ModelChanges, model_of
 from laticauda.studies.trials import Progress
+from laticauda.trial import Trial
 
 ROBOT = "mamba"
 SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]
@@ -159,32 +160,16 @@ class LinksSettings:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class LinksRun:
-    """One run of the links study."""
-
-    gait: Gait
-    """What the joints were asked for."""
-    n_links: int
-    """Of the robot [-]."""
-    length: float
-    """Of the robot [m]."""
-    forward_velocity: float
-    """Equation (5) [m/s]."""
-    mechanical_power: float
-    """Mean of sum |u phi'| [W]."""
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Doubling:
     """A robot and a longer one with the same gait."""
 
     kept: str
     """One of `KEPT`."""
-    shorter: LinksRun
-    """The robot with fewer links."""
-    longer: LinksRun
-    """The one with more."""
+    shorter: Trial
+    """Of the robot with fewer links."""
+    longer: Trial
+    """Of the one with more."""
 
     @property
     def velocity_change(self) -> float:
@@ -231,18 +216,11 @@ def run_links(
     wanted = [*product(settings.gaits, KEPT)]
     by, runs = model_of(model, **changes), Runs(n_runs=2 * len(wanted), progress=progress)
 
-    def swum(kind: str, kept: str, n: int) -> LinksRun:
+    def swum(kind: str, kept: str, n: int) -> Trial:
         gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
         robot = load_robot(settings.robot, n_links=n)
         swimmer = settings.coefficients.swimmer(robot, gait, model=by, duration=settings.duration)
-        trial = runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
-        return LinksRun(
-            gait=gait,
-            n_links=n,
-            length=robot.length,
-            forward_velocity=trial.forward_velocity,
-            mechanical_power=trial.mechanical_power,
-        )
+        return runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
 
     few, many = settings.n_links
     found = [Doubling(kept=kept, shorter=swum(kind, kept, few), longer=swum(kind, kept, many)) for kind, kept in wanted]

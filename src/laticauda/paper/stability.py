@@ -64,8 +64,7 @@ class StabilitySettings:
                 raise BadArgument(name, f"must rise, got {', '.join(f'{value:g}' for value in values)}")
         at_least_one(self, "look_ahead_distances", "gains", "swimmers")
         # Each third of the run must show a whole gait cycle.
-        gaits = tuple(swimmer.gait for swimmer in self.swimmers)
-        long_enough("duration", self.duration, gaits, 4.5)
+        long_enough("duration", self.duration, self.swimmers, 4.5)
 
     @property
     def n_runs(self) -> int:

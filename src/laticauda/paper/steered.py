@@ -52,7 +52,7 @@ class DriftSettings:
 
     def __post_init__(self) -> None:
         """Check what has a range."""
-        long_enough("duration", self.duration, (self.swimmer.gait,), 5.0)
+        long_enough("duration", self.duration, (self.swimmer,), 5.0)
 
     @property
     def n_runs(self) -> int:
@@ -147,8 +147,7 @@ class CurvedSettings:
     def __post_init__(self) -> None:
         """Check what has a range."""
         _ = self.path  # a curve that cannot be is refused now
-        gaits = tuple(swimmer.gait for swimmer in self.swimmers)
-        long_enough("most_duration", self.most_duration, gaits, 2.0)
+        long_enough("most_duration", self.most_duration, self.swimmers, 2.0)
 
     @property
     def path(self) -> Spline:

@@ -46,13 +46,13 @@ def view(trial: Trial, time: float, height: float, aspect: float) -> View:
     heading = float(calm(trial.time, trial.heading, time, CALM_TURN * period))
     ahead = middle(trial.robot)
     target = np.array([*center[:2], center[2] if center.size == 3 else height])
-    target += ahead * math.cos(heading), ahead * math.sin(heading), -BELOW * reach(trial.robot)
+    target += ahead * math.cos(heading), ahead * math.sin(heading), -BELOW * trial.robot.reach
     half_view = math.atan(math.tan(math.radians(0.5 * VIEW_DEG)) * aspect)
     return View(
         target=target,
         azimuth=math.degrees(heading) + ASIDE_DEG,
         elevation=-DOWN_DEG,
-        distance=0.5 * ROOM * reach(trial.robot) / math.tan(half_view),
+        distance=0.5 * ROOM * trial.robot.reach / math.tan(half_view),
     )
 
 
@@ -64,11 +64,6 @@ def aim(camera: Any, view: View) -> None:
 def ripple_period(trial: Trial) -> float:
     """Over which speed and heading go up and down [s]."""
     return min(trial.period or PERIOD, LONGEST_PERIOD)
-
-
-def reach(robot: Robot) -> float:
-    """Length of the straight robot with its fin [m]."""
-    return robot.length + (robot.caudal_fin.length if robot.caudal_fin else 0.0)
 
 
 def middle(robot: Robot) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.extras import load_mujoco
-from laticauda.pictures.camera import middle, reach
+from laticauda.pictures.camera import middle
 from laticauda.trial import Trial
 from laticauda.trial.following import nearest_points
 
@@ -47,19 +47,19 @@ def trail_points(trial: Trial, time: float, height: float) -> Points:
 def draw_trail(scene: Any, trial: Trial, time: float, height: float) -> None:
     """Draw the trail into a scene; arguments as for `trail_points`."""
     points, robot = trail_points(trial, time, height), trial.robot
-    behind = np.linalg.norm(points - points[-1], axis=1) - (0.5 * reach(robot) - middle(robot))
+    behind = np.linalg.norm(points - points[-1], axis=1) - (0.5 * robot.reach - middle(robot))
     for k, (one, other) in enumerate(pairwise(points)):
         # It begins at the trailing edge: a line through the body would look like a part of it.
-        opacity = float(np.clip(behind[k] / (TRAIL_FADE * reach(robot)), 0.0, TRAIL_OPACITY)) * (k + 1) / len(points)
+        opacity = float(np.clip(behind[k] / (TRAIL_FADE * robot.reach), 0.0, TRAIL_OPACITY)) * (k + 1) / len(points)
         if opacity > 0.02:
-            _add_line(scene, one, other, WIDTH * reach(robot), (*TRAIL_COLOR, opacity))
+            _add_line(scene, one, other, WIDTH * robot.reach, (*TRAIL_COLOR, opacity))
 
 
 def path_dashes(trial: Trial, height: float) -> Dashes:
     """The path that was followed as dashes below the body [m]; none if there was no path."""
     if "cross_track_error" not in trial.signals or trial.time.size < 2:
         return []
-    points, dash = nearest_points(trial), DASH * reach(trial.robot)
+    points, dash = nearest_points(trial), DASH * trial.robot.reach
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     # Samples go back and forth along the path with every stroke: only what is new counts.
     along = np.maximum.accumulate(trial.signals["along_track_distance"])
@@ -89,7 +89,7 @@ def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"
 def draw_path(scene: Any, trial: Trial, dashes: Dashes) -> None:
     """Draw what `path_dashes` gave into a scene."""
     for one, other in dashes:
-        _add_line(scene, one, other, WIDTH * reach(trial.robot), PATH_COLOR)
+        _add_line(scene, one, other, WIDTH * trial.robot.reach, PATH_COLOR)
 
 
 def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: tuple[float, ...]) -> None:

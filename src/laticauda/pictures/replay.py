@@ -14,7 +14,7 @@ from laticauda.errors import LaticaudaError, instance, positive
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import link_angles
-from laticauda.pictures.camera import VIEW_DEG, aim, reach, view
+from laticauda.pictures.camera import VIEW_DEG, aim, view
 from laticauda.pictures.surroundings import add_surroundings
 from laticauda.robot import Ground
 from laticauda.spatial import mjcf, scene
@@ -47,7 +47,7 @@ class Replay:
         spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
         is_deep = isinstance(trial.environment, Ground) or (_is_planar(trial) and trial.environment.depth is None)
         add_surroundings(
-            spec, trial.environment, floor=floor_height(trial), length=reach(trial.robot), surface=not is_deep
+            spec, trial.environment, floor=floor_height(trial), length=trial.robot.reach, surface=not is_deep
         )
         picture = spec.visual.global_
         picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG

@@ -34,7 +34,7 @@ MOST = 34  # characters in a line below a body
 # By gait, told apart by the marks' shape too.
 KINDS = ((style.BLUE, "o"), (style.ORANGE, "s"))
 DOT = 4.0  # size of a marked point [pt]
-LETTER = 6.5  # size of its letter [pt]
+LETTER: Any = {"fontsize": 6.5, "color": "white", "ha": "center", "va": "center"}  # beside it
 AWAY = 8.0  # from the point to its letter, to either side [pt]
 OTHER: Any = {"linestyle": "", "marker": "D", "markersize": 4.0, "markerfacecolor": "white"}
 SHEET_HEIGHT = 3.9  # [in]
@@ -228,21 +228,11 @@ def front(lines: Sequence[FrontLine], ax: Axes, *, xlabel: str, ylabel: str) -> 
         ax.plot(line.x, line.y, color=color, linewidth=1.6, label=line.label, zorder=3)
         ax.plot(*line.others.T, color=color, **OTHER, zorder=4)
         side = _side(line, lines)
+        shift = side[0] * AWAY, side[1] * AWAY
+        badge = {"boxstyle": "circle,pad=0.25", "facecolor": color, "edgecolor": "white", "linewidth": 0.5}
         for mark in line.marks:
             ax.plot(mark.x, mark.y, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
-            badge = {"boxstyle": "circle,pad=0.25", "facecolor": color, "edgecolor": "white", "linewidth": 0.5}
-            ax.annotate(
-                next(letters),
-                (mark.x, mark.y),
-                xytext=(side[0] * AWAY, side[1] * AWAY),
-                textcoords="offset points",
-                color="white",
-                fontsize=LETTER,
-                ha="center",
-                va="center",
-                bbox=badge,
-                zorder=6,
-            )
+            style.note(ax, next(letters), (mark.x, mark.y), shift, bbox=badge, zorder=6, **LETTER)
     if any(len(line.others) for line in lines):
         ax.plot([], [], color=style.GRAY, **OTHER, label=lines[0].others_label)
     xs = np.concatenate([np.append(line.x, line.others[:, 0]) for line in lines])

@@ -66,6 +66,11 @@ class Robot:
         return math.fsum(module.length for module in self.modules)
 
     @property
+    def reach(self) -> float:
+        """Length of the straight robot with its fin [m]."""
+        return self.length + (0.0 if self.caudal_fin is None else self.caudal_fin.length)
+
+    @property
     def mass(self) -> float:
         """Mass with the fin [kg]."""
         fin = self.caudal_fin.mass if self.caudal_fin else 0.0

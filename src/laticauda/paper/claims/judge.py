@@ -122,7 +122,7 @@ def _judged(entry: Mapping[str, Any], known: Mapping[str, Any]) -> Claim:
     if missing:
         found, parts = f"Not run: {', '.join(missing)}.", []
     else:
-        found = " ".join(_template(entry["found"]).render(known).split())
+        found = _text(entry["found"], known)
         parts = [met for part in entry.get("parts", ()) for met in _met(part, known)]
     texts = {name: entry[name] for name in ("key", "theme", "where", "paper", "rule")}
     return Claim(**texts, found=found, verdict=verdict(*parts))
@@ -151,6 +151,10 @@ _OF_VALUES: Mapping[str, Callable[[Any], Any]] = {
     "median": np.median,
     "shares": lambda values: f"{sum(values)} of {len(values)}",
 }
+
+
+def _text(template: str, known: Mapping[str, Any]) -> str:
+    return " ".join(_template(template).render(known).split())
 
 
 @cache
@@ -198,8 +202,9 @@ class Misprint:
 
 def misprints() -> tuple[Misprint, ...]:
     """Misprints and contradictions of the paper; what numbers tell is recomputed from its tables."""
-    in_words = (Misprint(**entry) for entry in table()["misprints"])
-    return (*_changes(), *_same_speed(), *_links(), *_power(), *in_words)
+    known = {"tables": quantities.tables(), "robots": quantities.robots()}
+    in_words = [{name: _text(text, known) for name, text in entry.items()} for entry in table()["misprints"]]
+    return (*_changes(), *_same_speed(), *(Misprint(**texts) for texts in in_words))
 
 
 def _changes() -> Iterator[Misprint]:
@@ -227,25 +232,3 @@ def _same_speed() -> Iterator[Misprint]:
                     printed=f"{one.forward_velocity:.4f} m/s at two settings, of which each is a maximum of its sweep.",
                     instead="One may have been copied from the other; nothing tells which.",
                 )
-
-
-def _links() -> Iterator[Misprint]:
-    body = quantities.robots()
-    yield Misprint(
-        where="2",
-        printed="20 links of {link:g} m.".format(**body),
-        instead="That is {0:g} m, of which the fin is {printed_longer:.0f} % and not the 30 % of section 4.5. "
-        "{n_links} links of {link:g} m, as in the authors' simulations, are {length:g} m ({longer:.0f} %), and "
-        "{n_modules} modules of {module:g} m are {modules_length:g} m ({modules_longer:.0f} %).".format(
-            20 * body["link"], **body
-        ),
-    )
-
-
-def _power() -> Iterator[Misprint]:
-    changes = quantities.tables()["power"]
-    yield Misprint(
-        where="5",
-        printed="The fin costs relatively little more power, or even saves some.",
-        instead=f"So says Table 1; in Table 2 the power rises by {min(changes):.0f} to {max(changes):.0f} %.",
-    )

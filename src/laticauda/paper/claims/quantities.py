@@ -240,7 +240,8 @@ def links(study: LinksStudy) -> Numbers:
     settings = study.settings
     kept: dict[str, list[tuple[str, float, float]]] = {}
     for one in study.doublings:
-        row = (GAIT_WORDS[one.shorter.gait.kind], one.velocity_change, one.power_factor)
+        assert one.shorter.gait is not None
+        row = (one.shorter.gait.words, one.velocity_change, one.power_factor)
         kept.setdefault(one.kept, []).append(row)
     _, change, factor = zip(*kept["phase shift"], strict=True)
     return {

@@ -31,13 +31,6 @@ LABELS = {
     "phase_shift": "phase shift $\\delta$ [deg]",
 }
 SYMBOLS = {"amplitude": "$\\alpha$ = {:g}°", "frequency": "$\\omega$ = {:g}°/s", "phase_shift": "$\\delta$ = {:g}°"}
-# By model, told apart by dashes too.
-LINES: tuple[tuple[str, Any], ...] = (
-    (style.BLUE, "-"),
-    (style.ORANGE, (0, (5, 2))),
-    (style.INK, (0, (1, 1.5))),
-    (style.AMBER, (0, (5, 1, 1, 1))),
-)
 REPEATS = "#007A5A"  # a green that is darker than the models' colors
 BESIDE = 0.035  # how far right of their setting repeated trials are drawn, as a share of the axis
 MARKER = 6.5  # [pt]
@@ -177,7 +170,7 @@ def power_sheet(panels: Sequence[Panel], title: str) -> Figure:
 
 def _draw_curves(panel: Panel, curves: Curves, ax: Axes) -> None:
     for i, curve in enumerate(curves):
-        color, dashes = LINES[i % len(LINES)]
+        color, dashes = style.LINES[i % len(style.LINES)]
         ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
 
 
@@ -277,7 +270,7 @@ def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
     """What the legend shows."""
     handles: list[Line2D | ErrorbarContainer] = []
     for i, label in enumerate(panels[0].labels):
-        color, dashes = LINES[i % len(LINES)]
+        color, dashes = style.LINES[i % len(style.LINES)]
         handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=label))
     for maximum, label in ((True, "measured, fastest of its sweep"), (False, "measured, another setting")):
         handles.append(Line2D([], [], label=label, **_mark(maximum)))

@@ -18,12 +18,7 @@ from laticauda.paper.report.chapter import paper_chapter
 from laticauda.reports.chapter import Chapter
 
 ACCEPTED = 3e-3  # of the distance [-]
-# By curve, told apart by dashes and markers too.
-LINES: tuple[tuple[str, Any, str], ...] = (
-    (style.BLUE, "-", "o"),
-    (style.ORANGE, (0, (5, 2)), "s"),
-    (style.INK, (0, (1, 1.5)), "D"),
-)
+MARKERS = "osD"  # by curve
 
 
 def parity_chapter(study: ParityStudy) -> Chapter:
@@ -102,24 +97,15 @@ def convergence(
     Returns:
         `ax`.
     """
-    for curve, (color, dashes, marker) in zip(curves, LINES, strict=False):
+    for curve, (color, dashes), marker in zip(curves, style.LINES, MARKERS, strict=False):
         style_of = {"color": color, "linewidth": style.LINE, "marker": marker, "markersize": 3.5}
         ax.loglog(1e3 * curve.dt, curve.difference, linestyle=dashes, label=curve.label, **style_of)
         if curve.order:
             _slope(curve, ax)
     for level, name in bounds:
         ax.axhline(level, color=style.GRAY, linewidth=style.THIN)
-        ax.annotate(
-            name,
-            (0.98, level),
-            xycoords=("axes fraction", "data"),
-            xytext=(0, 1.5),
-            textcoords="offset points",
-            ha="right",
-            va="bottom",
-            fontsize=style.TICK,
-            color=style.GRAY,
-        )
+        at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
+        style.note(ax, name, (0.98, level), (0, 1.5), va="bottom", **at_right)
     style.dress(ax, xlabel="time step of the spatial model [ms]", ylabel=ylabel)
     ax.minorticks_off()
     low, high = ax.get_xlim()
@@ -134,13 +120,4 @@ def _slope(curve: ConvergenceCurve, ax: Axes) -> None:
     dt = curve.dt[largest] * np.array([1.0, 0.5])
     level = 0.3 * curve.difference[largest] * (dt / dt[0]) ** curve.order
     ax.loglog(1e3 * dt, level, color=style.GRAY, linewidth=style.THIN)
-    ax.annotate(
-        f"order {curve.order}",
-        (1e3 * dt[1], level[1]),
-        xytext=(2, -3),
-        textcoords="offset points",
-        ha="left",
-        va="top",
-        fontsize=style.TICK,
-        color=style.GRAY,
-    )
+    style.note(ax, f"order {curve.order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top")

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Unpack
 from laticauda.errors import one_of, whole
 from laticauda.files import write
 from laticauda.packaging import __version__
-from laticauda.paper.claims import Claim, Misprint, misprints
+from laticauda.paper.claims import Claim, misprints
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
@@ -122,12 +122,11 @@ def reproduce(
     return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
 
 
-def claims_chapter(found: Sequence[Claim], wrong: Sequence[Misprint] | None = None) -> Chapter:
+def claims_chapter(found: Sequence[Claim]) -> Chapter:
     """What the claims put into the folder and the report.
 
     Args:
         found: What `laticauda.paper.claims.claims` returned.
-        wrong: Misprints and contradictions; None takes all that are known.
     """
     claims = [
         {
@@ -142,7 +141,7 @@ def claims_chapter(found: Sequence[Claim], wrong: Sequence[Misprint] | None = No
     ]
     misprinted = [
         {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
-        for entry in (misprints() if wrong is None else wrong)
+        for entry in misprints()
     ]
     counts = Counter(claim.verdict for claim in found)
     return paper_chapter(

@@ -198,17 +198,8 @@ def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> 
     ax.set_yticks(range(distances.size), [f"{value:g}" for value in distances])
     if gains.size > n:
         for at, words in ((np.mean(columns[:n]), "mean heading"), (np.mean(columns[n:]), "raw")):
-            ax.annotate(
-                words,
-                (float(at), 1.0),
-                xytext=(0.0, 3.0),
-                xycoords=("data", "axes fraction"),
-                textcoords="offset points",
-                ha="center",
-                fontsize=style.TICK,
-                color=style.INK,
-                annotation_clip=False,
-            )
+            above_panel: Any = {"xycoords": ("data", "axes fraction"), "annotation_clip": False}
+            style.note(ax, words, (float(at), 1.0), (0.0, 3.0), ha="center", color=style.INK, **above_panel)
     style.dress(ax, xlabel="gain k [-]", ylabel="look-ahead distance $\\Delta$ [m]")
     for spine in ax.spines.values():
         spine.set_visible(False)
