@@ -1,10 +1,11 @@
-"""Reading and writing of files: texts of bounded size, TOML, and files that are replaced as a whole."""
+"""Reading and writing of files: texts of bounded size, TOML, files that are replaced as a whole, and locks."""
 
 import errno
 import os
 import shutil
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -129,3 +130,32 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
     finally:
         if is_plain:
             new.unlink(missing_ok=True)
+
+
+@contextmanager
+def locked(path: Path, *, wait: bool) -> Generator[None]:
+    """Keep other processes from doing the same work, where the system and the file system have locks.
+
+    Args:
+        path: A folder or a file that all of them lock; a file is made if need be. The lock goes with the process,
+            however that ends.
+        wait: For another process that has it.
+
+    Raises:
+        BlockingIOError: If another process has it and `wait` is not set.
+    """
+    try:
+        import fcntl
+    except ImportError:  # pragma: no cover - Windows
+        yield
+        return
+    handle = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDONLY | os.O_CREAT, 0o666)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        except OSError as error:
+            if isinstance(error, BlockingIOError):
+                raise  # all others are a file system's that has no locks
+        yield
+    finally:
+        os.close(handle)

@@ -21,6 +21,17 @@ print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0, model={model!r}, joint
 """
 
 
+ALIKE = """
+from numba import njit
+from laticauda.compiling import in_turn
+@njit(cache=True)
+def double(x):
+    return 2 * x
+assert in_turn(double)(21) == 42
+print(sum(double.stats.cache_misses.values()))
+"""
+
+
 @pytest.fixture
 def copy(tmp_path):
     return shutil.copytree(PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("__pycache__"))
@@ -89,3 +100,9 @@ def test_an_edited_scalar_function_changes_what_the_kernels_compute(copy_with_ma
     assert old in text
     (copy / file).write_text(text.replace(old, new))
     assert abs(work() / before - 1.0) > 0.01
+
+
+def test_processes_that_begin_together_compile_a_function_once(tmp_path):
+    (tmp_path / "alike.py").write_text(ALIKE)
+    begun = [subprocess.Popen([sys.executable, tmp_path / "alike.py"], stdout=subprocess.PIPE) for _ in range(3)]
+    assert sorted(int(process.communicate()[0]) for process in begun) == [0, 0, 1]

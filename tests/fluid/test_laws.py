@@ -6,6 +6,7 @@ from derivatives import check_compiled, check_complex_steps
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from laticauda.compiling import for_python
 from laticauda.compiling.formulas import in_numbers
 from laticauda.fluid.laws import MOTION, CoulombFriction, Element, PolynomialDrag, ViscousFriction, plate
 from laticauda.scalars import magnitude
@@ -290,7 +291,7 @@ def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, argument
     ids=lambda law: type(law).__name__,
 )
 def test_the_formula_of_a_law_with_its_numbers_in_rows_is_the_law(law):
-    compiled = in_numbers(law.formula, Element, MOTION)
+    compiled = for_python(in_numbers(law.formula, Element, MOTION))
     element = Element(0.3, 4.0, 0.1, 0.2)
     for motion in ((0.5, -2.0, 2.0, 3.0), (-0.5, 0.3, 0.8, -1.0), (0.0, 0.0, 0.0, 0.0)):
         np.testing.assert_allclose(compiled(*motion, *element, *law.numbers), law(*motion, element), rtol=1e-14)

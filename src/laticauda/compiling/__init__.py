@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 from types import CellType, CodeType, FunctionType
 from typing import Any, cast, no_type_check
 
@@ -18,6 +19,7 @@ from laticauda import scalars
 from laticauda.compiling import lanes
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import INLINED, OPTIONS
+from laticauda.files import locked
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,9 +27,7 @@ class Target:
     """What kernels are compiled for: how, and what stands in the place of some functions."""
 
     kernel: Callable[[Callable[..., Any]], Any]
-    """Decorator of inner functions, which only kernels call."""
-    law: Callable[[Callable[..., Any]], Any]
-    """Decorator of scalar laws, which Python calls too."""
+    """Decorator of inner functions and scalar laws, which only kernels call."""
     entry: Callable[[Callable[..., Any]], Any]
     """Decorator of entry points."""
     in_lanes: Callable[[Any], Any]
@@ -50,7 +50,7 @@ def kernel(function: Callable[..., Any]) -> Any:
 
 
 def compiled(function: Callable[..., Any]) -> Any:
-    """Compile a plain scalar function together with the plain functions that it calls.
+    """Compile a plain scalar function together with the plain functions that it calls, for kernels.
 
     Numba itself asks for each of them to be decorated; this way laws stay ordinary Python.
 
@@ -67,13 +67,22 @@ def compiled(function: Callable[..., Any]) -> Any:
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
     closure = tuple(CellType(cell) for cell in cells)
-    return _target.get().law(FunctionType(code, names, function.__name__, function.__defaults__, closure))
+    return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
 
 
 def _compiled_inner(function: Callable[..., Any]) -> Any:
     if function is scalars.where or function is scalars.magnitude:
         return getattr(_target.get(), function.__name__)
     return compiled(function)
+
+
+def for_python(function: Any) -> Any:
+    """A function that only kernels call, as one that Python calls.
+
+    Args:
+        function: As `compiled` returned it.
+    """
+    return njit(**INLINED)(function.py_func)
 
 
 def in_lanes(function: Any) -> Any:
@@ -120,14 +129,29 @@ def _kept(function: Callable[..., Any]) -> Any:
     which is the end of the module's name, goes into that name.
     """
     function.__qualname__ += function.__module__[function.__module__.rindex("_") :]
-    return njit(cache=True, nogil=True, **OPTIONS)(function)
+    return in_turn(njit(cache=True, nogil=True, **OPTIONS)(function))
+
+
+def in_turn(compiled: Any) -> Any:
+    """Make processes that need a function at the same time compile it once: one does, the others load what it kept.
+
+    Args:
+        compiled: A function that Numba caches, as its decorator returned it.
+    """
+    compile_now = compiled.compile
+
+    def compile_or_load(signature: Any) -> Any:
+        with locked(Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True):
+            return compile_now(signature)
+
+    compiled.compile = compile_or_load
+    return compiled
 
 
 # Without the wrappers for calls from Python and from C, which nobody makes, a fifth of the compiling is saved.
 _INNER: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **INLINED}
 PROCESSOR = Target(
     kernel=njit(**_INNER),
-    law=njit(**INLINED),
     entry=_kept,
     in_lanes=_all_or_each,
     where=cast(Any, lanes).where,

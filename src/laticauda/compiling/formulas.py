@@ -6,11 +6,11 @@
 import math
 from collections import namedtuple
 from collections.abc import Callable
-from typing import Any, cast, no_type_check
+from typing import Any, cast
 
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import compiled, fingerprint, in_lanes, kernel
+from laticauda.compiling import compiled, fingerprint, for_python, in_lanes, kernel
 from laticauda.formulas import Formula, Law
 
 _checked: set[str] = set()
@@ -66,7 +66,7 @@ def check(law: Law, record: type, example: tuple[float, ...], results: str) -> N
         return
     try:
         n_first = len(example) - len(record._fields)  # type: ignore[attr-defined]
-        found: Any = in_numbers(formula, record, n_first)(*example, *law.numbers)
+        found: Any = for_python(in_numbers(formula, record, n_first))(*example, *law.numbers)
     except (NumbaError, TypeError) as err:
         raise ValueError(f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}") from err
     numbers = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
@@ -88,15 +88,6 @@ def reason_of(error: Exception) -> str:
 
 def rows_from(first: int, count: int) -> Callable[..., tuple[Any, ...]]:
     """A kernel function of the rows S and where a record begins: `count` rows from its row `first` on, as a tuple."""
-    if count == 0:
-
-        def none(rows, begin=0):
-            return ()
-
-        return kernel(no_type_check(none))
-    before, last = rows_from(first, count - 1), first + count - 1
-
-    def read(rows, begin=0):
-        return (*before(rows, begin), rows[begin + last])
-
-    return kernel(no_type_check(read))
+    # Numba knows the length of a tuple that is spelled out only.
+    rows = "".join(f"rows[begin + {row}], " for row in range(first, first + count))
+    return kernel(eval(f"lambda rows, begin=0: ({rows})"))

@@ -18,7 +18,7 @@ from numba import (
 )
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import compiled
+from laticauda.compiling import compiled, for_python
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.templates import load, sources_digest
@@ -54,7 +54,7 @@ def compiled_current(current: Current) -> Any:
         raise ValueError(f"{rule}, got {current!r}.")
     try:
         inner = compiled(current)
-        result = inner(0.0, 0.0, 0.0, 0.0)
+        result = for_python(inner)(0.0, 0.0, 0.0, 0.0)
         if len(result) != 3 or not all(math.isfinite(x) for x in result):
             raise ValueError(f"{rule}, got {result!r} from it.")
     except (NumbaError, TypeError) as error:

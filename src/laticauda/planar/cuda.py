@@ -144,7 +144,6 @@ def _target() -> Target:
 
     return Target(
         kernel=device,
-        law=device,
         entry=device,
         in_lanes=lambda function: function,
         where=where,

@@ -21,7 +21,7 @@ from typing import Any, no_type_check
 import numpy as np
 from numba import njit
 
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compiled, in_turn, kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.templates import bindings, named_after
 from laticauda.dynamics import stages
@@ -315,7 +315,7 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     return written
 
 
-run: Any = njit(cache=True, **OPTIONS)(named_after(__name__[__name__.rindex("_") + 1 :], _run))
+run: Any = in_turn(njit(cache=True, **OPTIONS)(named_after(__name__[__name__.rindex("_") + 1 :], _run)))
 """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 
 Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work

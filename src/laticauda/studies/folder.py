@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import errno
 import json
-import os
 from collections.abc import Generator, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
 from laticauda.errors import BadArgument, StorageFailed
+from laticauda.files import locked
 
 FORMAT = 2
 """Of the definitions: 1, without a number, held no scenario."""
@@ -86,7 +86,11 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
         if others:
             listed = ", ".join(others[:MOST_DIFFERENCES]) + (", ..." if len(others) > MOST_DIFFERENCES else "")
             raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with {listed}")
-    with _locked(path):
+    with ExitStack() as held:
+        try:
+            held.enter_context(locked(path, wait=False))
+        except BlockingIOError as error:
+            raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
         for left in path.glob(_UNFINISHED):
             left.unlink(missing_ok=True)
         yield
@@ -113,28 +117,6 @@ def storage(path: Path, kept: str) -> Generator[None]:
         raise StorageFailed(
             f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to go on."
         ) from error
-
-
-@contextmanager
-def _locked(path: Path) -> Generator[None]:
-    """Keep a second process from doing the same work."""
-    try:
-        import fcntl
-    except ImportError:  # pragma: no cover - Windows: both would write the same bits
-        yield
-        return
-    folder = os.open(path, os.O_RDONLY)
-    try:
-        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        os.close(folder)
-        raise BadArgument("folder", f"must be one that no other process writes to now, got {path}") from error
-    except OSError:
-        pass  # a file system without locks
-    try:
-        yield
-    finally:
-        os.close(folder)
 
 
 def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:

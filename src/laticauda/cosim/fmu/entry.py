@@ -213,7 +213,6 @@ def _target() -> Target:
 
     return Target(
         kernel=njit(**_OWN),
-        law=njit(**_OWN),
         entry=njit(**_OWN),
         in_lanes=PROCESSOR.in_lanes,
         where=PROCESSOR.where,
