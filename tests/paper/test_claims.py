@@ -1,7 +1,7 @@
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import get_args
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from laticauda.paper import Claim, fin_gains, path_following_trials, run_links, 
 from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
 from laticauda.paper.claims.judge import percent, spread, verdict
 from laticauda.paper.measured import printed_changes
+from laticauda.trial import Trial
 
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 
@@ -165,7 +166,8 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
 def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
     def grown(doubling, speed, power):
         short = doubling.shorter
-        long = SimpleNamespace(
+        long = Mock(
+            spec=Trial,
             forward_velocity=speed * short.forward_velocity,
             mechanical_power=power * short.mechanical_power,
         )

@@ -1,11 +1,12 @@
 import math
 from dataclasses import replace
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
 import laticauda as lc
 from laticauda.paper import Coefficients, LinksSettings, run_links
+from laticauda.trial import Trial
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(links):
 def test_changes_are_those_of_speed_and_power(links):
     one = links.doublings[0]
     speed, power = one.shorter.forward_velocity, one.shorter.mechanical_power
-    twice = replace(one, longer=SimpleNamespace(forward_velocity=2 * speed, mechanical_power=5 * power))
+    twice = replace(one, longer=Mock(spec=Trial, forward_velocity=2 * speed, mechanical_power=5 * power))
     assert twice.velocity_change == pytest.approx(100.0)
     assert twice.power_factor == pytest.approx(5.0)
 
