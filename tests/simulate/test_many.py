@@ -144,7 +144,6 @@ def test_progress_ends_at_one():
     ("arguments", "message"),
     [
         ({"gaits": []}, "`gaits` must hold at least one item, got none."),
-        ({"robots": lc.scenario(MAMBA, GAIT), "gaits": None}, "`scenarios` must be"),
         (
             {"robots": [MAMBA] * 3, "gaits": [GAIT] * 2},
             "`robots`, `gaits` must be of equal length, got 3 robots, 2 gaits.",
