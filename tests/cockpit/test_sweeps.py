@@ -132,7 +132,8 @@ def test_a_loaded_sweep_is_the_map_and_a_click_on_it_sets_its_numbers(folder):
         cockpit.frame()
         assert controls._others["water.normal_drag"].visible
         assert not controls._others["gait.frequency"].visible
-        eye, goal = np.array([0.3, -2.0, 1.5]), np.array(board.place_of(math.degrees(0.6), math.degrees(2.5)))
+        right, down, _ = board._place(math.degrees(0.6), math.degrees(2.5))
+        eye, goal = np.array([0.3, -2.0, 1.5]), board._frame.position + np.array([right, 0.0, -down])
         board._click(Event(page, None, (eye, goal - eye)))
         assert (cockpit.live.scenario.gait.amplitude, cockpit.live.scenario.gait.frequency) == (0.6, 2.5)
         assert cockpit.live.scenario.environment.normal_drag == 1.75

@@ -194,7 +194,7 @@ BAD = [
     ({"max_current": -0.1}, "`max_current` must be >= 0 m/s, got -0.1"),
     ({"failure_reward": 1.0}, "`failure_reward` must be between -1e\\+09 and 0, got 1.0"),
     ({"joints": "stiff"}, "`joints` must be one of"),
-    ({"robot": 3}, "`robot` must be of class Robot, got int"),
+    ({"robot": "mamba-fn"}, "did you mean `mamba-fin`"),
     ({"render_mode": "human"}, "`render_mode` must be None, got 'human'"),
     ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name where fields of it are given"),
     ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
