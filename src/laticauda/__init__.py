@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         ViscousFriction as ViscousFriction,
     )
     from laticauda.gaits import (
+        Anguilliform as Anguilliform,
         Custom as Custom,
         EelLike as EelLike,
         Envelope as Envelope,

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from laticauda.codec import decode
 from laticauda.gaits import (
+    Anguilliform,
     Custom,
     EelLike,
     Envelope,
@@ -42,6 +43,13 @@ def test_an_eel_like_wave_grows_from_head_to_tail(n: int):
 
 
 @given(chains)
+def test_an_anguilliform_wave_is_the_eel_like_one_whose_tail_most_joint_does_the_whole_amplitude(n: int):
+    g = Gait(envelope=Anguilliform(), **WAVE).joint_envelope(n)
+    assert (g[0], g[-1]) == (1.0, pytest.approx(1 / (n - 1)))
+    assert g == pytest.approx([one * (n + 1) / (n - 1) for one in eel_like(**WAVE).joint_envelope(n)])
+
+
+@given(chains)
 def test_an_envelope_may_be_a_function_of_joint_and_links_or_a_list(n: int):
     by_function = custom_gait(envelope=lambda i, n: i / n, n_links=n, **WAVE)
     by_list = custom_gait(envelope=[i / n for i in range(1, n)], **WAVE)
@@ -65,7 +73,7 @@ def test_the_offset_is_zero_unless_given():
 def test_a_kind_may_be_written_with_hyphens():
     assert envelope_of("eel-like") == envelope_of("eel_like") == EelLike()
     assert (eel_like(**WAVE).kind, eel_like(**WAVE).words) == ("eel_like", "eel-like motion")
-    assert kinds()[:2] == ("lateral_undulation", "eel_like")
+    assert kinds()[:3] == ("lateral_undulation", "eel_like", "anguilliform")
     assert "custom" not in kinds()
 
 

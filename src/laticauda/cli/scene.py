@@ -29,7 +29,7 @@ class Names(Choice):
     water: str | None = option("A preset or a TOML file; if left out the paper's for the gait", default=None)
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
-        "(1), eel-like ((n-i)/(n+1)), custom, or MODULE:CLASS of one's own",
+        "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of one's own",
         default="lateral-undulation",
     )
     envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)

@@ -5,8 +5,12 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.gaits.envelopes import GAIT_WORDS as GAIT_WORDS, Custom as Custom, EelLike as EelLike
-    from laticauda.gaits.envelopes import Envelope as Envelope, LateralUndulation as LateralUndulation
+    from laticauda.gaits.envelopes import GAIT_WORDS as GAIT_WORDS, Anguilliform as Anguilliform, Custom as Custom
+    from laticauda.gaits.envelopes import (
+        EelLike as EelLike,
+        Envelope as Envelope,
+        LateralUndulation as LateralUndulation,
+    )
     from laticauda.gaits.envelopes import envelope_of as envelope_of, kinds as kinds
     from laticauda.gaits.gait import Gait as Gait, Wave as Wave, custom_gait as custom_gait
     from laticauda.gaits.gait import eel_like as eel_like, lateral_undulation as lateral_undulation

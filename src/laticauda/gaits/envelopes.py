@@ -69,6 +69,17 @@ class EelLike(Envelope):
 
 
 @value
+class Anguilliform(EelLike):
+    """Eel-like motion whose tail-most joint does the whole amplitude, g(i, n) = (n-i)/(n-1)."""
+
+    words: ClassVar[str] = "anguilliform motion"
+
+    def __call__(self, i: int, n: int) -> float:
+        """(n-i)/(n-1)."""
+        return (n - i) / (n - 1)
+
+
+@value
 class Custom(Envelope):
     """Values of one's own, for robots with as many joints."""
 

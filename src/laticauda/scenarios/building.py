@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, instance, nearest, one_of
-from laticauda.gaits import Gait
+from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import (
@@ -122,7 +122,7 @@ def model_of(model: Model | str, **changes: Any) -> Model:
 
 def default_water(gait: Gait) -> str:
     """Name of the paper's coefficient set for `gait`: it identified one for each kind."""
-    return "paper-eel" if gait.kind == "eel_like" else "paper-lateral"
+    return "paper-eel" if isinstance(gait.envelope, EelLike) else "paper-lateral"
 
 
 preset_water = functools.cache(load_water)
@@ -140,6 +140,7 @@ def _environment(given: object) -> Any:
 ORIGINS = {
     "lateral_undulation": "the paper's for lateral undulation",
     "eel_like": "the paper's for eel-like motion",
+    "anguilliform": "the paper's for eel-like motion",
 }
 
 
