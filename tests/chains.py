@@ -29,7 +29,7 @@ def random_robot(rng, n_links, *, fin=False, thrusters=0):
         name="random",
         modules=modules,
         joints=tuple(Joint() for _ in range(n_links - 1)),
-        caudal_fin=CaudalFin(opening=rng.choice(["open", "closed"]), n_strips=int(rng.integers(2, 9))) if fin else None,
+        caudal_fin=random_fin(rng) if fin else None,
         thrusters=tuple(
             Thruster(
                 link=int(rng.integers(n_links)),
@@ -43,7 +43,13 @@ def random_robot(rng, n_links, *, fin=False, thrusters=0):
     )
 
 
-def random_water(rng, form, *, drag=True, **changes):
+def random_fin(rng):
+    """Some have a C_A of their own."""
+    opening, n_strips = rng.choice(["open", "closed"]), int(rng.integers(2, 9))
+    return CaudalFin(opening=opening, n_strips=n_strips, added_mass=1.2 if n_strips % 2 else None)
+
+
+def random_water(rng, form, *, drag=True, law=None, **changes):
     return replace(
         Water(
             tangential_friction=rng.uniform(0.01, 0.5),
@@ -51,7 +57,8 @@ def random_water(rng, form, *, drag=True, **changes):
             added_mass=rng.uniform(0.5, 2.0),
             added_inertia=rng.uniform(0.0, 2.0),
             tangential_added_mass=rng.uniform(0.0, 0.5),
-            drag=PolynomialDrag(
+            drag=law
+            or PolynomialDrag(
                 linear=drag,
                 quadratic=drag,
                 reference_speed=rng.uniform(0.2, 2.0),
@@ -80,8 +87,8 @@ def random_state(rng, n_links, fast=3.0):
 
 
 @cache
-def kernels():
-    return specialize(1)
+def kernels(law=None):
+    return specialize(1, law)
 
 
 def oracle(robot, water):
@@ -105,12 +112,14 @@ def oracle(robot, water):
         inertia = np.append(fin_mass * fin_half**2 / 3.0, inertia)
         columns = {name: np.append(fin[name], columns[name]) for name in names}
     chain = equations.Chain(half_length=half, mass=mass, inertia=inertia, **columns)
+    last = robot.caudal_fin or robot.modules[0]
+    C_A = water.added_mass if last.added_mass is None else last.added_mass
     height = robot.caudal_fin.height / 2.0 if robot.caudal_fin else robot.modules[0].section.half_height
     options = equations.Options(
         form=water.added_mass_form,
         drag=water.drag,
         current=np.array(water.current),
-        wake_mass=water.density * np.pi * height**2 if water.trailing_edge == "elongated" else 0.0,
+        wake_mass=water.density * np.pi * C_A * height**2 if water.trailing_edge == "elongated" else 0.0,
     )
     return chain, options, n_fin
 
@@ -153,7 +162,8 @@ def recursion(robot, water, state, *, joint_acceleration=None, joint_torque=None
     else:
         is_free[a.tail_link + 1 :] = True
         body[a.tail_link + 1 :, rows.TOTAL_TORQUE] = joint_torque
-    kernels().evaluate(S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras)
+    of_law = kernels() if isinstance(water.drag, PolynomialDrag) else kernels(water.drag)
+    of_law.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras)
     own = body[a.tail_link :]
     return (
         own[:, rows.LINK_ACCELERATION].copy(),

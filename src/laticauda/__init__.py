@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         DragLaw as DragLaw,
         FunctionDrag as FunctionDrag,
         PolynomialDrag as PolynomialDrag,
+        TotalSpeedDrag as TotalSpeedDrag,
         ViscousFriction as ViscousFriction,
     )
     from laticauda.gaits import (

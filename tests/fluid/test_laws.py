@@ -8,7 +8,15 @@ from hypothesis import strategies as st
 
 from laticauda.compiling import for_python
 from laticauda.compiling.formulas import in_numbers
-from laticauda.fluid.laws import MOTION, CoulombFriction, Element, PolynomialDrag, ViscousFriction, plate
+from laticauda.fluid.laws import (
+    MOTION,
+    CoulombFriction,
+    Element,
+    PolynomialDrag,
+    TotalSpeedDrag,
+    ViscousFriction,
+    plate,
+)
 from laticauda.scalars import magnitude
 
 # Subnormal numbers are left out: they do not round like others.
@@ -17,6 +25,7 @@ coefficients = st.floats(0.0, 50.0, allow_subnormal=False)
 switches = st.sampled_from([0.0, 1.0])
 sways = st.floats(0.0, 5.0)
 shares = st.floats(0.1, 1.0)
+between = st.floats(0.0, 1.0, allow_subnormal=False)
 angles = st.floats(-np.pi, np.pi)
 signed = st.one_of(st.floats(-3.0, -0.01), st.floats(0.01, 3.0))
 
@@ -30,6 +39,12 @@ def polynomial_drag(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, *numbers):
         **dict(zip(("reference_speed", "linear", "quadratic", "sway_friction"), numbers, strict=True))
     )
     return PolynomialDrag.__call__(law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, lambda_2, lambda_3))
+
+
+def total_speed_drag(v_t, v_n, above, rate, c_t, c_n, lambda_3, beta, gamma):
+    """The law of the total speed in space, where something moves up and down as well."""
+    law, across = SimpleNamespace(beta=beta, gamma=gamma), (v_n * v_n + above * above) ** 0.5
+    return TotalSpeedDrag.__call__(law, v_t, v_n, across, rate, Element(c_t, c_n, 0.0, lambda_3))
 
 
 def coulomb_friction(v_t, v_n, rate, c_t, c_n, eps):
@@ -139,6 +154,78 @@ def test_the_reference_speed_acts_on_the_torque_too():
 @given(st.tuples(*[signed] * 3, *[st.floats(0.1, 3.0)] * 8))
 def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
     check_complex_steps(polynomial_drag, arguments)
+
+
+# --- drag by the total speed ------------------------------------------------------------------------------------------
+
+moving_element = st.tuples(*[velocities] * 4, *[coefficients] * 3, between, between)
+
+
+@given(moving_element)
+def test_drag_by_the_total_speed_takes_energy_out_along_across_and_turning(numbers: tuple[float, ...]):
+    v_t, v_n, _, rate, *_ = numbers
+    f_t, f_n, tau = total_speed_drag(*numbers)
+    assert max(f_t * v_t, f_n * v_n, tau * rate) <= 0.0
+
+
+@given(moving_element)
+def test_it_is_that_of_the_mirror_image_in_the_mirror(numbers: tuple[float, ...]):
+    v_t, v_n, above, rate, *rest = numbers
+    f_t, f_n, tau = total_speed_drag(*numbers)
+    assert total_speed_drag(v_t, -v_n, above, -rate, *rest) == (f_t, -f_n, -tau)
+    assert total_speed_drag(-v_t, v_n, above, rate, *rest) == (-f_t, f_n, tau)
+
+
+@given(moving_element, st.floats(0.1, 4.0))
+def test_it_grows_with_the_second_power_of_all_speeds(numbers: tuple[float, ...], factor: float):
+    slow, fast = total_speed_drag(*numbers), total_speed_drag(*(factor * v for v in numbers[:4]), *numbers[4:])
+    np.testing.assert_allclose(fast, factor**2 * np.array(slow), rtol=1e-12, atol=1e-12)
+
+
+@given(velocities, velocities, velocities, *[coefficients] * 3)
+def test_with_both_shares_zero_it_is_the_polynomial_law_without_its_linear_part(
+    v_t: float, v_n: float, rate: float, c_t: float, c_n: float, l3: float
+):
+    element = Element(c_t, c_n, 0.3, l3)
+    expected = PolynomialDrag(linear=False)(v_t, v_n, abs(v_n), rate, element)
+    found = TotalSpeedDrag(beta=0.0, gamma=0.0)(v_t, v_n, abs(v_n), rate, element)
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-13)
+
+
+@given(velocities, velocities, velocities, st.floats(0.1, 50.0))
+def test_with_both_shares_one_it_acts_against_the_whole_velocity(v_t: float, v_n: float, above: float, c: float):
+    f_t, f_n, _ = total_speed_drag(v_t, v_n, above, 0.0, c, c, 0.0, 1.0, 1.0)
+    speed = np.linalg.norm([v_t, v_n, above])
+    np.testing.assert_allclose([f_t, f_n], [-c * speed * v_t, -c * speed * v_n], rtol=1e-12, atol=1e-12)
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.1, 3.0))
+def test_at_small_incidence_the_drag_across_grows_with_the_angle_times_beta(beta: float, speed: float):
+    angle = 1e-8
+    _, f_n, _ = total_speed_drag(speed, speed * angle, 0.0, 0.0, 1.0, 2.0, 0.0, beta, 1.0)
+    assert f_n == pytest.approx(-2.0 * beta * speed**2 * angle, abs=1e-14 * speed**2)
+
+
+def test_it_has_its_textbook_values_in_the_plane_and_in_space():
+    assert total_speed_drag(0.3, -0.4, 0.0, 2.0, 2.0, 10.0, 0.5, 0.5, 1.0) == (
+        pytest.approx(-2.0 * 0.3 * 0.5),
+        pytest.approx(10.0 * 0.4 * np.hypot(0.4, 0.15)),
+        pytest.approx(-0.5 * 4.0),
+    )
+    f_t, f_n, _ = total_speed_drag(0.1, 0.3, 0.4, 0.0, 2.0, 10.0, 0.0, 1.0, 0.6)
+    assert (f_t, f_n) == (pytest.approx(-0.2 * np.hypot(0.1, 0.3)), pytest.approx(-3.0 * np.sqrt(0.26)))
+
+
+def test_a_share_is_no_more_than_the_whole():
+    with pytest.raises(ValueError, match="`beta` must be between 0 and 1"):
+        TotalSpeedDrag(beta=1.1)
+    with pytest.raises(ValueError, match="`gamma` must be between 0 and 1"):
+        TotalSpeedDrag(gamma=-0.1)
+
+
+@given(st.tuples(*[signed] * 4, *[st.floats(0.1, 3.0)] * 3, shares, shares))
+def test_every_derivative_of_it_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+    check_complex_steps(total_speed_drag, arguments)
 
 
 # --- dry friction -----------------------------------------------------------------------------------------------------
@@ -285,6 +372,7 @@ def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, argument
     "law",
     [
         PolynomialDrag(reference_speed=0.7, sway_friction=0.6),
+        TotalSpeedDrag(beta=0.3, gamma=0.8),
         CoulombFriction(regularization_speed=0.1),
         ViscousFriction(),
     ],

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from laticauda.fluid.laws import CoulombFriction, Element, PolynomialDrag, ViscousFriction
-from laticauda.hydrodynamics import Coefficients, immersion_factor, link_coefficients
+from laticauda.hydrodynamics import Coefficients, immersion_factor, link_coefficients, wake_mass
 from laticauda.robot import CaudalFin, Ground, Joint, Module, Robot, Section, Water, load_robot
 
 LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
@@ -36,6 +36,21 @@ def fin_strips(water: Any = UNIT, **changes: Any) -> Coefficients:
     found = link_coefficients(robot(module(), fin=CaudalFin(**changes)), water).fin
     assert found is not None
     return found
+
+
+# --- the trailing edge ------------------------------------------------------------------------------------------------
+
+
+@given(half_axes, numbers, st.none() | numbers, st.none() | st.floats(0.11, 2.0), st.booleans())
+def test_the_edge_sheds_what_the_last_piece_of_the_body_carries(
+    a: float, C_A: float, own: float | None, depth: float | None, with_fin: bool
+):
+    water = replace(UNIT, added_mass=C_A, depth=depth)
+    fin = CaudalFin(added_mass=own) if with_fin else None
+    one = robot(module(a=a, added_mass=None if with_fin else own), module(), fin=fin)
+    carried = link_coefficients(one, water)
+    last, i = (carried.fin, -1) if carried.fin else (carried, 0)
+    assert wake_mass(one, water) == pytest.approx(last.mu_n[i] / (2.0 * last.half_length[i]), rel=1e-13)
 
 
 # --- links ------------------------------------------------------------------------------------------------------------

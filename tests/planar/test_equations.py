@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.integrate import solve_ivp
 
-from laticauda.fluid.laws import PolynomialDrag
+from laticauda.fluid.laws import DragLaw, PolynomialDrag, TotalSpeedDrag
 from laticauda.planar import equations as eq
 from laticauda.planar.equations import Chain, Options
 
@@ -55,16 +55,23 @@ def numbers(shape: Any, low: float, high: float) -> st.SearchStrategy[np.ndarray
     return arrays(np.float64, shape, elements=st.floats(low, high, allow_subnormal=False))
 
 
+POLYNOMIAL = st.builds(
+    PolynomialDrag, linear=st.booleans(), quadratic=st.booleans(), reference_speed=st.floats(0.1, 2.0),
+    sway_friction=st.floats(0.0, 2.0),
+)  # fmt: skip
+LAWS = POLYNOMIAL | st.builds(TotalSpeedDrag, beta=st.floats(0.0, 1.0), gamma=st.floats(0.0, 1.0))
+
+
 @st.composite
-def problems(draw: st.DrawFn, forms: tuple[str, ...] = FORMS, wake: bool = True, least: int = 1) -> Problem:
+def problems(
+    draw: st.DrawFn, forms: tuple[str, ...] = FORMS, wake: bool = True, least: int = 1,
+    laws: st.SearchStrategy[DragLaw] = LAWS,
+) -> Problem:  # fmt: skip
     n = draw(st.integers(least, 6))
     form = draw(st.sampled_from(forms))
     options = Options(
         form=form,
-        drag=PolynomialDrag(
-            linear=draw(st.booleans()), quadratic=draw(st.booleans()),
-            reference_speed=draw(st.floats(0.1, 2.0)), sway_friction=draw(st.floats(0.0, 2.0)),
-        ),
+        drag=draw(laws),
         current=draw(numbers(2, -1.0, 1.0)),
         wake_mass=draw(st.sampled_from([0.0, 6.36])) if wake and form == "kirchhoff" else 0.0,
     )  # fmt: skip
@@ -128,10 +135,13 @@ def loads(p: Problem, i: int, v: np.ndarray) -> tuple[np.ndarray, float]:
     R, dR = axes(p.theta[i]), turning(axes, p.theta[i])
     u = v - options.current
     drag: Any = options.drag
-    linear, quadratic = drag.linear * drag.reference_speed, drag.quadratic
-
     along_axes = R.T @ u
-    growth = linear + quadratic * np.abs(along_axes) + drag.sway_friction * np.array([abs(along_axes[1]), 0.0])
+    if isinstance(drag, TotalSpeedDrag):
+        linear, quadratic = 0.0, 1.0
+        growth = np.sqrt([[1.0, drag.gamma**2], [drag.beta**2, 1.0]] @ along_axes**2)
+    else:
+        linear, quadratic = drag.linear * drag.reference_speed, drag.quadratic
+        growth = linear + quadratic * np.abs(along_axes) + drag.sway_friction * np.array([abs(along_axes[1]), 0.0])
     force = -R @ (np.array([chain.c_t[i], chain.c_n[i]]) * along_axes * growth)
     torque = -(chain.lambda_2[i] * linear + chain.lambda_3[i] * quadratic * abs(rate)) * rate
     if options.form == "kirchhoff":  # Lagrange's equations for T = 1/2 u^T R mu R^T u
@@ -256,7 +266,7 @@ def split(values: np.ndarray, parts: int) -> np.ndarray:
     return np.concatenate([np.full(parts, values[0] / parts), values[1:]])
 
 
-@given(problems(), st.integers(2, 6))
+@given(problems(laws=POLYNOMIAL), st.integers(2, 6))
 @settings(max_examples=50)
 def test_a_link_equals_strips_with_locked_joints(p: Problem, parts: int):
     """The caudal fin as locked strips: with linear drag alone and strip theory nothing depends on their number."""

@@ -15,6 +15,7 @@ from chains import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.planar import equations, rows
 from laticauda.planar.layout import layout
 from laticauda.robot import Tether, Water, load_robot, load_water
@@ -85,10 +86,11 @@ def test_free_joints_accelerate_as_the_matrices_say(seed, form, fin_as_links):
     close(center, expected[1])
 
 
+@pytest.mark.parametrize("law", [None, TotalSpeedDrag(beta=0.4, gamma=0.9)], ids=["polynomial", "total speed"])
 @laws
-@given(seeds)
-def test_the_elongated_trailing_edge_is_that_of_the_equations(seed):
-    rng, robot, water, state, (chain, options, n_fin) = setting(seed, "kirchhoff", trailing_edge="elongated")
+@given(seed=seeds)
+def test_the_elongated_trailing_edge_is_that_of_the_equations(seed, law):
+    rng, robot, water, state, (chain, options, n_fin) = setting(seed, "kirchhoff", trailing_edge="elongated", law=law)
     theta, rate = extended(state, n_fin)
     joint = rng.uniform(-5, 5, robot.n_links - 1)
     expected = equations.constrained_accelerations(

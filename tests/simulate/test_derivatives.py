@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.fluid.laws import PolynomialDrag
+from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.simulate.derivatives import sensitivities
 from laticauda.simulate.numbers import UNITS, changed
@@ -66,10 +66,18 @@ def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
     assert found.parameters[1].unit == "rad/s"
 
 
-def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives():
+@pytest.mark.parametrize(
+    ("drag", "own"),
+    [
+        (PolynomialDrag(sway_friction=0.5), ("sway_friction", "reference_speed")),
+        (TotalSpeedDrag(beta=0.4, gamma=0.9), ("beta", "gamma")),
+    ],
+    ids=["sway friction", "total speed"],
+)
+def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives(drag, own):
     # Not to the frequency: it moves the kinks of |v_n| past the time steps, where a difference is of no use.
-    water = replace(WATER, drag=PolynomialDrag(sway_friction=0.5))
-    names = ["water.drag.sway_friction", "water.drag.reference_speed", "gait.amplitude", "water.added_mass"]
+    water = replace(WATER, drag=drag)
+    names = [*(f"water.drag.{name}" for name in own), "gait.amplitude", "water.added_mass"]
     found = sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
     check(found, by_differences(FINNED, GAIT, water, names, dt=0.05), 1e-7)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.fluid.laws import PolynomialDrag
+from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.paper import ParityCase, parity_cases
 from laticauda.paper.parity import parity
 from laticauda.robot import PectoralFin, Tether, Thruster
@@ -118,6 +118,21 @@ def test_tether_pectoral_fins_and_trailing_edge_agree():
     bare = replace(case, robot=CASES["fin"].robot)
     paths = [lc.swim(c.robot, c.gait, 3.0, environment=c.environment).center_of_mass[-1] for c in (case, bare)]
     assert np.linalg.norm(paths[0] - paths[1]) > 0.005  # it is not that they do nothing
+
+
+@pytest.mark.parametrize("name", ["lateral", "fin"])
+def test_the_law_of_the_total_speed_and_the_edge_of_the_tail_or_the_fin_agree(name: str):
+    water = replace(
+        CASES[name].environment, added_mass_form="kirchhoff", rotational="strip", current=(0.05, 0.02), added_mass=1.4
+    )
+    shed = replace(water, trailing_edge="elongated", drag=TotalSpeedDrag())
+    (row,) = parity(replace(CASES[name], environment=shed), "prescribed", (0.00625,), duration=3.0)
+    assert row.path < 1e-4  # the jump of the wake's force again
+    robot, gait = CASES[name].robot, CASES[name].gait
+    waters = shed, replace(shed, trailing_edge="none"), replace(shed, drag=water.drag)
+    ours, no_edge, other_law = (lc.swim(robot, gait, 3.0, environment=w).center_of_mass[-1] for w in waters)
+    assert np.linalg.norm(ours - no_edge) > 0.005
+    assert np.linalg.norm(ours - other_law) > 0.005
 
 
 def test_thrusters_and_skin_agree():

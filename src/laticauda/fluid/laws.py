@@ -151,6 +151,38 @@ class PolynomialDrag(DragLaw):
 
 
 @value
+class TotalSpeedDrag(DragLaw):
+    """Quadratic drag in oblique flow: friction along the element by the total speed, and lift at small incidence.
+
+        f_t = -c_t v_t sqrt(v_t^2 + gamma^2 across^2)
+        f_n = -c_n v_n sqrt(across^2 + beta^2 v_t^2)
+        tau = -lambda_3 |theta'| theta'
+
+    There is no linear part and no reference speed. gamma = 1 is friction against the whole velocity, as a rough surface
+    has it, gamma = 0 that of the speed along alone. beta = 0 is the cross-flow principle, where what moves along makes
+    no difference to the drag across (mooring lines [1]); beta = 1 is the drag of Morison's equation as a vector, along
+    the whole velocity [2], whose part across grows at small incidence as a lift does, with the angle and not with its
+    square. With both 0 it is `PolynomialDrag` without its linear part.
+
+    References:
+        [1] MoorDyn (github.com/FloatingArrayDesign/MoorDyn), source/Line.cpp, transverse and tangential drag of a line.
+        [2] WEC-Sim, documentation for developers, Morison element: the moving body.
+    """
+
+    beta: float = quantity("", "beta, share of the speed along in the drag across", ge=0.0, le=1.0, default=0.5)
+    gamma: float = quantity("", "gamma, share of the speed across in the drag along", ge=0.0, le=1.0, default=1.0)
+
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> tuple[float, float, float]:
+        """Each force against its own velocity, by a speed that both make up."""
+        along_2, across_2 = v_t * v_t, across * across
+        f_t = -element.c_t * v_t * (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
+        f_n = -element.c_n * v_n * (across_2 + self.beta * self.beta * along_2 + _AT_REST) ** 0.5
+        return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
+
+
+@value
 class ViscousFriction(DragLaw):
     """Friction on the ground in proportion to the speed: f = -c v, along and across on their own."""
 

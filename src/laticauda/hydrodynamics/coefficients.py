@@ -18,6 +18,8 @@ A water with a `friction_taper` has C_f (1 + taper (1 - 2 s)) for C_f on the lin
 from 0 at the tail end of the body to 1 at its head end; on links of equal length, the mean is C_f. It does not act on
 the fin, nor on modules that bring their own C_f.
 
+What is left behind at the end of the tail carries m' = rho pi C_A a^2 per length, of the section there (`wake_mass`).
+
 `bending_frequencies` says how fast a fin that bends would swing by itself in that water.
 """
 
@@ -121,6 +123,42 @@ def immersion_factor(half_height: float, depth: float | None) -> float:
     return 1.0 + half_height**2 / (2.0 * depth**2)
 
 
+def mass_across(override: float | None, half_height: float, water: Water) -> float:
+    """Added mass per length across an element far below the surface, rho pi C_A a^2 [kg/m].
+
+    Args:
+        override: C_A of the part that it belongs to; None for the water's.
+        half_height: a, half the size of the section across the motion [m].
+        water: rho and C_A.
+    """
+    return water.density * np.pi * own(override, water.added_mass) * half_height**2
+
+
+def wake_mass(robot: Robot, water: Water) -> float:
+    """m' of Lighthill's force at the trailing edge: what the section there carries, of the fin or of the tail link.
+
+    Args:
+        robot: What swims.
+        water: C_A where the part has none of its own, density and depth.
+
+    Returns:
+        rho pi C_A a^2, with what the surface does to it [kg/m].
+    """
+    fin, tail = robot.caudal_fin, robot.modules[0]
+    last, half_height = (fin, fin.height / 2.0) if fin else (tail, tail.section.half_height)
+    return mass_across(last.added_mass, half_height, water) * immersion_factor(half_height, water.depth)
+
+
+def own(override: float | None, water: float) -> float:
+    """A part's own coefficient, or the water's where it has none.
+
+    Args:
+        override: The part's.
+        water: The water's.
+    """
+    return water if override is None else override
+
+
 def _coefficients(
     half_length: np.ndarray,
     position: np.ndarray,
@@ -152,13 +190,12 @@ def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: W
 def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
     rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
-    C_f = _own(module.tangential_friction, friction)
-    C_D = _own(module.normal_drag, water.normal_drag)
-    C_A = _own(module.added_mass, water.added_mass)
-    C_M = _own(module.added_inertia, water.added_inertia)
+    C_f = own(module.tangential_friction, friction)
+    C_D = own(module.normal_drag, water.normal_drag)
+    C_M = own(module.added_inertia, water.added_inertia)
     c_t = 0.5 * rho * np.pi * C_f * (a + b) / 2.0 * 2.0 * l
     c_n = 0.5 * rho * C_D * 2.0 * a * 2.0 * l
-    mu_n = rho * np.pi * C_A * a**2 * 2.0 * l * immersion_factor(a, water.depth)
+    mu_n = mass_across(module.added_mass, a, water) * 2.0 * l * immersion_factor(a, water.depth)
     mu_t = rho * np.pi * water.tangential_added_mass * a * b * 2.0 * l
     if water.rotational == "strip":
         lambdas = _strip_lambdas(mu_n, c_n, l)
@@ -172,10 +209,10 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     edges = _strip_edges(fin, closed=fin.opening == "closed")
     d, h, rho = np.diff(edges), fin.height, water.density
     zero = np.zeros_like(d)
-    mu_n = rho * np.pi * _own(fin.added_mass, water.added_mass) * (h / 2.0) ** 2 * d
+    mu_n = mass_across(fin.added_mass, h / 2.0, water) * d
     mu_n *= immersion_factor(h / 2.0, water.depth)
-    c_n = 0.5 * rho * _own(fin.normal_drag, water.normal_drag) * h * d
-    c_t = 0.5 * rho * _own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
+    c_n = 0.5 * rho * own(fin.normal_drag, water.normal_drag) * h * d
+    c_t = 0.5 * rho * own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
     lambdas = _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas))
 
@@ -219,10 +256,6 @@ def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> C
 def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_Number, _Number, _Number]:
     """Normal added mass and drag (linear, quadratic) spread along an element that turns about its middle."""
     return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
-
-
-def _own(override: float | None, water: float) -> float:
-    return water if override is None else override
 
 
 def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndarray, " n_hinges"]:

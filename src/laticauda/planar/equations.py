@@ -91,7 +91,7 @@ class Options:
     current: Plane = field(default_factory=lambda: np.zeros(2))
     """Velocity (V_x, V_y) that the water moves to, world axes [m/s]."""
     wake_mass: float = 0.0
-    """Added mass per length at the tail end of the first link, m' = rho pi (h/2)^2; 0 for no wake [kg/m]."""
+    """Added mass per length at the tail end of the first link, m' = rho pi C_A a^2; 0 for no wake [kg/m]."""
 
     def __post_init__(self) -> None:
         """Refuse an unknown form, negative numbers, and a wake without the form it belongs to."""
@@ -249,7 +249,8 @@ def fluid_forces(
 ) -> tuple[Links, Links, Links]:
     """Return the fluid loads that enter (1) and (2) where f_D and tau_t do: f_x, f_y [N] in world axes and tau [N m].
 
-    - Drag, by `options.drag`: the paper's f_t = -c_t v_t (U_ref + |v_t|), f_n = -c_n v_n (U_ref + |v_n|).
+    - Drag, by `options.drag`: the paper's f_t = -c_t v_t (U_ref + |v_t|), f_n = -c_n v_n (U_ref + |v_n|), or another
+      law, such as `TotalSpeedDrag`.
     - `kirchhoff`: the change of direction of the added momentum, f_t = +mu_n v_n theta', f_n = -mu_t v_t theta', and
       the Munk moment -(mu_n - mu_t) v_t v_n.
     - `classic`: only the current enters the velocity term of the added mass force. So the part of the link's own

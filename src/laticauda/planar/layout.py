@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.dynamics.plant import joint_numbers
-from laticauda.hydrodynamics import Coefficients, link_coefficients
+from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
 from laticauda.robot import (
     CaudalFin,
@@ -129,7 +129,7 @@ def layout(
         S[size:].reshape(-1, rows.PLATE_ROWS), (p for group in plates for p in group), strict=True
     ):
         record[:] = _plate_numbers(plate, robot.modules[plate.link], half_density)
-    wake = S[rows.WAKE_MASS] > 0.0
+    wake = isinstance(environment, Water) and environment.trailing_edge != "none"
     pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
         template=S,
@@ -223,10 +223,8 @@ def _write_environment(
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
-        fin = robot.caudal_fin
-        half_height = fin.height / 2.0 if fin else robot.modules[0].section.half_height
-        S[rows.WAKE_MASS] = environment.density * np.pi * half_height**2
-        S[rows.WAKE_POSITION] = -fin.length if fin and folded else 0.0
+        S[rows.WAKE_MASS] = wake_mass(robot, environment)
+        S[rows.WAKE_POSITION] = -robot.caudal_fin.length if robot.caudal_fin and folded else 0.0
 
 
 def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: Environment) -> None:

@@ -40,7 +40,7 @@ class Water:
         default="paper",
     )
     trailing_edge: Literal["none", "elongated"] = option(
-        "`elongated` adds Lighthill's wake force at the fin's trailing edge; it needs `kirchhoff`", default="none"
+        "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
     current: tuple[float, float] = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
     depth: float | None = quantity("m", "Of the body's axis; far below the surface if left out", gt=0.0, default=None)
@@ -56,8 +56,8 @@ class Water:
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
-                "must be `none` unless `added_mass_form` is `kirchhoff` "
-                f"(here it is `{self.added_mass_form}`), got 'elongated'",
+                "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that carries the momentum which "
+                f"an edge sheds (here it is `{self.added_mass_form}`), got 'elongated'",
             )
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.fluid.laws import CoulombFriction, ViscousFriction
-from laticauda.hydrodynamics import Coefficients, link_coefficients
+from laticauda.hydrodynamics import Coefficients, link_coefficients, mass_across, own, wake_mass
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.ground import SINK, Contact
 from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water, law_of
@@ -95,10 +95,10 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
     c_z, mu_z, about_y, roll = c_n, 0.0, (lambda_1, lambda_2, lambda_3), 0.0
     if isinstance(environment, Water):
         c_z = c_n * b / a
-        mu_z = environment.density * np.pi * _own(module.added_mass, environment.added_mass) * b**2 * 2.0 * l
+        mu_z = mass_across(module.added_mass, b, environment) * 2.0 * l
         if environment.rotational == "strip":
             about_y = (mu_z * l**2 / 3.0, c_z * l**2 / 3.0, c_z * l**3 / 4.0)
-        share = _own(module.added_inertia, environment.added_inertia)
+        share = own(module.added_inertia, environment.added_inertia)
         roll = environment.density * np.pi * share * (a**2 - b**2) ** 2 / 8.0 * 2.0 * l
     r = 0.5 * (a + b)
     return Element(
@@ -159,13 +159,10 @@ def _effectors(robot: Robot, environment: Environment) -> list[Element]:
         x, y = robot.tether.force
         found.append(Element(body="module_0", tether_drag=robot.tether.drag, pull=(x, y, 0.0)))
     if environment.trailing_edge == "elongated":
-        fin = robot.caudal_fin
-        half_height = 0.5 * fin.height if fin else robot.modules[0].section.half_height
-        mass = environment.density * float(np.pi) * half_height**2
         body, behind = "module_0", 0.0
-        if fin:
+        if fin := robot.caudal_fin:
             body, behind = fin_bodies(fin)[-1].name, fin.pieces[-1].length
-        found.append(Element(body=body, position=(-behind, 0.0, 0.0), wake_mass=mass))
+        found.append(Element(body=body, position=(-behind, 0.0, 0.0), wake_mass=wake_mass(robot, environment)))
     return found
 
 
@@ -177,7 +174,3 @@ def _mounted(robot: Robot, effector: Thruster | PectoralFin, **loads: Any) -> El
         orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
         **loads,
     )
-
-
-def _own(override: float | None, water: float) -> float:
-    return water if override is None else override

@@ -13,7 +13,7 @@ import pytest
 import laticauda as lc
 from laticauda.cosim import export_fmu
 from laticauda.errors import MissingProgram
-from laticauda.fluid.laws import PolynomialDrag
+from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Joint, Robot, Water
 from laticauda.simulate import plant
@@ -181,10 +181,25 @@ def test_references_that_change_act_as_references_in_python(make, slave):
 
 
 @pytest.mark.parametrize(
-    "kind", [{}, {"environment": replace(lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic")}]
+    "kind",
+    [
+        {},
+        {"environment": replace(lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic")},
+        {
+            "environment": replace(
+                lc.load_water("paper-eel"),
+                drag=TotalSpeedDrag(),
+                rotational="strip",
+                added_mass_form="kirchhoff",
+                trailing_edge="elongated",
+            )
+        },
+    ],
 )
 def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, slave, kind):
     water = kind.get("environment", lc.load_water("paper-lateral"))
+    polynomial = isinstance(water.drag, PolynomialDrag)
+    law = {"reference_speed": 0.8, "sway_friction": 0.3} if polynomial else {"beta": 0.2, "gamma": 0.7}
     other = replace(
         water,
         density=1025.0,
@@ -193,7 +208,7 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
         added_mass=0.9,
         added_inertia=0.5,
         tangential_added_mass=0.1,
-        drag=PolynomialDrag(reference_speed=0.8, sway_friction=0.3),
+        drag=replace(water.drag, **law),
         current=(0.02, -0.03),
     )
     gait = lc.custom_gait(
@@ -205,8 +220,8 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
     for name in ("density", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
         one.put(f"water.{name}", getattr(other, name))
     one.put("water.tangential_added_mass", other.tangential_added_mass)
-    for name in ("reference_speed", "sway_friction"):
-        one.put(f"water.drag.{name}", getattr(other.drag, name))
+    for name, number in law.items():
+        one.put(f"water.drag.{name}", number)
     for name in ("amplitude", "frequency", "phase_shift", "offset"):
         one.put(f"gait.{name}", getattr(gait, name))
     for i in range(8):
