@@ -42,11 +42,13 @@ if TYPE_CHECKING:
         EelLike as EelLike,
         Envelope as Envelope,
         Gait as Gait,
+        JointAngles as JointAngles,
         LateralUndulation as LateralUndulation,
         Wave as Wave,
         custom_gait as custom_gait,
         eel_like as eel_like,
         lateral_undulation as lateral_undulation,
+        recorded_gait as recorded_gait,
     )
     from laticauda.interfaces import (
         Command as Command,
@@ -63,6 +65,7 @@ if TYPE_CHECKING:
         Robot as Robot,
         Water as Water,
         load_ground as load_ground,
+        load_joint_angles as load_joint_angles,
         load_parameters as load_parameters,
         load_robot as load_robot,
         load_water as load_water,

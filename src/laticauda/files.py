@@ -1,5 +1,6 @@
 """Reading and writing of files: texts of bounded size, TOML, files that are replaced as a whole, and locks."""
 
+import csv
 import errno
 import os
 import shutil
@@ -92,6 +93,16 @@ def read_toml(
 ) -> dict[str, Any]:
     """The table in a TOML file; arguments and errors as for `read_text`."""
     return parse_toml(read_text(path, error, missing=missing), path, error)
+
+
+def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
+    """The cells of a CSV file by column, without lines that begin with #; arguments and errors as for `read_text`."""
+    lines = [line for line in read_text(path, error).splitlines() if line.strip() and not line.startswith("#")]
+    names, *rows = list(csv.reader(lines)) or [[]]
+    for row in rows:
+        if len(row) != len(names):
+            raise error(f"{path}: must have {len(names)} cells in every row as in its first, got {', '.join(row)}")
+    return {name.strip(): [row[i] for row in rows] for i, name in enumerate(names)}
 
 
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:

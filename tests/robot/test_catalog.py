@@ -15,6 +15,7 @@ from laticauda.robot import (
 
 def test_the_presets_are_there():
     assert robot_names() == (
+        "amphibot",
         "chain",
         "mamba",
         "mamba-fin",
@@ -102,7 +103,7 @@ def test_the_chain_is_neutrally_buoyant_and_of_any_length():
         (
             load_robot,
             "manba",
-            r"there is no robot preset named `manba`; did you mean `mamba`\? \(presets: chain, mamba,",
+            r"there is no robot preset named `manba`; did you mean `mamba`\? \(presets: amphibot, chain, mamba,",
         ),
         (load_robot, "", r"there is no robot preset named ``"),
         (load_robot, "manba.toml", r"manba\.toml: no such file; did you mean `mamba`\?"),

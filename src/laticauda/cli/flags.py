@@ -24,7 +24,7 @@ from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, tex
 
 Command = TypeVar("Command")
 
-NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_phase_shift")
+NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_phase_shift", "recorded")
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},

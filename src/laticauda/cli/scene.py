@@ -5,18 +5,19 @@ import sys
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
 from laticauda import simulate
 from laticauda.cli.command import Command
-from laticauda.cli.flags import read, was_typed
-from laticauda.errors import BadArgument
+from laticauda.cli.flags import File, read, was_typed
+from laticauda.errors import BadArgument, TrialFileError
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid import DragLaw
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, JointAngles, recorded_gait
 from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Environment, Robot, Water, load_robot
+from laticauda.robot import Environment, Robot, RobotNotFound, Water, load_joint_angles, load_robot
 from laticauda.scenarios import Choice, Model, Scenario, load_scenario, model_of, named_after
 
 Kind = TypeVar("Kind", bound=Extensible)
@@ -33,6 +34,11 @@ class Names(Choice):
         default="lateral-undulation",
     )
     envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)
+    joint_angles: File = option(
+        "Joint angles over time instead of a gait: a preset, a CSV file (time_s, joint_1_deg at the tail, ...) or a "
+        "trial; a wave with --amplitude-deg adds to them",
+        default=None,
+    )
     law: str | None = option("The drag law by its name, or MODULE:CLASS of one's own, which is imported", default=None)
 
     @classmethod
@@ -46,7 +52,9 @@ class Names(Choice):
         return read(cls, words, prog, first=True)
 
     def motion(self) -> Gait:
-        """Mamba's first trial of the paper, with the envelope that is asked for."""
+        """Mamba's first trial of the paper, with the envelope that is asked for; or what was recorded."""
+        if self.joint_angles is not None:
+            return recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
         return Gait(
             envelope=self._envelope(),
             amplitude=math.radians(30.0),
@@ -84,6 +92,7 @@ class Names(Choice):
         envelope = self._envelope() if typed & {"gait", "envelope"} else found.gait.envelope
         is_kept = "envelope" not in typed and type(envelope) is type(found.gait.envelope)  # with the file's numbers
         gait = found.gait if is_kept else replace(found.gait, envelope=envelope)
+        gait = self.motion() if "joint_angles" in typed else gait
 
         def find_robot(name: str, n_links: int | None) -> Robot:
             if "robot" in typed:
@@ -112,6 +121,18 @@ class Names(Choice):
         law, field = member(DragLaw, self.law, "law"), "drag" if isinstance(environment, Water) else "friction"
         is_kept = type(law) is type(getattr(environment, field))  # with the numbers that it has there
         return environment if is_kept else replace(environment, **{field: law})
+
+
+def _recorded(name: str) -> JointAngles:
+    """The angles of a preset, of a table of them, or of a trial in any of its formats."""
+    try:
+        return load_joint_angles(name)
+    except (TrialFileError, RobotNotFound):
+        if not Path(name).is_file() or Path(name).suffix == ".csv":
+            raise
+    from laticauda.logs import load_trial
+
+    return JointAngles.of(load_trial(name))
 
 
 def imported(name: str, option: str) -> str:

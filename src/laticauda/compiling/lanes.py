@@ -248,6 +248,16 @@ def any_lane(typingctx, condition):
 
 
 @intrinsic
+def first_lane(typingctx, x):
+    """The number in the first lane, of floats that are the same in all."""
+
+    def codegen(context, builder, sig, args):
+        return _picked_lane(context, builder, x, args[0], 0)
+
+    return _alone(x)(x), codegen
+
+
+@intrinsic
 def bit(typingctx, shifted, position):
     """Whether a bit of the whole number in the last bits of a float is set (see `functions.SHIFT`)."""
 

@@ -250,6 +250,12 @@ class Plant(ABC, Generic[ModelType]):
             return yaw, pitch, fin
         return STILL, STILL, STILL if self._holds_fin(command) else fin
 
+    def _recorded(self, command: Command, shares: np.ndarray) -> np.ndarray | None:
+        """The knots of the recording that a command's gait has, if any, for joints that do a share of their angles."""
+        if command.gait.recorded is None or command.references is not None:
+            return None
+        return command.gait.recorded.scaled(shares)
+
     def _holds_fin(self, command: Command) -> bool:
         """Whether a command's references are for the driven fin, too."""
         return command.references is not None and len(command.references) > self.robot.n_joints

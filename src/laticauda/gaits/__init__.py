@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from laticauda.gaits.envelopes import envelope_of as envelope_of, kinds as kinds
     from laticauda.gaits.gait import Gait as Gait, Wave as Wave, custom_gait as custom_gait
     from laticauda.gaits.gait import eel_like as eel_like, lateral_undulation as lateral_undulation
+    from laticauda.gaits.gait import recorded_gait as recorded_gait
     from laticauda.gaits.generator import Generator as Generator, GeneratorState as GeneratorState
+    from laticauda.gaits.recorded import JointAngles as JointAngles
     from laticauda.gaits.reference import WaveState as WaveState
 
 __getattr__, __dir__, __all__ = lazy_exports()

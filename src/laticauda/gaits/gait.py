@@ -5,6 +5,7 @@ from typing import Any, Required, TypedDict, Unpack, cast
 
 from laticauda.errors import BadArgument, finite, whole
 from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
+from laticauda.gaits.recorded import JointAngles
 from laticauda.gaits.reference import WaveTarget
 from laticauda.quantities import option, quantity, value
 
@@ -42,7 +43,8 @@ class Gait:
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
     the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
     and the amplitude starts smoothly: see `Generator`. Its `kind` is that of its envelope: lateral_undulation (g = 1),
-    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`laticauda.gaits.envelopes`).
+    eel_like (g = (n-i)/(n+1)), custom, or a class of one's own (`laticauda.gaits.envelopes`). Angles that were recorded
+    add to the wave as they are, without its smooth start (`recorded_gait`).
 
     Raises:
         ValueError: If a field is out of its range.
@@ -55,6 +57,7 @@ class Gait:
     envelope: Envelope = option("g, how the amplitude is spread along the body", default=LateralUndulation())
     pitch: Wave | None = option("What the pitch joints do; None: they stay straight", default=None)
     fin: Wave | None = option("What a driven fin does; None: it stays straight", default=None)
+    recorded: JointAngles | None = option("Angles of the yaw joints over time, which the wave adds to", default=None)
 
     def __post_init__(self) -> None:
         """Check what goes together."""
@@ -69,6 +72,8 @@ class Gait:
     @property
     def words(self) -> str:
         """What tables and figures call its kind."""
+        if self.recorded is not None:
+            return "recorded motion"
         return self.envelope.words or self.kind.replace("_", " ")
 
     @staticmethod
@@ -114,6 +119,7 @@ class GaitFields(TypedDict, total=False):
     offset: float
     pitch: Wave | None
     fin: Wave | None
+    recorded: JointAngles | None
 
 
 def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
@@ -181,6 +187,22 @@ def custom_gait(
     if n_links is not None:
         gait.joint_envelope(whole("n_links", n_links, 1))
     return gait
+
+
+def recorded_gait(angles: JointAngles, **fields: Any) -> Gait:
+    """The motion that was recorded, alone: no wave adds to it, and its frequency is that of the recording.
+
+    Args:
+        angles: Of the yaw joints over time.
+        fields: Of `Gait`, where they differ.
+
+    Example:
+        >>> gait = recorded_gait(JointAngles(time=(0.0, 1.0, 2.0), angle=((0.0, 0.5, 0.0), (0.1, 0.0, 0.1))))
+        >>> gait.amplitude, gait.words
+        (0.0, 'recorded motion')
+    """
+    given: dict[str, Any] = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
+    return Gait(**given | fields, recorded=angles)
 
 
 def _numbers(envelope: object) -> tuple[float, ...]:

@@ -108,8 +108,11 @@ class Generator:
             "yaw": self._wave(state.yaw, yaw, state.time, gait.joint_envelope(n_yaw + 1)),
             "pitch": self._wave(state.pitch, pitch, state.time, (1.0,) * (len(axes) - n_yaw)),
         }
-        each = {axis: iter(references) for axis, references in found.items()}
-        return np.array([next(each[axis]) for axis in axes]).reshape(-1, 3).T
+        each = {axis: iter(some) for axis, some in found.items()}
+        references = np.array([next(each[axis]) for axis in axes]).reshape(-1, 3).T
+        if gait.recorded is not None:
+            references[:, [axis == "yaw" for axis in axes]] += gait.recorded.at(state.time)
+        return references
 
     def fin(self, state: GeneratorState, gait: Gait) -> Reference:
         """The same of a driven fin.

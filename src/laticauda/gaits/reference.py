@@ -190,6 +190,38 @@ def wave_reference(
     return angle, rate, envelope * (swing + turn) + motion.offset_acceleration
 
 
+def between_knots(
+    time: float, start: float, end: float, angle: float, rate: float, next_angle: float, next_rate: float
+) -> tuple[float, float, float]:
+    """Recorded angle between two knots of a cubic spline, and its two derivatives; held before and after the two.
+
+    Args:
+        time: Now [s].
+        start: Of the first knot [s].
+        end: Of the second [s].
+        angle: At the first [rad].
+        rate: There [rad/s].
+        next_angle: At the second [rad].
+        next_rate: There [rad/s].
+
+    Returns:
+        phi [rad], phi' [rad/s], phi'' [rad/s^2].
+    """
+    step = end - start
+    share = (time - start) / step
+    s = where(share.real > 0.0, where(share.real < 1.0, share, 1.0 + 0.0 * share), 0.0 * share)
+    mean = (next_angle - angle) / step
+    second = 3.0 * mean - 2.0 * rate - next_rate
+    third = rate + next_rate - 2.0 * mean
+    acceleration = (2.0 * second + 6.0 * s * third) / step
+    moves = (share.real >= 0.0) & (share.real < 1.0)
+    return (
+        angle + step * s * (rate + s * (second + s * third)),
+        rate + s * (2.0 * second + 3.0 * s * third),
+        where(moves, acceleration, 0.0 * acceleration),
+    )
+
+
 def filter_step(
     value: float, rate: float, target: float, bandwidth: float, decay: float, dt: float
 ) -> tuple[float, float, float]:

@@ -157,7 +157,8 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
                 own = plant.joints.own
                 of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)}"
             of_plant[id(plant)] = _kind(plant, interval, of_law[law])
-        kinds.setdefault(of_plant[id(plant)], []).append(i)
+        recorded = run.command.gait.recorded  # lanes share its times, not its angles
+        kinds.setdefault((of_plant[id(plant)], recorded and recorded.time), []).append(i)
     return kinds.values()
 
 

@@ -151,6 +151,7 @@ def _target() -> Target:
         instead={
             "rows_of": itself,
             "any_lane": itself,
+            "first_lane": itself,
             "where": where,
             "magnitude": magnitude,
             "sincos": sincos,

@@ -13,7 +13,7 @@ from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.formulas import rows_from
-from laticauda.compiling.lanes import any_lane
+from laticauda.compiling.lanes import any_lane, first_lane
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.gaits import reference
@@ -25,6 +25,7 @@ advance_time = compiled(reference.advance_time)
 smooth_start = compiled(reference.smooth_start)
 wave_motion = compiled(reference.wave_motion)
 wave_reference = compiled(reference.wave_reference)
+between_knots = compiled(reference.between_knots)
 body_wave = rows_from(PHASE, len(reference.WaveState._fields))
 body_target = rows_from(AMPLITUDE, 4)
 fin_values = rows_from(FIN_PHASE, 5)
@@ -106,6 +107,37 @@ def set_reference(S, n, law, tail_link):
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
             S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
             k += 1.0
+    if first_lane(S[KNOTS].real) > 0.0:
+        add_recorded(S, n, law, tail_link)
+
+
+@kernel
+@no_type_check
+def add_recorded(S, n, law, tail_link):
+    """Add the angles of a recording to the references of the body's joints."""
+    width = 1 + 2 * (n - 1 - tail_link)
+    a = recorded_knot(S, width)
+    b = a + width
+    for i in range(tail_link + 1, n):
+        j, r = 2 * (i - tail_link) - 1, HEADER_ROWS + i * BODY_ROWS
+        knots = S[a], S[b], S[a + j], S[a + j + 1], S[b + j], S[b + j + 1]
+        angle, rate, acceleration = between_knots(S[TIME], *knots)
+        reference = S[r + REFERENCE] + angle, S[r + REFERENCE_1] + rate, S[r + REFERENCE_2] + acceleration
+        take_reference(S, r, law[i], reference)
+
+
+@kernel
+@no_type_check
+def recorded_knot(S, width):
+    """First row of the knot after which the time is now, the same in all lanes."""
+    first, last = int(first_lane(S[KNOTS].real)), int(first_lane(S[N_KNOTS].real)) - 2
+    k, time = int(first_lane(S[KNOT].real)), first_lane(S[TIME].real)
+    while k < last and time >= first_lane(S[first + (k + 1) * width].real):
+        k += 1
+    while k > 0 and time < first_lane(S[first + k * width].real):
+        k -= 1
+    S[KNOT] = float(k)
+    return first + k * width
 
 
 @kernel

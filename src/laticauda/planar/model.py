@@ -131,10 +131,14 @@ class PlanarPlant(Plant[Planar]):
         body[1:, rows.ANGLE], body[1:, rows.RATE] = values[rows.LOG_STATE :].reshape(2, -1)
         driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
         joints = body[driven, rows.ENVELOPE : rows.STALL_POWER + 1]
+        table = self._recorded(command, joints[: self.robot.n_joints, 0])
         joints[: self.robot.n_joints, 0] *= gait.joint_envelope(self.robot.n_links)
         self._hold(joints, command)
         body[driven, rows.ENVELOPE : rows.STALL_POWER + 1] = joints
-        return S
+        if table is None:
+            return S
+        S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
+        return np.concatenate((S, table.ravel()))
 
     @property
     def _size(self) -> int:

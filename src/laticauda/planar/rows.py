@@ -34,6 +34,8 @@ from laticauda.formulas import MOST_NUMBERS
     FIN_LEAD,  # phase ahead of the integral of its frequency [rad]; not filtered
     BANDWIDTH,  # of the filters on all but the last [rad/s]
     RAMP,  # T of the smooth start [s]; 0: none
+    KNOTS,  # row where a recording of the body's joints begins, behind all records; 0: there is none
+    N_KNOTS,  # of that recording: time, then angle and rate of every joint
     # --- Header: state --------------------------------------------------------------------------------------------
     TIME,  # [s]
     TIME_REST,  # what TIME lost to rounding so far (Kahan summation) [s]
@@ -75,11 +77,12 @@ from laticauda.formulas import MOST_NUMBERS
     COS_PHASE,
     SIN_SHIFT,
     COS_SHIFT,
+    KNOT,  # of the recording, the last one before now
     DECAY,  # of the generator's filters over one of its steps
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
-) = range(63)
+) = range(66)
 SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
 LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own

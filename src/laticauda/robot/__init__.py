@@ -8,7 +8,8 @@ from laticauda.robot.effectors import Tether as Tether, Thruster as Thruster
 from laticauda.robot.environment import Environment as Environment, Ground as Ground, Water as Water
 from laticauda.robot.environment import check_fits as check_fits, law_of as law_of
 from laticauda.robot.files import RobotNotFound as RobotNotFound, from_toml as from_toml, ground_names as ground_names
-from laticauda.robot.files import load_ground as load_ground, load_robot as load_robot, load_water as load_water
+from laticauda.robot.files import load_ground as load_ground, load_joint_angles as load_joint_angles
+from laticauda.robot.files import load_robot as load_robot, load_water as load_water
 from laticauda.robot.files import robot_names as robot_names, to_toml as to_toml, water_names as water_names
 from laticauda.robot.parameters import Parameters as Parameters, load_parameters as load_parameters
 from laticauda.robot.parameters import parameter_names as parameter_names

@@ -18,6 +18,7 @@ from typing import Any, TypeAlias, TypeVar, overload
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
 from laticauda.errors import BadArgument, RobotFileError, nearest
 from laticauda.files import parse_toml, read_toml
+from laticauda.gaits import JointAngles
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
 
@@ -26,7 +27,7 @@ Kind = TypeVar("Kind", Robot, Water, Ground)
 
 KINDS: dict[str, type[Described]] = {"robot": Robot, "water": Water, "ground": Ground}
 PRESETS = Path(__file__).parent / "presets"
-FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters"}
+FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters", "motion": "motions"}
 
 
 class RobotNotFound(RobotFileError, FileNotFoundError):
@@ -90,7 +91,7 @@ def read_table(path: Path) -> Table:
 
 def preset_names(kind: str) -> tuple[str, ...]:
     """The names of the presets of a kind, one of `FOLDERS`, sorted."""
-    return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).glob("*.toml")))
+    return tuple(sorted(path.stem for path in (PRESETS / FOLDERS[kind]).iterdir()))
 
 
 def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Path:
@@ -108,13 +109,14 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     """
     names = preset_names(kind)
     given = str(name_or_path)
-    is_path = isinstance(name_or_path, Path) or given.endswith(".toml") or "/" in given or sep in given
+    ending = ".csv" if kind == "motion" else ".toml"
+    is_path = isinstance(name_or_path, Path) or given.endswith(ending) or "/" in given or sep in given
     if not is_path:
         if given in names:
-            return PRESETS / FOLDERS[kind] / f"{given}.toml"
+            return PRESETS / FOLDERS[kind] / f"{given}{ending}"
         raise RobotNotFound(
             f"there is no {kind} preset named `{given}`{nearest(given, names)} "
-            f"(presets: {', '.join(names)}; a path ends in .toml)"
+            f"(presets: {', '.join(names)}; a path ends in {ending})"
         )
     path = folder / given if folder is not None else Path(given)
     try:
@@ -224,6 +226,20 @@ def load_ground(name_or_path: str | Path) -> Ground:
         RobotFileError: If there is no such ground (`RobotNotFound`), or its file is wrong.
     """
     return _load(name_or_path, "ground")
+
+
+def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> JointAngles:
+    """Load a recorded motion.
+
+    Args:
+        name_or_path: A preset's name, as `amphibot-1`, or the path of a CSV file (`JointAngles.read`).
+        folder: Where relative paths start; None for the working directory.
+
+    Raises:
+        RobotNotFound: If there is none.
+        TrialFileError: If its file is wrong.
+    """
+    return JointAngles.read(find(name_or_path, "motion", folder))
 
 
 def _load(name_or_path: object, kind: str) -> Any:

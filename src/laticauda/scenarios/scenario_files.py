@@ -9,6 +9,7 @@
     amplitude_deg = 30
     frequency_deg_s = 130
     phase_shift_deg = 40
+    recorded = "angles.csv"      # or a table of `time` and `angle_deg`; the numbers above may be left out then
 
     [model]
     kind = "spatial"
@@ -22,10 +23,10 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import files
-from laticauda.codec import BadKey, Table, arguments_of, keys_of
+from laticauda.codec import BadKey, Table, arguments_of, decode, keys_of
 from laticauda.errors import RobotFileError
-from laticauda.gaits import Gait
-from laticauda.robot import load_robot
+from laticauda.gaits import Gait, JointAngles
+from laticauda.robot import load_joint_angles, load_robot
 from laticauda.scenarios.building import Choice
 from laticauda.scenarios.coding import motion_of, run_from_table, run_to_toml
 from laticauda.scenarios.scenario import Scenario
@@ -71,6 +72,8 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
         BadKey: If a key is unknown, missing or out of range.
     """
     table = dict(table)
+    if isinstance(table.get("gait"), Mapping) and "recorded" in table["gait"]:
+        table["gait"] = _with_recorded(table["gait"], folder)
     motion = motion_of(table)
     gait = motion if isinstance(motion, Gait) else motion.gait
     named = {name: table[name] for name in NAMES if name in table and not isinstance(table[name], Mapping)}
@@ -97,3 +100,16 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
     if not isinstance(found, Scenario):
         raise BadKey("kind", 'must be "scenario" here')
     return found
+
+
+def _with_recorded(table: Table, folder: Path | None) -> Table:
+    """The table of a gait whose joint angles are in a file, or beside it; what it leaves out is the recording's."""
+    given = table["recorded"]
+    if isinstance(given, str):
+        with arguments_of("gait.recorded"):
+            angles = load_joint_angles(given, folder)
+    else:
+        angles = decode(JointAngles, given, "gait.recorded")
+    usual = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
+    left = {name: one for name, one in usual.items() if not any(key.startswith(name + "_deg") for key in table)}
+    return {**left, **table, "recorded": angles}

@@ -220,10 +220,10 @@ def slopes(
     """
     derived: list[Run] = []
     weights = np.empty(len(runs), dtype=complex)
-    known: dict[tuple[int, str], _Entry] = {}
+    known: dict[tuple[int, str, int], _Entry] = {}
     extra_plants: dict[int, PlanarPlant] = {}
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
-        key = id(run.plant), number.name
+        key = id(run.plant), number.name, id(run.command.gait.recorded)
         of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
         entry = known.get(key) or _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
         if not of_gait:  # the same for all gaits

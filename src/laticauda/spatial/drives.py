@@ -25,6 +25,7 @@ advance_time = compiled(reference.advance_time)
 smooth_start = compiled(reference.smooth_start)
 wave_motion = compiled(reference.wave_motion)
 wave_reference = compiled(reference.wave_reference)
+between_knots = compiled(reference.between_knots)
 wave_of = rows_from(PHASE, len(reference.WaveState._fields))
 target_of = rows_from(AMPLITUDE, 4)
 joint_powers = compiled(stages.joint_powers)
@@ -57,6 +58,30 @@ def set_reference(X, C, J, R):
     set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
     set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
     set_wave(X[THIRD:], C[FIN_COMMAND:], C[BANDWIDTH], ramp, FIN_WAVE, J, R)
+    if C[N_KNOTS] > 0.0:
+        add_recorded(X[TIME], C, C[COMMAND_ROWS:], J, R)
+
+
+@kernel
+@no_type_check
+def add_recorded(time, C, T, J, R):
+    """Add the angles of a recording T to the references of the yaw joints."""
+    n = int(C[N_KNOTS])
+    width = T.size // n
+    k = int(C[KNOT])
+    while k < n - 2 and time >= T[(k + 1) * width]:
+        k += 1
+    while k > 0 and time < T[k * width]:
+        k -= 1
+    C[KNOT] = k
+    a, b = T[k * width :], T[(k + 1) * width :]
+    j = 1
+    for i in range(J.shape[0]):
+        if J[i, WAVE] == YAW_WAVE:
+            recorded = between_knots(time, a[0], b[0], a[j], a[j + 1], b[j], b[j + 1])
+            for row in range(3):
+                R[row, i] += recorded[row]
+            j += 2
 
 
 @kernel

@@ -136,8 +136,12 @@ class SpatialPlant(Plant[Spatial]):
         if command.references is not None:
             given[rows.RAMP] = 0.0
         turned = joints[:, rows.WAVE] == rows.YAW_WAVE
+        table = self._recorded(command, joints[turned, rows.ENVELOPE])
         joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
         self._hold(joints[: len(self.robot.driven_joints), rows.ENVELOPE :], command)
+        if table is not None:
+            given[rows.N_KNOTS] = len(table)
+            given = np.concatenate((given, table.ravel()))
         return given, joints
 
     def _let_go(self) -> tuple[np.ndarray, np.ndarray]:

@@ -42,11 +42,13 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
     RAMP,
     IS_LED,
     ACTIVE_POWER,  # of the electronics [W]
+    N_KNOTS,  # of a recording, which stands behind all rows: time, then angle and rate of every yaw joint; 0: none
+    KNOT,  # the last one before now
     JOINT_LAW,  # the numbers of the joint law, if it is one of somebody's own
 ) = (
     *range(6),
     10,
-    *range(15, 20),
+    *range(15, 22),
 )
 COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 

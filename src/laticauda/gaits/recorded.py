@@ -1,0 +1,146 @@
+"""Joint angles over time, as somebody measured or computed them: a motion that no wave describes."""
+
+import math
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import BadArgument, TrialFileError
+from laticauda.files import read_columns
+from laticauda.gaits.reference import between_knots
+from laticauda.quantities import quantity, value
+from laticauda.series import Log
+
+TIMES = ("time_s", "t_s", "time", "t")
+"""What the column of times may be called."""
+JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
+"""What a column of angles is called; 1 is the tail-most joint."""
+
+
+@value
+class JointAngles:
+    """Angles of the yaw joints at given times, and between them a cubic spline with continuous second derivatives.
+
+    Before the first and after the last of them the angles are held; the spline begins and ends at rest.
+
+    Raises:
+        ValueError: If times do not increase, or a joint has another number of angles.
+    """
+
+    time: tuple[float, ...] = quantity("s", "When: since the start of the run, increasing")
+    angle: tuple[tuple[float, ...], ...] = quantity("rad", "Of every yaw joint, tail first, at these times")
+
+    def __post_init__(self) -> None:
+        """Check what goes together."""
+        if len(self.time) < 2 or any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
+            raise BadArgument("time", "must be two times or more that increase")
+        for i, one in enumerate(self.angle):
+            if len(one) != len(self.time):
+                rule = f"must have one angle per time, {len(self.time)}, got {len(one)}"
+                raise BadArgument(f"angle[{i}]", rule)
+
+    @staticmethod
+    def former(table: Mapping[str, Any]) -> dict[str, Any]:
+        """A `table` of a file whose angles may be in degrees, as `angle_deg`."""
+        new = dict(table)
+        if "angle" not in new and isinstance(new.get("angle_deg"), list):
+            new["angle"] = np.radians(np.array(new.pop("angle_deg"), dtype=float)).tolist()
+        return new
+
+    @classmethod
+    def read(cls, path: str | Path) -> "JointAngles":
+        """The angles in a CSV file.
+
+        It has a column of times (`time_s`) and one per yaw joint, `joint_1_deg` (or `joint_1_rad`) being the tail-most;
+        further columns, and lines that begin with #, do not count.
+
+        Args:
+            path: Of the file.
+
+        Raises:
+            TrialFileError: If it cannot be read, or anything in it is wrong.
+        """
+        columns = read_columns(path, TrialFileError)
+        clock = next((name for name in TIMES if name in columns), None)
+        joints = sorted((int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name)))
+        if clock is None or not joints or [k for k, _ in joints] != list(range(1, len(joints) + 1)):
+            rule = f"a column `{TIMES[0]}` and columns `joint_1_deg`, `joint_2_deg`, ... from the tail on"
+            raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
+        try:
+            time, *angles = ([float(cell) for cell in columns[name]] for name in (clock, *(name for _, name in joints)))
+            units = [math.radians(1.0) if name.endswith("_deg") else 1.0 for _, name in joints]
+            scaled = [[unit * one for one in column] for unit, column in zip(units, angles, strict=True)]
+            return cls(time=tuple(time), angle=tuple(map(tuple, scaled)))
+        except ValueError as error:
+            raise TrialFileError(f"{path}: {error}") from None
+
+    @classmethod
+    def of(cls, log: Log) -> "JointAngles":
+        """The angles of a trial, simulated or measured.
+
+        Args:
+            log: The trial.
+        """
+        return cls(time=tuple((log.time - log.time[0]).tolist()), angle=tuple(map(tuple, log.joint_angle.T.tolist())))
+
+    @property
+    def frequency(self) -> float:
+        """Angular frequency of the strongest oscillation of all joints together; 0 if none moves [rad/s]."""
+        n = 2 * len(self.time)
+        even = np.linspace(self.time[0], self.time[-1], n)
+        swings = np.array([np.interp(even, self.time, one) - np.mean(one) for one in self.angle]) * np.hanning(n)
+        power = np.sum(np.abs(np.fft.rfft(swings, 32 * n)) ** 2, axis=0)
+        return 2.0 * math.pi * int(np.argmax(power)) * (n - 1) / (self.time[-1] - self.time[0]) / (32 * n)
+
+    @cached_property
+    def knots(self) -> Float[np.ndarray, "n_knots n_numbers"]:
+        """What the kernels take: time [s], then angle [rad] and rate [rad/s] of every joint."""
+        angle = np.array(self.angle).T
+        rates = _clamped_rates(np.array(self.time), angle)
+        return np.column_stack((self.time, np.stack((angle, rates), axis=2).reshape(len(angle), -1)))
+
+    def scaled(self, shares: Float[np.ndarray, " n_joints"]) -> Float[np.ndarray, "n_knots n_numbers"]:
+        """The knots of joints that do a share of their angles only.
+
+        Args:
+            shares: Of every yaw joint, tail first [-].
+
+        Raises:
+            ValueError: If there is another number of joints.
+        """
+        if len(self.angle) != shares.size:
+            raise BadArgument("recorded", f"must have angles of every yaw joint, {shares.size}, got {len(self.angle)}")
+        return self.knots * np.concatenate(([1.0], np.repeat(shares, 2)))
+
+    def at(self, time: float) -> Float[np.ndarray, "3 n_joints"]:
+        """Angle [rad], rate [rad/s] and acceleration [rad/s^2] of every joint, tail first.
+
+        Args:
+            time: Since the start of the run [s].
+        """
+        k = int(np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.time) - 2))
+        (t, *a), (end, *b) = self.knots[k : k + 2].tolist()
+        joints = zip(a[::2], a[1::2], b[::2], b[1::2], strict=True)
+        return np.array([between_knots(time, t, end, *numbers) for numbers in joints]).T
+
+
+def _clamped_rates(
+    time: Float[np.ndarray, " n"], angle: Float[np.ndarray, "n n_joints"]
+) -> Float[np.ndarray, "n n_joints"]:
+    """Rates at the knots of the cubic spline that begins and ends at rest: a tridiagonal system, solved row by row."""
+    step = np.diff(time)[:, np.newaxis]
+    pull = 3.0 * np.diff(angle, axis=0) / step**2
+    rate, passed = np.zeros_like(angle), np.zeros_like(time)
+    for i in range(1, time.size - 1):
+        before, after = 1.0 / step[i - 1, 0], 1.0 / step[i, 0]
+        pivot = 2.0 * (before + after) - before * passed[i - 1]
+        passed[i] = after / pivot
+        rate[i] = (pull[i - 1] + pull[i] - before * rate[i - 1]) / pivot
+    for i in range(time.size - 2, 0, -1):
+        rate[i] -= passed[i] * rate[i + 1]
+    return rate
