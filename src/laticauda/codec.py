@@ -19,13 +19,12 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import MISSING, fields, is_dataclass, replace
-from functools import cache
 from itertools import groupby
 from typing import Any, TypeAlias, TypeVar, Union, cast, get_args, get_origin, overload
 
-from laticauda.errors import BadArgument, finite, nearest, one_of, shown
+from laticauda.errors import BadArgument, nearest, one_of, shown
 from laticauda.extensions import Extensible, Unknown, name_of
-from laticauda.quantities import DEGREES, hints_of, quantities_of
+from laticauda.quantities import degrees_of, hints_of
 
 Table: TypeAlias = dict[str, Any]
 T = TypeVar("T")
@@ -164,25 +163,18 @@ def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = ""
 
 
 @contextmanager
-def arguments_of(
-    at: str, spelled: Mapping[str, str] | None = None, table: Mapping[str, Any] | None = None
-) -> Generator[None]:
+def arguments_of(at: str) -> Generator[None]:
     """Within it, a complaint about an argument becomes one about a key of the file.
 
     Args:
         at: Where the keys stand.
-        spelled: By argument, the key that gives it in degrees.
-        table: What those keys are.
     """
     try:
         yield
     except ValueError as error:
         if not isinstance(error, BadArgument):
             raise BadKey(at, str(error)) from error
-        name, rule = error.name, error.rule
-        if spelled and table and name in spelled:
-            name, rule = spelled[name], f"{rule} ({table[spelled[name]]} deg)"
-        raise BadKey(join(at, name), rule) from error
+        raise BadKey(join(at, error.name), error.rule) from error
 
 
 def merged(common: Table, own: Table, *, by_kind: bool = False) -> Table:
@@ -218,29 +210,24 @@ def updated(held: T, table: object, at: str = "") -> T:
 def _object(kind: type[Any], table: Table, at: str, held: Any = None) -> Any:
     """An object of this class; what the table does not say is as in the one that is `held`, if any."""
     table = with_new_names(kind, table)
-    hints, degrees = hints_of(kind), _degrees(kind)
+    hints, degrees = hints_of(kind), degrees_of(kind)
     check_keys(table, [*hints, *degrees], at)
-    for key, name in degrees.items():
-        if key in table and name in table:
-            raise BadKey(join(at, key), f"must not be given beside `{name}`, which says the same in rad")
-    given = {degrees.get(key, key): key for key in table}  # by field, what the file calls it
-    values: Table = {} if held is None else {field.name: getattr(held, field.name) for field in fields(kind)}
+    in_degrees = {key: one for key, one in table.items() if key in degrees}
+    given = {degrees[key] for key in in_degrees}
+    values = {} if held is None else {name: getattr(held, name) for name in hints if name not in given}
     for field in fields(kind):
-        is_said = field.name in given or field.name in values
+        is_said = field.name in given or field.name in table or field.name in values
         if not is_said and field.default is MISSING and field.default_factory is MISSING:
             raise BadKey(join(at, field.name), f"is missing; every {kind.__name__} needs it")
-    for name, key in given.items():
-        if key == name and _is_of(table[name], values.get(name)):
+    for name in (name for name in table if name not in in_degrees):
+        if _is_of(table[name], values.get(name)):
             own = {word: one for word, one in table[name].items() if word != "kind"}
             values[name] = updated(values[name], own, join(at, name))
-        elif key == name:
+        else:
             default = kind.__dataclass_fields__[name].default
             values[name] = decode(hints[name], table[name], join(at, name), default)
-        else:
-            with arguments_of(at):
-                values[name] = math.radians(finite(key, table[key], "deg"))
-    with arguments_of(at, {name: key for name, key in given.items() if name != key}, table):
-        return kind(**values)
+    with arguments_of(at):
+        return kind(**values, **in_degrees)
 
 
 def _is_of(given: Any, held: Any) -> bool:
@@ -314,12 +301,6 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
     return [distinct[i % len(distinct)] for i in range(count)]
 
 
-@cache
-def _degrees(kind: type) -> dict[str, str]:
-    """The keys that give an angle in degrees, and the fields that they stand for."""
-    return {name + DEGREES[one.unit]: name for name, one in quantities_of(kind).items() if one.unit in DEGREES}
-
-
 def encode(value: Any, hint: Any = None) -> Any:
     """What `decode` turns back into an equal value.
 
@@ -352,7 +333,7 @@ def encode(value: Any, hint: Any = None) -> Any:
 
 def _table(thing: Any) -> Table:
     kind: type[Any] = thing.__class__
-    hints, degrees = hints_of(kind), {name: key for key, name in _degrees(kind).items()}
+    hints, degrees = hints_of(kind), {name: key for key, name in degrees_of(kind).items()}
     table: Table = {}
     for field in fields(kind):
         value = getattr(thing, field.name)

@@ -87,7 +87,16 @@ class Quantity:
             rule = self.range
         else:
             rule = f"<= {highest:g}" if number > highest else f">= {lowest:g}"
-        raise BadArgument(name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}")
+        hint, (low, high) = "", self.in_degrees.ends
+        if self.unit == "rad" and math.isfinite(self.le) and abs(number) > math.pi and low <= number <= high:
+            hint = f": {number:g} rad is {math.degrees(number):.4g} deg; did you mean {name}_deg={number:g}?"
+        raise BadArgument(name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}{hint}")
+
+    @property
+    def in_degrees(self) -> "Quantity":
+        """The same number of rad or rad/s, given in degrees."""
+        bounds = {bound: math.degrees(getattr(self, bound)) for bound in ("ge", "gt", "le")}
+        return dataclasses.replace(self, unit=self.unit.replace("rad", "deg"), **bounds)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -179,7 +188,8 @@ def value(kind: Kind) -> Kind:
 
     Numbers become floats within their range, whole numbers ints; texts of a `Literal` are among its choices, where a
     hyphen is as good as an underscore, truth values are true or false, a field of a class holds an object of it, and
-    lists become tuples. A default is always fine, as infinity may be. What types do not tell is left to the class.
+    lists become tuples. A default is always fine, as infinity may be. What types do not tell is left to the class. An
+    angle or its rate may be given in degrees, under its name with `DEGREES`: `amplitude_deg=30`.
 
     Args:
         kind: The class; its docstring gets a list of the fields.
@@ -200,8 +210,25 @@ def value(kind: Kind) -> Kind:
 
     kind.__post_init__ = check  # type: ignore[attr-defined]
     made: Any = dataclass(frozen=True, kw_only=True)(kind)
+    if degrees_of(made):
+        made.__init__ = _in_degrees_too(made.__init__)
     made.__doc__ = _with_fields(made)
     return made
+
+
+def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
+    @functools.wraps(init)
+    def from_degrees(self: Any, **given: Any) -> None:
+        degrees = degrees_of(type(self))
+        for key in degrees.keys() & given.keys():
+            name, number = degrees[key], given.pop(key)
+            declared = quantities_of(type(self))[name]
+            if name in given:
+                raise BadArgument(key, f"must not be given beside `{name}`, which says the same in {declared.unit}")
+            given[name] = None if number is None else math.radians(declared.in_degrees.checked(key, number))
+        init(self, **given)
+
+    return from_degrees
 
 
 def one_among(*choices: str) -> Check:
@@ -219,6 +246,13 @@ def quantities_of(kind: type) -> Mapping[str, Quantity]:
     """The declared numbers of a class by field."""
     found = {field.name: field.metadata.get("quantity") for field in dataclasses.fields(kind)}
     return types.MappingProxyType({name: one for name, one in found.items() if one is not None})
+
+
+@functools.cache
+def degrees_of(kind: type) -> Mapping[str, str]:
+    """The names that give a class's angles and their rates in degrees, and the fields that they stand for."""
+    found = {name + DEGREES[one.unit]: name for name, one in quantities_of(kind).items() if one.unit in DEGREES}
+    return types.MappingProxyType(found)
 
 
 @functools.cache

@@ -112,7 +112,11 @@ def test_numbers_become_floats_and_the_envelope_a_tuple():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"amplitude": -0.1}, r"`amplitude` must be >= 0 rad, got -0.1\."),
+        ({"amplitude": -0.1}, r"`amplitude` must be between 0 and 3.14159 rad, got -0.1\."),
+        ({"amplitude": 30}, r"got 30: 30 rad is 1719 deg; did you mean amplitude_deg=30\?$"),
+        ({"phase_shift": -40}, r"got -40: -40 rad is -2292 deg; did you mean phase_shift_deg=-40\?$"),
+        ({"offset": 10.0}, r"got 10.0: 10 rad is 573 deg; did you mean offset_deg=10\?$"),
+        ({"amplitude": 400.0}, r"`amplitude` must be between 0 and 3.14159 rad, got 400.0\."),
         ({"amplitude": float("nan")}, r"`amplitude` must be a finite number in rad, got nan\."),
         ({"amplitude": "30 deg"}, r"`amplitude` must be a number in rad, got '30 deg'\."),
         ({"amplitude": True}, r"`amplitude` must be a number in rad, got True\."),

@@ -132,7 +132,7 @@ BAD_EDITS = [
     ("count = 2", "count = 4", "joints", "must hold one Joint less than there are modules, 2 for 3 modules, got 4"),
     ("half_width = 0.05", "half_width = 0", "modules[0].section.half_width", "must be > 0 m, got 0"),
     ("{ half_height = 0.055, half_width = 0.05 }", "3", "modules[0].section", "must be a table, got 3"),
-    ("limit_deg = 90", "limit_deg = 360", "joints[0].limit_deg", r"must be between .* got 6\.28.* \(360 deg\)"),
+    ("limit_deg = 90", "limit_deg = 360", "joints[0].limit_deg", "must be between 0 and 180 deg, got 360"),
     ("limit_deg = 90", 'limit_deg = "90"', "joints[0].limit_deg", "must be a number in deg, got '90'"),
     ("limit_deg = 90", "limit_deg = 90\nlimit = 1.5", "joints[0].limit_deg", "must not be given beside `limit`, .*"),
     ("limit_deg = 90", "limit_degrees = 90", "joints[0].limit_degrees", "is not known; did you mean `limit_deg`.*"),

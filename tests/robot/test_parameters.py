@@ -108,7 +108,7 @@ def test_what_a_gait_does_not_replace_stays_as_for_every_gait(load):
         (HEAD + WATER + "[actuator]\ntraking = 1\n", "key `actuator.traking`: is not known; did you mean `tracking`?"),
         (HEAD + WATER + '[joint]\naxis = "pitch"\n', "key `joint.axis`: must not be given: a parameter file does not"),
         (HEAD + WATER + "[joint.actuator]\n", "key `joint.actuator`: must not be given: the table `actuator` beside"),
-        (HEAD + WATER + "[joint]\nlimit_deg = 200\n", "key `joint.limit_deg`: must be between 0 and 3.14159 rad"),
+        (HEAD + WATER + "[joint]\nlimit_deg = 200\n", "key `joint.limit_deg`: must be between 0 and 180 deg, got 200"),
         (HEAD + WATER + "[caudal_fin]\nheight = 0\n", "key `caudal_fin.height`: must be > 0 m, got 0"),
         (HEAD + WATER + "[tether]\nforce = 3\n", "key `tether.force`: must be two numbers"),
         (HEAD + WATER + "[eel_like.actuator]\nvoltage = 0\n", "key `eel_like.actuator.voltage`: must be > 0 V, got 0"),

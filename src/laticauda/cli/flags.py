@@ -326,10 +326,7 @@ def _numbers_shown(value: Any, declared: Quantity) -> list[str]:
 def _reader(declared: Quantity, is_whole: bool, several: bool, option: str) -> Callable[[list[str]], Any]:
     """From words to numbers; what is out of range is refused in the unit that was typed."""
     in_degrees = declared.unit in DEGREES
-    rule = declared
-    if in_degrees:
-        bounds = {bound: math.degrees(getattr(declared, bound)) for bound in ("ge", "gt", "le")}
-        rule = replace(declared, unit=_IN_DEGREES[declared.unit], **bounds)
+    rule = declared.in_degrees if in_degrees else declared
 
     def number(word: str) -> float:
         try:

@@ -23,7 +23,7 @@ BOTH = "speed-power"
 OBJECTIVES = (BOTH, "forward-velocity", "steady-velocity", "mechanical-power", "mean-power", "cost-of-transport")
 RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
 N_SHOWN = 8
-SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport")
+SHOWN = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
 
 
 @value
@@ -62,6 +62,10 @@ class Optimize(Study):
     )
     least_velocity: float | None = quantity(
         "m/s", "Least forward velocity that will do: without one the cheapest gait hardly moves", gt=0.0, default=None
+    )
+    beyond_actuators: bool = option(
+        "Count gaits too for which joints' actuators have too little torque or speed, or whose links overlap",
+        default=False,
     )
     both_gaits: bool = option(
         "Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure", default=False
@@ -117,6 +121,7 @@ class Optimize(Study):
             objectives=SPEED_POWER if names == [BOTH] else [name.replace("-", "_") for name in names],
             joint_rate_limit=self.joint_rate_limit,
             least_velocity=self.least_velocity,
+            beyond_actuators=self.beyond_actuators,
         )
         warn_of_compiling(scenario.environment, scenario.model)
         how = {name: getattr(self, name) for name in ("budget", "population", "seed", "threads")}
@@ -158,7 +163,7 @@ def _status(front: Front) -> str:
     what = f"{sought.scenario.gait.kind.replace('_', '-')}, robot {sought.scenario.robot.name}, {words}: {tried}"
     if not len(front):
         return (
-            f"{what}; none is left: gaits beyond the joints' limits, runs that blew up (a smaller --dt may help), that "
-            "are too slow, or too short for the objective."
+            f"{what}; none is left: gaits beyond the joints' limits or what their actuators have (--beyond-actuators), "
+            "runs that blew up (a smaller --dt may help), that are too slow, or too short for the objective."
         )
     return f"{what}, {len(front)} on the front." if len(sought.objectives) > 1 else f"{what}; the best is:"

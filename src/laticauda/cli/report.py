@@ -25,6 +25,7 @@ def facts_of(trial: Trial) -> dict[str, Any]:
     found: dict[str, Any] = {
         **trial.summary(),
         "not_measured": list(trial.not_measured),
+        "infeasible": list(trial.feasibility.problems),
         "measured": None
         if measured is None
         else {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
@@ -48,6 +49,10 @@ def as_text(trial: Trial, origin: str = "") -> str:
     head = [("robot", _robot(trial.robot)), ("gait", _gait(trial.gait))]
     head.append(("ground" if isinstance(trial.environment, Ground) else "water", _environment(trial, origin)))
     head.append(("run", _run(trial)))
+    if "joint_angle" not in trial.not_measured:
+        head.append(("joints", trial.feasibility.words))
+    if trial.feasibility.problems:
+        head.append(("WARNING", "; ".join(trial.feasibility.problems)))
     if not trial.succeeded:
         head.append(("FAILED", trial.status))
     parts = [_wrapped(head), figure_table(trial), _notes(trial)]

@@ -18,7 +18,7 @@ from laticauda.studies.cluster import connected
 from laticauda.studies.sampling import Points
 
 N_BEST = 5
-SHOWN = ("forward_velocity", "mean_power", "cost_of_transport")
+SHOWN = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 
 
 @value

@@ -11,6 +11,7 @@ from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, measured
 from laticauda.reports.texts import in_digits
 from laticauda.trial import metrics
+from laticauda.trial.feasibility import feasibility
 
 STEP = 4  # every how many-th sample is drawn
 COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
@@ -23,6 +24,7 @@ PLOTS = (
     ("Joint angles [deg]", (("joint_tail", "tail"), ("joint_middle", "middle"), ("joint_head", "head"))),
 )
 HEIGHT = 165  # [px]
+RECENT = 800  # samples in which joints and actuators are looked at
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,13 +45,15 @@ class Numbers:
     """Distance from the path, positive to its left [m]."""
     heading: float
     """Mean link angle (6) [rad]."""
+    joints: str = ""
+    """What joints and actuators were asked for lately, and why the robot cannot do it, if so."""
 
 
 def numbers(live: Live) -> Numbers:
     """The figures of a `live` run since the scenario was last changed."""
     record, now = live.record()
     time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot
-    elapsed, found = float(time[-1] - time[0]), dict[str, float]()
+    elapsed, found = float(time[-1] - time[0]), dict[str, Any]()
     if elapsed > 0.0:
         velocity = metrics.forward_velocity(time, place)
         work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
@@ -62,6 +66,8 @@ def numbers(live: Live) -> Numbers:
         if TICK <= cycle < elapsed:
             n = round(cycle / TICK)
             found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
+        lately = feasibility(robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None)
+        found["joints"] = f"cannot: {'; '.join(lately.problems)}" if lately.problems else lately.words
     heading = float(live.latest().heading)
     return Numbers(time=elapsed, cross_track_error=now.cross_track_error, heading=heading, **found)
 
@@ -83,6 +89,7 @@ def numbers_text(live: Live) -> str:
     ]
     lines = [f"| since the last change | {now.time:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows]
+    lines += [f"| joints | {now.joints or '-'} |"]
     if tank is not None:
         speed = "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
         power = "not available" if tank.mean_power is None else f"{tank.mean_power:.1f} W"

@@ -1,13 +1,27 @@
 """What the joints are asked to do: the paper's gait (3) and its envelopes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Required, TypedDict, Unpack, cast
+from math import pi
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack, cast
 
 from laticauda.errors import BadArgument, finite, whole
 from laticauda.gaits.envelopes import Custom, EelLike, Envelope, LateralUndulation
 from laticauda.gaits.recorded import JointAngles
 from laticauda.gaits.reference import WaveTarget
 from laticauda.quantities import option, quantity, value
+
+
+class WaveFields(TypedDict, total=False):
+    """The numbers of a wave, each in rad (rad/s) or, under its other name, in degrees."""
+
+    amplitude: float
+    amplitude_deg: float
+    frequency: float
+    frequency_deg_s: float
+    phase_shift: float
+    phase_shift_deg: float
+    offset: float
+    offset_deg: float
 
 
 @value
@@ -21,11 +35,15 @@ class Wave:
         ValueError: If a field is out of its range.
     """
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0)
+    if TYPE_CHECKING:
+
+        def __init__(self, *, phase: float = 0.0, phase_deg: float = 0.0, **numbers: Unpack[WaveFields]) -> None: ...
+
+    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
-    phase_shift: float = quantity("rad", "delta between neighboring pitch joints", default=0.0)
-    phase: float = quantity("rad", "lead over the yaw wave, at the tail-most joints", default=0.0)
-    offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", default=0.0)
+    phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
+    phase: float = quantity("rad", "lead over the yaw wave, at the tail-most joints", ge=-pi, le=pi, default=0.0)
+    offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", ge=-pi, le=pi, default=0.0)
 
     def target(self, offset: float = 0.0) -> WaveTarget:
         """What the reference generator gets of it; `offset` [rad] adds to its own."""
@@ -50,10 +68,14 @@ class Gait:
         ValueError: If a field is out of its range.
     """
 
-    amplitude: float = quantity("rad", "alpha", ge=0.0)
+    if TYPE_CHECKING:
+
+        def __init__(self, *, envelope: Envelope = ..., **fields: Unpack["GaitFields"]) -> None: ...
+
+    amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
-    phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first")
-    offset: float = quantity("rad", "phi_0 of every joint; positive turns left", default=0.0)
+    phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi)
+    offset: float = quantity("rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0)
     envelope: Envelope = option("g, how the amplitude is spread along the body", default=LateralUndulation())
     pitch: Wave | None = option("What the pitch joints do; None: they stay straight", default=None)
     fin: Wave | None = option("What a driven fin does; None: it stays straight", default=None)
@@ -110,13 +132,9 @@ class Gait:
         return self.envelope.joints(n_links)
 
 
-class GaitFields(TypedDict, total=False):
-    """What a gait is besides its envelope: the fields of `Gait`, with their units."""
+class GaitFields(WaveFields, total=False):
+    """What a gait is besides its envelope: the fields of `Gait`."""
 
-    amplitude: Required[float]
-    frequency: Required[float]
-    phase_shift: Required[float]
-    offset: float
     pitch: Wave | None
     fin: Wave | None
     recorded: JointAngles | None
@@ -126,8 +144,9 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
     """Body waves of constant amplitude, g(i, n) = 1.
 
     Args:
-        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad]; pitch and
-            fin, the waves of pitch joints and of a driven fin. See `Gait`.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
+            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
+            joints and of a driven fin. See `Gait`.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.

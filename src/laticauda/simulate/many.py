@@ -20,7 +20,7 @@ from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, p
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, check_size
-from laticauda.trial import metrics
+from laticauda.trial import feasibility, metrics
 from laticauda.trial.cycles import hermite, steady_part
 
 DEVICES = ("cpu", "cuda")
@@ -248,6 +248,23 @@ def collected(
             progress(finished / n)
     figures_by_name: dict[str, np.ndarray] = dict(zip(UNITS, numbers, strict=True))
     return Collected(figures=figures_by_name, succeeded=succeeded, status=tuple(status))
+
+
+def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
+    """The figures of `laticauda.trial.feasibility` for every run of a block whose log has what the joints did.
+
+    Args:
+        runs: Those of the block.
+        block: What they left behind.
+    """
+    layout, body = runs[0].plant.layout, runs[0].plant.robot
+    n_joints, tail = layout.n_bodies - 1, layout.tail_link
+    columns = [*range(tail, n_joints), *range(tail - 1, tail)[: len(body.driven_joints) - body.n_joints]]
+    log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))[:, (0, 1, 3)][:, :, columns]
+    periods = [2.0 * math.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
+    counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
+    with np.errstate(all="ignore"):
+        return feasibility.peaks([run.plant.robot for run in runs], log[:, 0], log[:, 1], log[:, 2], counts)
 
 
 def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str, np.ndarray]:

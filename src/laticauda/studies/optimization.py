@@ -23,6 +23,7 @@ from laticauda.studies.trials import (
     scenarios_at,
     swim_points,
 )
+from laticauda.trial.feasibility import ROUNDING
 
 OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
 """What can be optimized: speeds are to be great, powers and the cost of transport small."""
@@ -44,8 +45,9 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
 class Optimization:
     """A scenario, the numbers of it that may change, and what is to be great or small.
 
-    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run reaches
-    its end, it is fast enough for `least_velocity`, and every objective has a value.
+    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run takes
+    no more than joints and actuators have and no links overlap (its `utilization` is at most 1), it reaches its end, it
+    is fast enough for `least_velocity`, and every objective has a value.
 
     Raises:
         ValueError: If a field is out of its range, or a parameter does not exist (the message has the nearest names).
@@ -81,6 +83,10 @@ class Optimization:
         default=None,
     )
 
+    beyond_actuators: bool = option(
+        "Whether points count whose actuators have too little torque or speed, or whose links overlap", default=False
+    )
+
     def __post_init__(self) -> None:
         """Check what goes together."""
         check_scenario(self.scenario)
@@ -99,6 +105,7 @@ class Optimization:
             "objectives": list(self.objectives),
             "joint_rate_limit": self.joint_rate_limit,
             "least_velocity": self.least_velocity,
+            "beyond_actuators": self.beyond_actuators,
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
@@ -143,9 +150,12 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     if swims.any():
         for name, values in swim_points(scenario, names, table[swims], threads).items():
             found[name][swims] = values
+    if not optimization.beyond_actuators:
+        excess = found["utilization"] - 1.0
+        violation = np.where(swims & (excess > ROUNDING), excess, violation)
     if optimization.least_velocity is not None:
         missing = 1.0 - found["forward_velocity"] / optimization.least_velocity
-        violation = np.where(swims & (missing > 0.0), missing, violation)
+        violation = np.where(swims & (missing > 0.0), np.maximum(missing, violation), violation)
     has_values = np.all([np.isfinite(found[name]) for name in optimization.objectives], axis=0)
     found[VIOLATION] = np.where(swims & ~has_values, FAILED, violation)
     return found

@@ -155,7 +155,7 @@ def open_sweep(folder: str | Path) -> xarray.Dataset:
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
     done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
     dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
-    dataset = dataset[list(QUANTITIES)]  # in our order
+    dataset = dataset[[name for name in QUANTITIES if name in dataset]]  # in our order; older ones have fewer
     n_finished = sum(regions.n_points(int(i)) for i in np.flatnonzero(done))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 

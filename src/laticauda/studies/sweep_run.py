@@ -128,4 +128,4 @@ def _results(
 
 def _point(dataset: Any, place: tuple[int, ...]) -> dict[str, float]:
     point = dataset.isel(dict(zip(dataset[FIGURES[0]].dims, place, strict=True)))
-    return {str(name): float(point[name]) for name in (*point.coords, *FIGURES)}
+    return {str(name): float(point[name]) for name in (*point.coords, *FIGURES) if name in point}

@@ -1,7 +1,7 @@
 """Trials at many points of a scenario's numbers: which points there may be, and what they come to."""
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,16 +13,18 @@ from laticauda.errors import BadArgument, instance
 from laticauda.extensions import name_of
 from laticauda.packaging import __version__
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import plant, swim_many
+from laticauda.simulate import plant
+from laticauda.simulate.many import Block, Run, collected, joint_peaks, runs_of
 from laticauda.simulate.numbers import UNITS, changed, check_whole, look_up, parameters
 from laticauda.trial import Trial
+from laticauda.trial.feasibility import NEEDS
 
 Table = Float[np.ndarray, "n_points n_names"]
 Column = Shaped[np.ndarray, " n_points"]
 
-FIGURES = tuple(name for name in UNITS if name not in ("positive_power", "x", "y", "heading"))
+FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", "heading")), *NEEDS)
 """Those that are kept of every trial."""
-QUANTITIES = {name: (UNITS[name] or "1", getattr(Trial, name).title) for name in FIGURES}
+QUANTITIES = {name: (getattr(Trial, name).unit or "1", getattr(Trial, name).title) for name in FIGURES}
 QUANTITIES["succeeded"] = ("", "whether the run reached its end")
 """What is kept of every trial: unit and title by name."""
 # Of these the least is the best, of the others the greatest.
@@ -107,8 +109,17 @@ def swim_points(
     Returns:
         A value per point of every quantity in `QUANTITIES`; nan where a run blew up, or where there is none.
     """
-    swims = swim_many(scenarios_at(scenario, names, table), threads=threads)
-    return {name: getattr(swims, name) for name in QUANTITIES}
+    runs = runs_of(scenarios_at(scenario, names, table))
+    joints = {name: np.full(len(runs), np.nan) for name in NEEDS}
+
+    def look(mine: Sequence[Run], block: Block) -> None:
+        for name, values in joint_peaks(mine, block).items():
+            joints[name][block.index] = values
+
+    interval = scenario.sample_interval
+    found = collected(runs, scenario.duration, interval, threads, None, look=look, with_joints=True)
+    kept = {name: np.where(found.succeeded, values, np.nan) for name, values in joints.items()}
+    return {**{name: found.figures[name] for name in FIGURES if name not in kept}, **kept, "succeeded": found.succeeded}
 
 
 def scenarios_at(scenario: Scenario, names: tuple[str, ...], table: Table) -> list[Scenario]:

@@ -14,6 +14,7 @@ from laticauda.trial import formats, metrics
 from laticauda.trial.contents import NOT_NEEDED, Contents, shapes_of
 from laticauda.trial.cycles import CycleMean
 from laticauda.trial.dataset import fields_of, to_dataset
+from laticauda.trial.feasibility import Feasibility, feasibility, peak
 
 if TYPE_CHECKING:
     import xarray
@@ -110,6 +111,21 @@ class Trial(Contents):
     """Slope of `heading_cycle_mean` over the steady part; positive to the left [rad/s]."""
     strouhal_number = Figure("", "Strouhal number of the trailing edge", metrics.strouhal_number)
     """Strouhal number f A / U of the trailing edge over the steady part [-]."""
+
+    peak_joint_angle = Figure("rad", "largest joint angle, first cycle left out", peak("peak_joint_angle"))
+    """Largest |phi| of a joint; this and the next three leave out the first gait cycle [rad]."""
+    peak_joint_rate = Figure("rad/s", "largest joint rate", peak("peak_joint_rate"))
+    """Largest |phi'| of a joint [rad/s]."""
+    peak_joint_torque = Figure("N m", "largest joint torque", peak("peak_joint_torque"))
+    """Largest |u| of a joint [N m]."""
+    utilization = Figure("", "share used of joints, actuators and room between links; 1: all", peak("utilization"))
+    """Largest share that is used of a joint's limit, of an actuator's speed or duty, of the room between links; above 1
+    the robot cannot do it: see `feasibility` [-]."""
+
+    @cached_property
+    def feasibility(self) -> Feasibility:
+        """What the run takes of joints and actuators beside what they have, and why the robot cannot do it, if so."""
+        return feasibility(self.chain, self, self.period)
 
     @property
     def mean_power_kind(self) -> Literal["mechanical", "electrical"]:
