@@ -50,6 +50,12 @@ def test_the_json_says_how_the_run_was_made(run):
     assert found["environment"] == "paper-eel with normal_drag 1.5"
 
 
+def test_a_water_with_another_law_says_so_in_its_name(run):
+    found = json.loads(run("swim --law total-speed-drag --gamma 0.8 --duration 0.1 --json").out)
+    assert found["environment"] == "paper-lateral with total-speed-drag with gamma 0.8"
+    assert json.loads(run("swim --law polynomial-drag --duration 0.1 --json").out)["environment"] == "paper-lateral"
+
+
 def test_without_options_it_is_the_papers_first_trial(run):
     assert run("swim").out == run(PAPER).out
 

@@ -120,7 +120,8 @@ class Names(Choice):
             return environment
         law, field = member(DragLaw, self.law, "law"), "drag" if isinstance(environment, Water) else "friction"
         is_kept = type(law) is type(getattr(environment, field))  # with the numbers that it has there
-        return environment if is_kept else replace(environment, **{field: law})
+        changes: Any = {field: law, "name": f"{environment.name} with {name_of(type(law))}"}
+        return environment if is_kept else replace(environment, **changes)
 
 
 def _recorded(name: str) -> JointAngles:
