@@ -139,6 +139,32 @@ def test_runs_that_end_off_the_path_have_not_converged(following):
     assert judged["path-converges"].found.count("0 of 12") == 1
 
 
+def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
+    def first_way_lost(case):
+        lost = replace(case.band[0], last_third_rms=0.5, figures={**case.band[0].figures, "last_third_error": 0.5})
+        came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5, "last_third_error": 0.0}
+        kept = replace(case.run, figures=came, last_third_rms=0.01)
+        return replace(case, run=kept, band=(lost, *(kept,) * (len(case.band) - 1)))
+
+    n = len(following.cases[0].band)
+    judged = by_key(claims(following=replace(following, cases=tuple(map(first_way_lost, following.cases)))))
+    for key in ("path-converges", "path-same-controller", "path-about-zero"):
+        assert judged[key].verdict == "holds"
+        assert judged[key].found.endswith(
+            f"The claim holds in {n - 1} of {n} ways to run the trials (joint law and bandwidth)."
+        )
+    assert "ways to run" not in judged["path-heading"].found
+    alone = [replace(case, band=case.band[:1]) for case in following.cases]
+    assert "ways to run" not in by_key(claims(following=replace(following, cases=tuple(alone))))["path-converges"].found
+
+
+def test_a_maximum_at_the_end_of_its_range_is_not_one_of_the_papers_that_was_met(study):
+    found = quantities.efficiency(study)
+    assert found["at_the_end"].count(True) > 0
+    ends = zip(found["at_the_end"], found["distances"], strict=True)
+    assert all(np.isinf(distance) == at_the_end for at_the_end, distance in ends)
+
+
 def test_a_limit_cycle_does_not_pass_as_following_the_path(following):
     def swaying(case):
         came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5}

@@ -1,7 +1,12 @@
+import re
+from dataclasses import replace
+
 from paper.reading import cells, said
 
 from laticauda.paper.claims import claims, misprints
-from laticauda.paper.report.reproduce import claims_chapter
+from laticauda.paper.report.experiments import Results
+from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, summary_chapter
+from laticauda.paper.scores import scores
 
 
 def test_the_tables_hold_every_claim_and_every_misprint(study):
@@ -21,6 +26,37 @@ def test_the_chapter_counts_the_verdicts(study):
     for verdict in {claim.verdict for claim in found}:
         assert f"{verdict} {sum(claim.verdict == verdict for claim in found)}" in text
     assert "holds 0" not in text
+
+
+def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(study):
+    found = claims(study)
+    html = claims_chapter(found).html({})
+    assert re.findall(r'<tr data-mark="([^"]*)">', html) == [claim.verdict for claim in found]
+    shown = re.findall(r'<input type="radio" name="verdict" value="([^"]*)"', html)
+    assert shown == ["", *(name for name in VERDICTS if name in {claim.verdict for claim in found})]
+
+
+def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physics(study, following):
+    results = Results(efficiency=study, path_following=following)
+    chapter = summary_chapter(results, results.claims)
+    ((name, caption, figure),) = chapter.figures()
+    assert name == "speeds"
+    shown = [len(line.get_xdata()) for line in figure.axes[0].lines if line.get_marker() != "None"]
+    assert shown == [len(study.measured), len(following.cases)]
+    text = said(chapter, {name: (caption, b"")})
+    for table, done in (("Table 1", study), ("Table 2", following)):
+        first = scores(done)[0]
+        null = min((one for one in scores(done) if one.n_fitted is not None), key=lambda one: one.overall)
+        assert f"{table}: {first.name} misses the measured speeds by {first.overall:.1f} %" in text
+        assert f"({null.name}, {null.n_fitted} numbers fitted to Table 1) by {null.overall:.1f} %" in text
+    assert f"{len(results.claims)} claims of the paper" in text
+
+
+def test_the_first_screen_says_whether_the_simulation_beats_the_model_without_physics(study):
+    cases = [replace(case, forward_velocity=(case.measured.forward_velocity or 1.0,) * 2) for case in study.cases]
+    perfect = Results(efficiency=replace(study, cases=tuple(cases)))
+    for results, sentence in ((perfect, "tells more than that does"), (Results(efficiency=study), "do not bear")):
+        assert sentence in said(summary_chapter(results, ()))
 
 
 def test_long_texts_break_into_lines_on_the_page_and_verdicts_do_not(study):

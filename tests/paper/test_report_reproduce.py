@@ -73,6 +73,8 @@ def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, 
     # Nothing is loaded from anywhere, and nothing runs.
     assert not re.search(r"https?:|<script|<link|url\(|@import", report)
     assert all(source.startswith("data:") for source in re.findall(r'src="([^"]{0,20})', report))
+    anchors = re.findall(r'<figure id="fig-([\w-]+)"', report)
+    assert sorted(f"{name}.png" for name in anchors) == sorted(name for name in done.files if name.endswith(".png"))
     parts = re.findall(r'<section id="([\w-]+)"', report)
     assert parts == ["claims", "efficiency", "path-following", "stability", "beyond"]
 
@@ -100,7 +102,8 @@ def test_every_study_has_a_runner_and_a_half_of_the_paper():
 def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
     monkeypatch.setattr(module, "CHAPTERS", {})
-    monkeypatch.setattr(module, "claims_chapter", lambda found: module.paper_chapter("words", {}, values={}))
+    for name in ("claims_chapter", "summary_chapter"):
+        monkeypatch.setattr(module, name, lambda *found: module.paper_chapter("words", {}, values={}))
     monkeypatch.setattr(module, "Results", lambda **found: type("Found", (), {"claims": (), "found": found}))
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results.found) == {"path_following", "stability", "beyond"}

@@ -123,6 +123,12 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
     held_out: HeldOutRun
     """The trial of another publication."""
 
+    @property
+    def ways(self) -> "tuple[PathFollowingStudy, ...]":
+        """By way of the band, the study as if that had been chosen; the trials stay those of the chosen one."""
+        ways = range(len(self.cases[0].band))
+        return tuple(replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases)) for i in ways)
+
 
 def run_path_following(
     settings: PathFollowingSettings | None = None,

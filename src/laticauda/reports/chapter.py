@@ -13,6 +13,7 @@ and sets `title`, the block `introduction`, and `chapters` (names, titles, texts
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false
 
 import base64
+import io
 import math
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -143,9 +144,19 @@ def write_chapter(
         paths = [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")]
         save_figure(figure, *paths)
         files += [path.name for path in paths]
-        pictures[name] = (caption, paths[0].read_bytes())
+        pictures[name] = (caption, _for_the_page(paths[0]))
         drawn(len(pictures))
     return files, chapter.html(pictures)
+
+
+def _for_the_page(path: Path) -> bytes:
+    """A picture in 256 colors, which take a third of the room; its file keeps all."""
+    from PIL import Image
+
+    content = io.BytesIO()
+    with Image.open(path) as picture:
+        picture.convert("RGB").quantize().save(content, "PNG")
+    return content.getvalue()
 
 
 def _base64(content: bytes) -> str:

@@ -87,6 +87,8 @@ def claims(
     studies = {"efficiency": efficiency, "following": following, "links": links, "side": side, "parity": parity}
     known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
     known |= {name: getattr(quantities, name)(study) for name, study in studies.items() if study is not None}
+    if following is not None:
+        known["ways"] = [{**known, "following": quantities.following(way)} for way in following.ways]
     if side is not None and efficiency is not None:
         known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
     return tuple(_judged(entry, known) for entry in table()["claims"])
@@ -123,9 +125,17 @@ def _judged(entry: Mapping[str, Any], known: Mapping[str, Any]) -> Claim:
         found, parts = f"Not run: {', '.join(missing)}.", []
     else:
         found = _text(entry["found"], known)
-        parts = [met for part in entry.get("parts", ()) for met in _met(part, known)]
+        parts = _parts(entry, known)
+        if entry.get("in_all_ways") and len(ways := known["ways"]) > 1:
+            n_held = sum(all(_parts(entry, way)) for way in ways)
+            found += f" The claim holds in {n_held} of {len(ways)} ways to run the trials (joint law and bandwidth)."
     texts = {name: entry[name] for name in ("key", "theme", "where", "paper", "rule")}
     return Claim(**texts, found=found, verdict=verdict(*parts))
+
+
+def _parts(entry: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:
+    """Whether the numbers meet each part of a rule."""
+    return [met for part in entry.get("parts", ()) for met in _met(part, known)]
 
 
 def _met(part: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:

@@ -1,7 +1,7 @@
 """The paper by one call: run its studies, and write figures, tables, data and a report into one folder."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
@@ -9,6 +9,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from threading import Thread
 from typing import Any, NamedTuple, Unpack
+
+import numpy as np
 
 from laticauda.errors import one_of, whole
 from laticauda.files import write
@@ -22,6 +24,7 @@ from laticauda.paper.report.experiments import HALVES, RUNS, Experiments, Result
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.report.stability import stability_chapter
+from laticauda.paper.scores import Score, scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 from laticauda.scenarios import Model, ModelChanges, model_of, settings_of
 
@@ -107,7 +110,9 @@ def reproduce(
     do = partial(_do, settings, by, folder, repeats)
     done = _run(do, [name for name in names if name != "parity" or how["model"] == "spatial"], workers, progress)
     results = Results(**{name: part.study for name, part in done.items()})
-    files, judged = write_chapter(claims_chapter(results.claims), folder, lambda n: None)
+    judged = results.claims
+    written, first = write_chapter(summary_chapter(results, judged), folder)
+    files, listed = write_chapter(claims_chapter(judged), folder)
     found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
     text = report.render(
         title=TITLE,
@@ -115,11 +120,43 @@ def reproduce(
         version=__version__,
         model=how["model"],
         joints=how["joints"],
-        chapters=[("claims", "The paper's claims", judged), *found],
+        summary=first,
+        chapters=[("claims", "The paper's claims", listed), *found],
     )
     write(folder / "report.html", text)
-    written = [file for part in done.values() for file in part.files]
+    written += [file for part in done.values() for file in part.files]
     return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
+
+
+def summary_chapter(results: Results, judged: Sequence[Claim]) -> Chapter:
+    """What the first screen of the report shows.
+
+    Args:
+        results: Of all studies.
+        judged: Their claims.
+    """
+    tables: dict[str, tuple[Sequence[Score], list[float]]] = {}
+    if (study := results.efficiency) is not None:
+        tables["Table 1"] = scores(study), [case.measured.forward_velocity or 0.0 for case in study.measured]
+    if (study := results.path_following) is not None:
+        tables["Table 2"] = scores(study), [case.measured.forward_velocity for case in study.cases]
+
+    def figures() -> Iterator[tuple[str, str, Any]]:
+        from laticauda.paper.figures.parity import speeds_sheet
+
+        names = {name: f"{name}: {found[0].name}" for name, (found, _) in tables.items()}
+        points = {names[name]: np.array([measured, found[0].speeds]) for name, (found, measured) in tables.items()}
+        yield "speeds", "Speeds of the robot against those simulated.", speeds_sheet(points)
+
+    predictors = {name: found for name, (found, _) in tables.items()}
+    values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
+    return paper_chapter("summary", {}, values=values, n_figures=1, figures=figures)
+
+
+def _counted(judged: Sequence[Claim]) -> dict[str, int]:
+    """How many claims have each verdict that there is."""
+    counts = Counter(claim.verdict for claim in judged)
+    return {name: counts[name] for name in VERDICTS if counts[name]}
 
 
 def claims_chapter(found: Sequence[Claim]) -> Chapter:
@@ -143,10 +180,9 @@ def claims_chapter(found: Sequence[Claim]) -> Chapter:
         {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
         for entry in misprints()
     ]
-    counts = Counter(claim.verdict for claim in found)
     return paper_chapter(
         "claims",
-        values={"n_claims": len(found), "counts": {name: counts[name] for name in VERDICTS if counts[name]}},
+        values={"n_claims": len(found), "counts": _counted(found)},
         tables={"claims": claims, "misprints": misprinted},
     )
 
