@@ -4,6 +4,7 @@ It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation
 of sweeps, beside the maxima of the simulated ones. How far off the speeds are is computed in `scores`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Unpack
@@ -92,6 +93,14 @@ class Maximum:
     """By model, how fast [m/s]."""
     at_the_end: tuple[bool, ...]
     """By model, whether that is the first or the last value of the sweep, so that the maximum may lie beyond."""
+
+    def distance(self, model: int) -> float:
+        """From the measured to the simulated maximum; infinite where there is none inside the range [rad, rad/s].
+
+        Args:
+            model: Its place.
+        """
+        return math.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
 
 
 def run_efficiency(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.paper.efficiency import Case, EfficiencyStudy
 from laticauda.paper.measured import PrintedChange, efficiency_trials, percent_change, printed_changes
@@ -67,28 +68,6 @@ class FinGain(Generic[AnyCase]):
         return percent_change(figure(self.without), figure(self.with_fin))
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeterCost:
-    """Energy per meter of one group of Table 2; the two powers are not comparable."""
-
-    group: str
-    """Its name."""
-    measured: tuple[float, ...]
-    """By case, electrical power above idle / forward velocity [J/m]."""
-    simulated: tuple[float, ...]
-    """By case, mechanical power / forward velocity of the chosen runs [J/m]."""
-
-    @property
-    def measured_mean(self) -> float:
-        """Mean over the cases [J/m]."""
-        return sum(self.measured) / len(self.measured)
-
-    @property
-    def simulated_mean(self) -> float:
-        """Mean over the cases [J/m]."""
-        return sum(self.simulated) / len(self.simulated)
-
-
 def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
     """What the fin changes, for every case with the fin that has a counterpart without.
 
@@ -130,9 +109,8 @@ def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: What `run_path_following` returned.
     """
-    ways = [[way.forward_velocity for way in runs] for runs in in_all_ways(study)]
-    names = [runs[0].name for runs in in_all_ways(study)]
-    return tuple(_scored(study, name, None, np.array(way)) for name, way in zip(names, ways, strict=True))
+    ways = [(runs[0].name, np.array([way.forward_velocity for way in runs])) for runs in in_all_ways(study)]
+    return tuple(_scored(study, name, None, speeds) for name, speeds in ways)
 
 
 def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
@@ -162,21 +140,17 @@ def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     )
 
 
-def meter_costs(study: PathFollowingStudy) -> tuple[MeterCost, ...]:
-    """Energy per meter, group by group.
+def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_cases"]]:
+    """Energy per meter by group: electrical, above idle, as measured; mechanical as simulated; not comparable [J/m].
 
     Args:
         study: What `run_path_following` returned.
     """
-    return tuple(
-        MeterCost(
-            group=group.name,
-            measured=tuple(case.measured.mean_power / case.measured.forward_velocity for case in cases),
-            simulated=tuple(case.run.joules_per_meter for case in cases),
-        )
-        for group in study.settings.groups
-        for cases in [[case for case in study.cases if case.group == group]]
-    )
+    found: dict[str, list[tuple[float, float]]] = {group.name: [] for group in study.settings.groups}
+    for case in study.cases:
+        measured = case.measured.mean_power / case.measured.forward_velocity
+        found[case.group.name].append((measured, case.run.joules_per_meter))
+    return {name: np.array(costs).T for name, costs in found.items()}
 
 
 def _scored(

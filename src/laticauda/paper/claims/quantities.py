@@ -74,11 +74,8 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
         **_trends(study),
         "optimum": math.degrees(phase.simulated_at[0]),
         "measured_optimum": math.degrees(phase.measured_at),
-        # A billionth less, which is rounding; at the end of its range there may be no maximum.
-        "distances": [
-            math.inf if one.at_the_end[0] else math.degrees(abs(one.simulated_at[0] - one.measured_at) - 1e-9)
-            for one in found
-        ],
+        # A billionth less, which is rounding.
+        "distances": [math.degrees(one.distance(0) - 1e-9) for one in found],
         "at_the_end": [one.at_the_end[0] for one in found],
     }
 

@@ -13,20 +13,26 @@ from laticauda.figures import style
 from laticauda.figures.identification import parity
 from laticauda.paper.optima import Optima
 
-SCALES = {"forward velocity [m/s]": "linear", "net power [W]": "log"}
-"""Of the axes, by what optima are compared in."""
+Points = Mapping[str, Float[np.ndarray, "2 n"]]
+"""By what the legend says, what is known and what is simulated."""
 
 
-def speeds_sheet(speeds: Mapping[str, Float[np.ndarray, "2 n"]]) -> Figure:
-    """Simulated over measured forward velocities, in one square.
+def parity_sheet(panels: Mapping[str, Points], known: str) -> Figure:
+    """Simulated over known numbers, a square per quantity; powers, which span decades, on logarithmic axes.
 
     Args:
-        speeds: By what the legend says, the measured and the simulated ones [m/s].
+        panels: By quantity with its unit.
+        known: What the known numbers are: measured, published.
     """
-    figure = style.new_figure(0.55 * style.DOUBLE_COLUMN, 0.55 * style.DOUBLE_COLUMN)
-    ax = parity(speeds, figure.subplots(), what="forward velocity [m/s]")
-    ax.set_ylabel("simulated forward velocity [m/s]")
-    style.legend(ax, loc="upper left")
+    side = 0.55 * style.DOUBLE_COLUMN
+    figure = style.new_figure(side * len(panels), side)
+    for ax, (what, points) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels.items(), strict=True):
+        parity(points, ax, what=what).set(xlabel=f"{known} {what}", ylabel=f"simulated {what}")
+        if "power" in what:
+            every = np.concatenate([*points.values()], axis=1)
+            ends = 0.8 * np.min(every), 1.25 * np.max(every)
+            ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
+    style.legend(figure.axes[0], loc="upper left")
     return figure
 
 
@@ -36,13 +42,6 @@ def optima_figure(found: Sequence[Optima]) -> Figure:
     Args:
         found: What `run_optima` returned.
     """
-    figure = style.new_figure(style.DOUBLE_COLUMN, 0.5 * style.DOUBLE_COLUMN)
-    for i, (ax, (what, scale)) in enumerate(zip(figure.subplots(1, 2), SCALES.items(), strict=True)):
-        points = {one.gait: np.stack((one.published[i], one.simulated[i])) for one in found}
-        every = np.concatenate([*points.values()], axis=1)
-        parity(points, ax, what=what).set(xlabel=f"published {what}", ylabel=f"simulated {what}")
-        if scale == "log":
-            ends = 0.8 * np.min(every), 1.25 * np.max(every)
-            ax.set(xscale=scale, yscale=scale, xlim=ends, ylim=ends)
-    style.legend(figure.axes[0], loc="upper left")
-    return figure
+    quantities = ("forward velocity [m/s]", "net power [W]")
+    by_quantity = [{one.gait: np.stack((one.published[i], one.simulated[i])) for one in found} for i in (0, 1)]
+    return parity_sheet(dict(zip(quantities, by_quantity, strict=True)), "published")

@@ -30,13 +30,6 @@ STRIP = (0.55, 2.4)  # smallest and largest height of a path [in]
 LABELS = 0.55  # height that labels and letters take [in]
 PANEL_HEIGHT = 1.7  # [in]
 HEAD = 0.75  # height that title and legend take [in]
-# By run, told apart by dashes too.
-LINES: tuple[tuple[str, Any], ...] = (
-    (style.BLUE, (0, (5, 2))),
-    (style.ORANGE, "-"),
-    (style.INK, (0, (1, 1.5))),
-    (style.AMBER, (0, (5, 1, 1, 1))),
-)
 TURN_HEIGHT = 2.2  # [in]
 TURN_HEAD = 0.9  # height that title and legend take [in]
 TURNS = {"turning_rate": "turning rate [deg/s]", "radius": "radius [m]", "path_speed": "path speed [m/s]"}
@@ -191,7 +184,7 @@ def mean_errors(lines: Sequence[ErrorLine], ax: Axes, *, xlabel: str, tolerance:
         ax.axhspan(-tolerance, tolerance, color="#E4E4E4", linewidth=0.0, zorder=0, label=label)
     ax.axhline(0.0, color=style.GRAY, linewidth=style.THIN, zorder=1)
     for i, (label, error) in enumerate(lines):
-        color, dashes = LINES[i % len(LINES)]
+        color, dashes = style.LINES[i % len(style.LINES)]
         ax.plot(*error, color=color, linestyle=dashes, linewidth=1.5, label=label)
     ax.set_xlim(
         min(0.0, *(float(error.time[0]) for _, error in lines)), max(float(error.time[-1]) for _, error in lines)

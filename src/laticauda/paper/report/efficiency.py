@@ -44,13 +44,11 @@ def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, An
     """What the sentences of the chapter are made of."""
     found, gains, starred, models = scores(study), fin_gains(study.cases), maxima(study), range(len(study.models))
     sweeps, groups = study.settings.sweeps, study.settings.groups
-    within = [[one for one in starred if not one.at_the_end[i]] for i in models]
-    near = [[abs(one.simulated_at[i] - one.measured_at) <= NEAR + 1e-9 for one in within[i]] for i in models]
     return {
         "physical": [score for score in found if score.n_fitted is None],
         "best": best_null(found),
         "n_maxima": len(starred),
-        "n_near": [*map(sum, near)],
+        "n_near": [sum(one.distance(i) <= NEAR + 1e-9 for one in starred) for i in models],
         "n_at_end": [sum(one.at_the_end[i] for one in starred) for i in models],
         "fin": {kind: gain for kind, gain in fin_by_gait(study).items() if gain["measured"]},
         "misprinted": misprinted(gains),

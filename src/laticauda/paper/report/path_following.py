@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.datasets import to_dataset
@@ -105,7 +107,7 @@ def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
 
 def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
     """Measured energy per meter without and with the fin, gait by gait [J/m]."""
-    costs = {cost.group: cost.measured_mean for cost in meter_costs(study)}
+    costs = {group: float(np.mean(measured)) for group, (measured, _) in meter_costs(study).items()}
     for gait in dict.fromkeys(group.gait for group in study.settings.groups):
         pair = {group.has_fin: costs[group.name] for group in study.settings.groups if group.gait == gait}
         if len(pair) == 2:
@@ -263,15 +265,11 @@ def _fin(gain: FinGain[FollowingCase]) -> Row:
 
 
 def _joules(study: PathFollowingStudy) -> Iterator[Row]:
-    for cost in meter_costs(study):
-        trials = [(f"case {i}", *pair) for i, pair in enumerate(zip(cost.measured, cost.simulated, strict=True), 1)]
-        for trial, measured, computed in (*trials, ("mean", cost.measured_mean, cost.simulated_mean)):
-            yield {
-                "group": cost.group,
-                "trial": trial,
-                "measured: electrical [J/m]": measured,
-                "simulated: mechanical [J/m]": computed,
-            }
+    for group, costs in meter_costs(study).items():
+        trials = [(f"case {i}", pair) for i, pair in enumerate(costs.T.tolist(), 1)]
+        for trial, pair in (*trials, ("mean", np.mean(costs, axis=1).tolist())):
+            row = zip(("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True)
+            yield {"group": group, "trial": trial, **dict(row)}
 
 
 def _runs(study: PathFollowingStudy) -> Iterator[Row]:

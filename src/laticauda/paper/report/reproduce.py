@@ -42,6 +42,9 @@ CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """The best first."""
+COLUMNS = {"about": "theme", "where": "where", "the paper says": "paper", "here": "found"}
+COLUMNS |= {"rule: it holds if": "rule", "verdict": "verdict"}
+"""Of the table of claims, with the claim's fields."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -142,11 +145,11 @@ def summary_chapter(results: Results, judged: Sequence[Claim]) -> Chapter:
         tables["Table 2"] = scores(study), [case.measured.forward_velocity for case in study.cases]
 
     def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.paper.figures.parity import speeds_sheet
+        from laticauda.paper.figures.parity import parity_sheet
 
-        names = {name: f"{name}: {found[0].name}" for name, (found, _) in tables.items()}
-        points = {names[name]: np.array([measured, found[0].speeds]) for name, (found, measured) in tables.items()}
-        yield "speeds", "Speeds of the robot against those simulated.", speeds_sheet(points)
+        points = {f"{name}: {found[0].name}": np.array([v, found[0].speeds]) for name, (found, v) in tables.items()}
+        sheet = parity_sheet({"forward velocity [m/s]": points}, "measured")
+        yield "speeds", "Speeds of the robot against those simulated.", sheet
 
     predictors = {name: found for name, (found, _) in tables.items()}
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
@@ -165,17 +168,7 @@ def claims_chapter(found: Sequence[Claim]) -> Chapter:
     Args:
         found: What `laticauda.paper.claims.claims` returned.
     """
-    claims = [
-        {
-            "about": claim.theme,
-            "where": claim.where,
-            "the paper says": claim.paper,
-            "here": claim.found,
-            "rule: it holds if": claim.rule,
-            "verdict": claim.verdict,
-        }
-        for claim in found
-    ]
+    claims = [{column: getattr(claim, name) for column, name in COLUMNS.items()} for claim in found]
     misprinted = [
         {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
         for entry in misprints()
