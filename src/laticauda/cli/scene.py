@@ -11,13 +11,13 @@ from typing import Any, Self, TypeVar, cast
 from laticauda import simulate
 from laticauda.cli.command import Command
 from laticauda.cli.flags import File, read, was_typed
-from laticauda.errors import BadArgument, TrialFileError
+from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid import DragLaw
 from laticauda.gaits import Gait, JointAngles, recorded_gait
 from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Environment, Robot, RobotNotFound, Water, load_joint_angles, load_robot
+from laticauda.robot import Environment, Robot, Water, load_joint_angles, load_robot
 from laticauda.scenarios import Choice, Model, Scenario, load_scenario, model_of, named_after
 
 Kind = TypeVar("Kind", bound=Extensible)
@@ -126,11 +126,8 @@ class Names(Choice):
 
 def _recorded(name: str) -> JointAngles:
     """The angles of a preset, of a table of them, or of a trial in any of its formats."""
-    try:
+    if Path(name).suffix in ("", ".csv"):
         return load_joint_angles(name)
-    except (TrialFileError, RobotNotFound):
-        if not Path(name).is_file() or Path(name).suffix == ".csv":
-            raise
     from laticauda.logs import load_trial
 
     return JointAngles.of(load_trial(name))

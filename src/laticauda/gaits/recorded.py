@@ -16,8 +16,6 @@ from laticauda.gaits.reference import between_knots
 from laticauda.quantities import quantity, value
 from laticauda.series import Log
 
-TIMES = ("time_s", "t_s", "time", "t")
-"""What the column of times may be called."""
 JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
 """What a column of angles is called; 1 is the tail-most joint."""
 
@@ -66,16 +64,16 @@ class JointAngles:
             TrialFileError: If it cannot be read, or anything in it is wrong.
         """
         columns = read_columns(path, TrialFileError)
-        clock = next((name for name in TIMES if name in columns), None)
         joints = sorted((int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name)))
-        if clock is None or not joints or [k for k, _ in joints] != list(range(1, len(joints) + 1)):
-            rule = f"a column `{TIMES[0]}` and columns `joint_1_deg`, `joint_2_deg`, ... from the tail on"
+        if "time_s" not in columns or [k for k, _ in joints] != list(range(1, max(len(joints), 1) + 1)):
+            rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... from the tail on"
             raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
+        units = np.array([[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints])
         try:
-            time, *angles = ([float(cell) for cell in columns[name]] for name in (clock, *(name for _, name in joints)))
-            units = [math.radians(1.0) if name.endswith("_deg") else 1.0 for _, name in joints]
-            scaled = [[unit * one for one in column] for unit, column in zip(units, angles, strict=True)]
-            return cls(time=tuple(time), angle=tuple(map(tuple, scaled)))
+            time, *angles = (
+                [float(cell) for cell in columns[name]] for name in ("time_s", *(one for _, one in joints))
+            )
+            return cls(time=tuple(time), angle=_rows(np.array(angles) * units))
         except ValueError as error:
             raise TrialFileError(f"{path}: {error}") from None
 
@@ -86,7 +84,7 @@ class JointAngles:
         Args:
             log: The trial.
         """
-        return cls(time=tuple((log.time - log.time[0]).tolist()), angle=tuple(map(tuple, log.joint_angle.T.tolist())))
+        return cls(time=tuple((log.time - log.time[0]).tolist()), angle=_rows(log.joint_angle.T))
 
     @property
     def frequency(self) -> float:
@@ -127,6 +125,10 @@ class JointAngles:
         (t, *a), (end, *b) = self.knots[k : k + 2].tolist()
         joints = zip(a[::2], a[1::2], b[::2], b[1::2], strict=True)
         return np.array([between_knots(time, t, end, *numbers) for numbers in joints]).T
+
+
+def _rows(table: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    return tuple(map(tuple, table.tolist()))
 
 
 def _clamped_rates(
