@@ -20,7 +20,7 @@ from laticauda.paper.settings import swimmers
 from laticauda.paper.steered import curved_run, drift_laws, drift_run
 from laticauda.scenarios import Planar
 
-HOW = (Planar(), Runs(n_runs=1, progress=None))
+RUNS = Runs(model=Planar(), progress=None)
 SMALL = BeyondSettings(
     drift=DriftSettings(duration=30.0, control_interval=0.1),
     curved=CurvedSettings(swimmers=swimmers()[1::2], waypoints=((0.0, 0.0), (1.0, 0.3), (2.0, 0.0))),
@@ -39,7 +39,7 @@ def study():
 @pytest.fixture(scope="module")
 def drifts():
     settings = DriftSettings()
-    return {law.name: drift_run(settings, law, *HOW) for law in settings.laws}
+    return {law.name: drift_run(settings, law, RUNS) for law in settings.laws}
 
 
 def test_the_integral_takes_the_drift_off_and_line_of_sight_alone_does_not(drifts):
@@ -68,9 +68,9 @@ def test_a_mirrored_current_gives_the_mirrored_error():
     law = drift_laws()[2]  # settles in seconds
     settings = DriftSettings(duration=60.0)
     mirrored = replace(settings, current=(0.0, -0.05))
-    one, other = (drift_run(each, law, *HOW).mean_error for each in (settings, mirrored))
+    one, other = (drift_run(each, law, RUNS).mean_error for each in (settings, mirrored))
     assert one == pytest.approx(-other, abs=2e-3)
-    assert abs(drift_run(replace(settings, current=(0.0, 0.0)), law, *HOW).mean_error) < 2e-3
+    assert abs(drift_run(replace(settings, current=(0.0, 0.0)), law, RUNS).mean_error) < 2e-3
 
 
 # ---- curved path ---------------------------------------------------------------------------------------------------
@@ -82,7 +82,7 @@ def test_a_run_ends_where_the_curve_does(study):
         x, _ = run.trial.center_of_mass[-1]
         assert run.trial.signals["along_track_distance"][-1] == pytest.approx(SMALL.curved.path.length, abs=0.05)
         assert x == pytest.approx(2.0, abs=0.1)
-    short = curved_run(replace(SMALL.curved, most_duration=9.0), swimmers()[0], *HOW)
+    short = curved_run(replace(SMALL.curved, most_duration=9.0), swimmers()[0], RUNS)
     assert not short.reached_end
     assert short.trial.duration == pytest.approx(9.0)
 
@@ -91,10 +91,10 @@ def test_a_straight_curve_is_followed_without_error_and_a_bend_on_its_outer_side
     swimmer = swimmers()[1]
     straight = replace(SMALL.curved, waypoints=((0.0, 0.0), (1.5, 0.0), (3.0, 0.0)))
     assert straight.tightest_radius == np.inf
-    assert curved_run(straight, swimmer, *HOW).rms < 0.02
+    assert curved_run(straight, swimmer, RUNS).rms < 0.02
     left = replace(SMALL.curved, waypoints=((0.0, 0.0), (1.5, -0.6), (3.0, 0.0)))
     right = replace(SMALL.curved, waypoints=((0.0, 0.0), (1.5, 0.6), (3.0, 0.0)))
-    one, other = curved_run(left, swimmer, *HOW), curved_run(right, swimmer, *HOW)
+    one, other = curved_run(left, swimmer, RUNS), curved_run(right, swimmer, RUNS)
     at = [run.error.value[np.argmax(np.abs(run.error.value))] for run in (one, other)]
     assert at[0] < -0.02
     assert at[1] > 0.02
@@ -135,7 +135,7 @@ def test_positive_offsets_turn_left_and_larger_ones_more_tightly(study):
 def test_the_radius_is_that_of_the_circle_that_is_swum():
     settings = TurningSettings(offsets=(radians(12),), duration=120.0)
     swimmer = swimmers()[0]
-    curve = turning_curve(settings, swimmer, *HOW)
+    curve = turning_curve(settings, swimmer, RUNS)
     trial = lc.swim(lc.load_robot("mamba"), replace(swimmer.gait, offset=radians(12)), 120.0)
     points = trial.center_of_mass[trial.time > 40.0]
     # Least squares of x2 + y2 = 2 a x + 2 b y + c.

@@ -41,7 +41,7 @@ def test_other_coefficients_reach_the_water():
 
 def test_a_swimmer_is_a_scenario_that_swim_knows():
     swimmer = replace(swimmers()[0], duration=2.0, model=Planar(offset_bandwidth=4.0))
-    trial = Runs(n_runs=1, progress=None).swim("this one", swimmer)
+    trial = Runs(model=Planar(), progress=None).swim("this one", swimmer)
     assert np.array_equal(trial.center_of_mass, lc.swim(swimmer).center_of_mass)
     assert trial.scenario.model.offset_bandwidth == 4.0
 
@@ -49,12 +49,12 @@ def test_a_swimmer_is_a_scenario_that_swim_knows():
 def test_a_run_that_blows_up_is_named():
     swimmer = replace(swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0)
     with pytest.raises(SimulationFailed, match=r"^this one: "):
-        Runs(n_runs=1, progress=None).swim("this one", swimmer)
+        Runs(model=Planar(), progress=None).swim("this one", swimmer)
 
 
 def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
     told = []
-    runs = Runs(n_runs=2, progress=lambda *what: told.append(what))
+    runs = Runs(model=Planar(), n_runs=2, progress=lambda *what: told.append(what))
     for swimmer in swimmers()[:2]:
         runs.swim("one", replace(swimmer, duration=0.5, model=model_of("planar", joints="pd")))
     assert set(runs.how) == {"model", "joints", "dt", "offset_bandwidth", "ramp"}

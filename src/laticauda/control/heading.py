@@ -1,12 +1,11 @@
 """Heading: what counts as the heading of a body that undulates, and the offset that turns it."""
 
 from bisect import bisect_right
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import TypeAlias
 
 from laticauda.angles import wrap_to_pi
-from laticauda.errors import BadArgument, not_negative
+from laticauda.errors import BadArgument
 from laticauda.quantities import quantity, value
 
 _ROUNDING = 1e-9  # [s]: two control instants are never that close
@@ -51,7 +50,7 @@ HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
 """Headings of the last window, oldest first: time [s], heading [rad], its integral since the first of all [rad s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class HeadingEstimate:
     """The heading as the mean over the time that just passed.
 
@@ -62,12 +61,9 @@ class HeadingEstimate:
         ValueError: If the window is negative.
     """
 
-    window: float = 0.0
-    """How far back the mean goes; the period of the gait, or 0 for no mean [s]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "window", not_negative("window", self.window, "s"))
+    window: float = quantity(
+        "s", "How far back the mean goes; the period of the gait, or 0 for no mean", ge=0.0, default=0.0
+    )
 
     def init(self) -> HeadingWindow:
         """Nothing seen yet."""

@@ -21,6 +21,7 @@ from laticauda.interfaces import Command, Controller, Observation
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
+_OF_PLAN = tuple(PathFollowing.__dataclass_fields__)  # which this one has too
 _SIGNALS = {
     "heading_ref": "climb_ref",
     "heading_used": "climb_used",
@@ -81,14 +82,7 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
 
     @property
     def _plan(self) -> PathFollowing:
-        return PathFollowing(
-            gait=self.gait,
-            path=self.path,
-            guidance=self.guidance,
-            heading=self.heading,
-            heading_estimate=self.heading_estimate,
-            interval=self.interval,
-        )
+        return PathFollowing(**{name: getattr(self, name) for name in _OF_PLAN})
 
     @property
     def _profile(self) -> PathFollowing:

@@ -13,7 +13,7 @@ from laticauda.lab import Tank
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
 from laticauda.operate.drivers import CanDriver, Clock, MeterDriver, MocapDriver
-from laticauda.operate.drivers.can import Frame, frame_of
+from laticauda.operate.drivers.can import Frame
 from laticauda.operate.drivers.mocap import pose_sample
 from laticauda.operate.recording.entries import PowerReading, Tick, Timing
 from laticauda.operate.recording.recorder import Sink
@@ -234,7 +234,7 @@ class TankDevices(Devices):
 
     def receive(self, now: float) -> tuple[Inputs, tuple[Frame, ...]]:
         """See `Devices.receive`."""
-        frames = tuple(frame_of(now, wire, decode(*wire), is_ours=False) for wire in self._tank.sent())
+        frames = tuple(Frame(now, *wire, is_ours=False, message=decode(*wire)) for wire in self._tank.sent())
         readings: tuple[PowerReading, ...] = ()
         if self._has_meter and now - self._queried >= METER_INTERVAL - 1e-9:
             readings, self._queried = self._readings(now), now
@@ -250,7 +250,7 @@ class TankDevices(Devices):
 
     def send(self, messages: tuple[CanMessage, ...], now: float) -> tuple[Frame, ...]:
         """See `Devices.send`."""
-        frames = tuple(frame_of(now, encode(message), message, is_ours=True) for message in messages)
+        frames = tuple(Frame(now, *encode(message), is_ours=True, message=message) for message in messages)
         for frame in frames:
             self._tank.receive(frame.identifier, frame.data, now)
         return frames

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -50,9 +50,7 @@ class Repeats:
             name: As in `Result.summary`.
         """
         known = [value for result in self.accepted if (value := result.summary().get(name)) is not None]
-        if not known:
-            return None
-        return statistics.fmean(known), statistics.stdev(known) if len(known) > 1 else None
+        return mean_and_deviation(known) if known else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,6 +102,11 @@ class Series:
             lines += [f"{result.name}: {result.aftermath}"] if result.aftermath else []
         lines.append(f"for `laticauda reproduce --repeats`: {self.folder / 'repeats.csv'}")
         return "\n".join(lines)
+
+
+def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
+    """Mean and standard deviation of some values; one has no deviation."""
+    return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
 
 
 def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place | None = None) -> Series:

@@ -17,6 +17,7 @@ from typing import Any, Self, TextIO
 
 from laticauda.extras import optional_import
 from laticauda.operate.course.state import OperatorState, Outputs
+from laticauda.operate.drivers.worker import Worker
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import Modules
 from laticauda.operate.safety.transitions import PHASES
@@ -66,7 +67,7 @@ class Keys:
         self._before.clear()
 
 
-class Terminal:
+class Terminal(Worker[None]):
     """Single keys of a terminal, without Enter, as long as a `with` block lasts; nothing where there is no terminal.
 
     The terminal is as it was afterwards. Ctrl-C stays a signal. Who runs the program in the background has no keys.
@@ -77,10 +78,9 @@ class Terminal:
     """
 
     def __init__(self, keys: Keys, stream: TextIO | None = None) -> None:
+        super().__init__("keys")
         self._keys, self._stream = keys, sys.stdin if stream is None else stream
         self._before: list[Any] | None = None
-        self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         """Take the keys one by one, unseen."""
@@ -92,33 +92,26 @@ class Terminal:
             if self._stream.isatty() and _in_front(number):
                 self._before = termios.tcgetattr(number)
                 tty.setcbreak(number)
-                self._thread = threading.Thread(target=self._run, args=(number,), name="laticauda-keys", daemon=True)
-                self._thread.start()
+                self._start()
         except (ImportError, AttributeError, OSError, ValueError):
             pass  # another operating system, or no terminal: Ctrl-C is left
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def release(self) -> None:
         """Give the terminal back as it was."""
-        self._ended.set()
-        if self._thread is not None:
-            self._thread.join(10.0 * LOOK)
         if self._before is not None:
             import termios
 
             with contextlib.suppress(OSError, ValueError, termios.error):
                 termios.tcsetattr(self._stream.fileno(), termios.TCSADRAIN, self._before)
 
-    def _run(self, number: int) -> None:
-        while not self._ended.is_set():
-            try:
-                if not select.select([number], [], [], LOOK)[0]:
-                    continue
-                pressed = os.read(number, 1)
-            except (OSError, ValueError):
-                return
-            if not pressed:  # the terminal is gone
-                return
+    def work(self) -> None:
+        """Wait for a key."""
+        number = self._stream.fileno()
+        if select.select([number], [], [], LOOK)[0]:
+            pressed = os.read(number, 1)
+            if not pressed:
+                raise EOFError("the terminal is gone")
             if pressed in WORDS:
                 self._keys.stop(WORDS[pressed])
 
@@ -166,7 +159,7 @@ def line_of(event: Event) -> str:
     return f"{event.time:8.2f} s  {event.kind.replace('_', ' '):<13} {event.message}"
 
 
-class Dashboard:
+class Dashboard(Worker[None]):
     """Modules, pose, state and events, drawn again and again by a thread of its own.
 
     Args:
@@ -174,12 +167,11 @@ class Dashboard:
     """
 
     def __init__(self, operation: Operation) -> None:
+        super().__init__("dashboard")
         self._operation = operation
         self._state: OperatorState | None = None
         self._events: tuple[Event, ...] = ()
-        self._ended = threading.Event()
         self._live: Any = _rich("live").Live(screen=False, auto_refresh=False)
-        self._thread = threading.Thread(target=self._run, name="laticauda-dashboard", daemon=True)
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """Take one tick; drawing it is the thread's business."""
@@ -188,9 +180,10 @@ class Dashboard:
         if events:
             self._events = (*self._events, *events)[-LAST_EVENTS:]
 
-    def _run(self) -> None:
-        while not self._ended.wait(REFRESH):
-            self._draw()
+    def work(self) -> None:
+        """Draw what is now, after a moment."""
+        self._ended.wait(REFRESH)
+        self._draw()
 
     def _draw(self) -> None:
         if self._state is not None:
@@ -199,13 +192,11 @@ class Dashboard:
     def __enter__(self) -> Self:
         """Begin to draw."""
         self._live.start()
-        self._thread.start()
+        self._start()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def release(self) -> None:
         """Draw the end, and give the terminal back."""
-        self._ended.set()
-        self._thread.join(2.0)
         self._draw()
         self._live.stop()
 

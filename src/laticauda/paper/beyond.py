@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
@@ -13,10 +12,9 @@ from laticauda.paper.runs import Runs, Study, Swimmer
 from laticauda.paper.settings import swimmers
 from laticauda.paper.steered import CurvedRun, CurvedSettings, DriftRun, DriftSettings, curved_run, drift_run
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.trials import Progress
 
 Numbers = Float[np.ndarray, " n_offsets"]
+CURVES = ("turning_rate", "path_speed", "mechanical_power")
 
 
 @value
@@ -37,11 +35,6 @@ class TurningSettings:
         # A turning rate takes two cycles after the transient, which is 10 s or a third of the run.
         longest = max((2.0 * math.pi / one.gait.frequency for one in self.swimmers), default=1.0)
         within("duration", self.duration, max(10.0 + 2.0 * longest, 3.0 * longest), 1e5, "s")
-
-    @property
-    def n_runs(self) -> int:
-        """How many runs it takes [-]."""
-        return len(self.offsets) * len(self.swimmers)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,26 +58,22 @@ class TurningCurve:
         return self.path_speed / np.abs(self.turning_rate)
 
 
-def turning_curve(settings: TurningSettings, swimmer: Swimmer, model: Model, runs: Runs) -> TurningCurve:
+def turning_curve(settings: TurningSettings, swimmer: Swimmer, runs: Runs) -> TurningCurve:
     """One swimmer at every offset.
 
     Args:
         settings: What is run.
         swimmer: Who swims.
-        model: By which model.
         runs: What runs it.
 
     Raises:
         SimulationFailed: If a run blows up; the message says which.
     """
-    found: list[tuple[float, float, float]] = []
-    for offset in settings.offsets:
-        turn = replace(swimmer, motion=replace(swimmer.gait, offset=offset), model=model, duration=settings.duration)
-        trial = runs.swim(f"{swimmer.name}, offset {math.degrees(offset):.3g} deg", turn)
-        found.append((trial.turning_rate, trial.path_speed, trial.mechanical_power))
-    rate, speed, power = np.array(found).T
-    curves = {"turning_rate": rate, "path_speed": speed, "mechanical_power": power}
-    return TurningCurve(swimmer=swimmer, offset=np.array(settings.offsets), **curves)
+    usual = replace(swimmer, model=runs.model, duration=settings.duration)
+    turns = {offset: replace(usual, motion=replace(swimmer.gait, offset=offset)) for offset in settings.offsets}
+    trials = [runs.swim(f"{swimmer.name}, offset {math.degrees(at):.3g} deg", turn) for at, turn in turns.items()]
+    found = {name: np.array([getattr(one, name) for one in trials]) for name in CURVES}
+    return TurningCurve(swimmer=swimmer, offset=np.array(settings.offsets), **found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +90,8 @@ class BeyondSettings:
     @property
     def n_runs(self) -> int:
         """How many runs all of it takes [-]."""
-        return self.drift.n_runs + self.curved.n_runs + self.turning.n_runs
+        turns = len(self.turning.offsets) * len(self.turning.swimmers)
+        return len(self.drift.laws) + len(self.curved.swimmers) + turns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,32 +105,19 @@ class BeyondStudy(Study[BeyondSettings]):
     turning: tuple[TurningCurve, ...]
     """One per swimmer."""
 
+    usual = BeyondSettings
 
-def run_beyond(
-    settings: BeyondSettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> BeyondStudy:
-    """Run what the paper did not: a cross current, a curved path, open-loop turning.
+    @classmethod
+    def by_runs(cls, settings: BeyondSettings, runs: Runs) -> "BeyondStudy":
+        """See `Study.by_runs`."""
+        runs.n_runs = settings.n_runs
+        return BeyondStudy(
+            settings=settings,
+            how=runs.how,
+            drift=tuple(drift_run(settings.drift, law, runs) for law in settings.drift.laws),
+            curved=tuple(curved_run(settings.curved, one, runs) for one in settings.curved.swimmers),
+            turning=tuple(turning_curve(settings.turning, one, runs) for one in settings.turning.swimmers),
+        )
 
-    Args:
-        settings: None takes the defaults.
-        model: By which model, or its name.
-        progress: Called after every run with the number of runs done, and of all.
-        changes: What differs from the model's defaults.
 
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a run blows up; the message says which.
-    """
-    settings = settings or BeyondSettings()
-    by, runs = model_of(model, **changes), Runs(n_runs=settings.n_runs, progress=progress)
-    return BeyondStudy(
-        settings=settings,
-        how=runs.how,
-        drift=tuple(drift_run(settings.drift, law, by, runs) for law in settings.drift.laws),
-        curved=tuple(curved_run(settings.curved, one, by, runs) for one in settings.curved.swimmers),
-        turning=tuple(turning_curve(settings.turning, one, by, runs) for one in settings.turning.swimmers),
-    )
+run_beyond = BeyondStudy.run

@@ -7,7 +7,6 @@ of sweeps, beside the maxima of the simulated ones. How far off the speeds are i
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
@@ -16,8 +15,6 @@ from laticauda.gaits import Gait
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
-from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.trials import Progress
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 
@@ -74,6 +71,42 @@ class EfficiencyStudy(Study[EfficiencySettings]):
         """The rows with a measured velocity."""
         return tuple(case for case in self.cases if case.measured.forward_velocity is not None)
 
+    usual = staticmethod(efficiency_settings)
+
+    @classmethod
+    def by_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
+        """See `Study.by_runs`."""
+        runs.n_runs = settings.n_runs
+
+        def swum(group: Group, gait: Gait) -> list[tuple[float, float, float]]:
+            """By model: forward velocity [m/s], steady velocity [m/s] and mechanical power [W]."""
+            setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
+                *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
+            )
+            swimmers = [
+                one.swimmer(group.robot, gait, model=runs.model, duration=settings.duration) for one in settings.models
+            ]
+            names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]
+            trials = [runs.swim(*one) for one in zip(names, swimmers, strict=True)]
+            return [(trial.forward_velocity, trial.steady_velocity, trial.mechanical_power) for trial in trials]
+
+        cases = [
+            Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
+            for group in settings.groups
+            for row in group.cases
+            for velocity, _, power in [zip(*swum(group, row.gait), strict=True)]
+        ]
+        sweeps: list[SweepResult] = []
+        for sweep in settings.sweeps:
+            found = [[swum(group, sweep.gait(group.gait, at)) for at in sweep.values] for group in settings.groups]
+            velocity, steady, power = np.moveaxis(np.array(found), (3, 2), (0, 1))
+            curves = {"forward_velocity": velocity, "steady_velocity": steady, "mechanical_power": power}
+            sweeps.append(SweepResult(settings=sweep, **curves))
+        return EfficiencyStudy(settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases))
+
+
+run_efficiency = EfficiencyStudy.run
+
 
 @dataclass(frozen=True, kw_only=True)
 class Maximum:
@@ -101,57 +134,6 @@ class Maximum:
             model: Its place.
         """
         return math.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
-
-
-def run_efficiency(
-    settings: EfficiencySettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> EfficiencyStudy:
-    """Run the efficiency study: every sweep and every row of Table 1, straight and from rest.
-
-    Args:
-        settings: None takes those of the paper.
-        model: By which model, or its name.
-        progress: Called after every trial with the number of trials done, and of all.
-        changes: What differs from the model's defaults.
-
-    Returns:
-        Speeds and powers; the logs of the trials are not kept.
-
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a trial blows up; the message says which.
-    """
-    settings = settings or efficiency_settings()
-    by = model_of(model, **changes)
-    runs = Runs(n_runs=settings.n_runs, progress=progress)
-
-    def swum(group: Group, gait: Gait) -> list[tuple[float, float, float]]:
-        """By model: forward velocity [m/s], steady velocity [m/s] and mechanical power [W]."""
-        setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
-            *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
-        )
-        swimmers = [one.swimmer(group.robot, gait, model=by, duration=settings.duration) for one in settings.models]
-        names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]
-        trials = [runs.swim(*one) for one in zip(names, swimmers, strict=True)]
-        return [(trial.forward_velocity, trial.steady_velocity, trial.mechanical_power) for trial in trials]
-
-    cases = [
-        Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
-        for group in settings.groups
-        for row in group.cases
-        for velocity, _, power in [zip(*swum(group, row.gait), strict=True)]
-    ]
-    sweeps: list[SweepResult] = []
-    for sweep in settings.sweeps:
-        found = [[swum(group, sweep.gait(group.gait, at)) for at in sweep.values] for group in settings.groups]
-        velocity, steady, power = np.moveaxis(np.array(found), (3, 2), (0, 1))
-        curves = {"forward_velocity": velocity, "steady_velocity": steady, "mechanical_power": power}
-        sweeps.append(SweepResult(settings=sweep, **curves))
-    return EfficiencyStudy(settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases))
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:

@@ -6,7 +6,7 @@ It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. What it fin
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.trials import Progress
+from laticauda.scenarios import Model
 from laticauda.trial import Trial, following
 from laticauda.trial.cycles import TRANSIENT
 
@@ -123,49 +122,33 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
     held_out: HeldOutRun
     """The trial of another publication."""
 
+    usual = staticmethod(path_following_settings)
+
     @property
     def ways(self) -> "tuple[PathFollowingStudy, ...]":
         """By way of the band, the study as if that had been chosen; the trials stay those of the chosen one."""
         ways = range(len(self.cases[0].band))
         return tuple(replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases)) for i in ways)
 
+    @classmethod
+    def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
+        """See `Study.by_runs`."""
+        chosen = runs.model
+        law = name_of(type(chosen.joints))
+        ways = [
+            replace(chosen, offset_bandwidth=bandwidth)
+            if joints == law
+            else replace(chosen, joints=JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
+            for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
+        ]
+        runs.n_runs = settings.n_runs(law, chosen.offset_bandwidth)
+        pool = _Pool(settings=settings, ways=ways, runs=runs)
+        cases = [case for group in settings.groups for case in pool.cases(group)]
+        how = cases[0].trial.settings
+        return PathFollowingStudy(settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out())
 
-def run_path_following(
-    settings: PathFollowingSettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> PathFollowingStudy:
-    """Run the path-following study: every case of Table 2, straight and from rest, along the x axis.
 
-    Args:
-        settings: None takes those of the paper.
-        model: Of the chosen runs, or its name; its time step is that of the runs with its joints.
-        progress: Called after every run with the number of runs done, and of all.
-        changes: What differs from the model's defaults.
-
-    Returns:
-        The logs of the chosen runs, and figures of all.
-
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a run blows up; the message says which.
-    """
-    settings = settings or path_following_settings()
-    chosen = model_of(model, **changes)
-    law = name_of(type(chosen.joints))
-    ways = [
-        replace(chosen, offset_bandwidth=bandwidth)
-        if joints == law
-        else replace(chosen, joints=JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
-        for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
-    ]
-    runs = Runs(n_runs=settings.n_runs(law, chosen.offset_bandwidth), progress=progress)
-    pool = _Pool(settings=settings, chosen=chosen, ways=ways, runs=runs)
-    cases = [case for group in settings.groups for case in pool.cases(group)]
-    how = cases[0].trial.settings
-    return PathFollowingStudy(settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out())
+run_path_following = PathFollowingStudy.run
 
 
 def figures_of(trial: Trial, distance: float) -> FollowingRun:
@@ -209,18 +192,17 @@ class _Pool:
     """What all runs have in common."""
 
     settings: PathFollowingSettings
-    chosen: Model
     ways: list[Model]
     runs: Runs
 
     def cases(self, group: Group) -> Iterator[FollowingCase]:
         """All cases of a group."""
-        free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.chosen)
+        free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model)
         for row, figure in zip(group.followed, group.figures, strict=True):
             start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
             task = (f"{group.name}, case {row.case}", group.robot, row.gait)
             trials = [self._swim(*task, way, start, "raw") for way in self.ways]
-            band, place = [*map(self._figures, trials)], self.ways.index(self.chosen)
+            band, place = [*map(self._figures, trials)], self.ways.index(self.runs.model)
             yield FollowingCase(
                 measured=row,
                 group=group,
@@ -228,7 +210,7 @@ class _Pool:
                 trial=trials[place],
                 run=band[place],
                 band=tuple(band),
-                cycle_mean=self._figures(self._swim(*task, self.chosen, start, "cycle_mean")),
+                cycle_mean=self._figures(self._swim(*task, self.runs.model, start, "cycle_mean")),
                 free_velocity=free.steady_velocity,
             )
 
@@ -236,7 +218,7 @@ class _Pool:
         """The trial of another publication."""
         held = self.settings.held_out
         start = Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
-        trial = self._swim("The held-out trial", held.robot, held.gait, self.chosen, start, "raw")
+        trial = self._swim("The held-out trial", held.robot, held.gait, self.runs.model, start, "raw")
         time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
         assert period is not None
         ahead = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(trial.heading)

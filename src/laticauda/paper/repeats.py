@@ -13,8 +13,6 @@ electrical power above idle, P_avg_W, may be missing, as a column or in single r
 
 import csv
 import math
-import statistics
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +21,7 @@ from laticauda.errors import BadArgument, TrialFileError, nearest
 from laticauda.files import read_text
 from laticauda.gaits import Gait, envelope_of
 from laticauda.operate.files import SeriesFile, load_operation
+from laticauda.operate.series import mean_and_deviation
 from laticauda.paper.measured import KINDS
 from laticauda.quantities import option, quantity, value
 from laticauda.trial.null_models import Row
@@ -59,13 +58,13 @@ class Repeat(Row):
     @property
     def velocity(self) -> tuple[float, float | None]:
         """Mean and standard deviation of the forward velocity; one trial has no deviation [m/s]."""
-        return _mean_and_deviation(self.forward_velocity)
+        return mean_and_deviation(self.forward_velocity)
 
     @property
     def power(self) -> tuple[float, float | None] | None:
         """The same for the power; None if no trial has one [W]."""
         known = [value for value in self.mean_power if value is not None]
-        return _mean_and_deviation(known) if known else None
+        return mean_and_deviation(known) if known else None
 
 
 def table2_series() -> SeriesFile:
@@ -142,8 +141,3 @@ def _cell(name: str, text: str) -> Any:
         return float(text)
     except ValueError:
         raise BadArgument(name, f"must be a number, got {text!r}") from None
-
-
-def _mean_and_deviation(values: Iterable[float]) -> tuple[float, float | None]:
-    known = [*values]
-    return statistics.fmean(known), statistics.stdev(known) if len(known) > 1 else None

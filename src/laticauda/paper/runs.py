@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
 
 from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing
 from laticauda.control import Path as FollowedPath
@@ -12,7 +12,7 @@ from laticauda.errors import SimulationFailed, within
 from laticauda.gaits import Gait
 from laticauda.packaging import __version__
 from laticauda.robot import Parameters, Robot, Water, load_robot, load_water
-from laticauda.scenarios import Scenario, settings_of
+from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
 from laticauda.studies.trials import Progress
@@ -115,10 +115,12 @@ class Steering:
 class Runs:
     """Swims one scenario after the other: counts them, and keeps how they were made."""
 
-    n_runs: int
-    """How many there will be [-]."""
+    model: Model
+    """By which model, unless a run says otherwise."""
     progress: Progress | None
     """Called after every run with the number of runs done, and of all."""
+    n_runs: int = 0
+    """How many there will be; a study says so before the first [-]."""
     how: dict[str, Setting] = field(default_factory=dict[str, Setting])
     """How they were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     n_done: int = 0
@@ -158,6 +160,40 @@ class Study(Generic[Settings]):
     """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     version: str = field(default_factory=lambda: __version__)
     """Version of laticauda that ran it."""
+    usual: ClassVar[Any]
+    """Makes the settings that are run where none are given."""
+
+    @classmethod
+    def run(
+        cls,
+        settings: Settings | None = None,
+        model: Model | str = "planar",
+        *,
+        progress: Progress | None = None,
+        **changes: Unpack[ModelChanges],
+    ) -> Self:
+        """Run the study.
+
+        Args:
+            settings: None takes those of the paper, or the defaults where it has none.
+            model: By which model, or its name.
+            progress: Called after every run with the number of runs done, and of all.
+            changes: What differs from the model's defaults.
+
+        Returns:
+            What was run, and what came out.
+
+        Raises:
+            ValueError: If an argument is out of its range.
+            SimulationFailed: If a run blows up; the message says which.
+        """
+        chosen: Any = cls.usual() if settings is None else settings
+        return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
+
+    @classmethod
+    def by_runs(cls, settings: Settings, runs: Runs) -> Any:
+        """What comes out of `settings`, swum by `runs`."""
+        raise NotImplementedError
 
 
 def long_enough(name: str, duration: float, swimmers: tuple[Swimmer, ...], n_cycles: float) -> float:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
@@ -22,8 +21,7 @@ from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot
-from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.trials import Progress
+from laticauda.scenarios import Model
 from laticauda.trial import Trial
 
 ROBOT = "mamba"
@@ -70,54 +68,37 @@ class SideTrials(Study[SideSettings]):
         """The phase shift at which lateral undulation is fastest with pd joints [rad]."""
         return float(self.settings.phase_shifts.values[np.argmax(self.pd_velocity)])
 
+    usual = SideSettings
 
-def run_side_trials(
-    settings: SideSettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> SideTrials:
-    """Run the side trials.
+    @classmethod
+    def by_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
+        """See `Study.by_runs`."""
+        by, sweep = runs.model, settings.phase_shifts
+        gaits = {gait.kind: gait for gait in settings.gaits}
+        runs.n_runs = sweep.values.size + 3 * len(gaits)
 
-    Args:
-        settings: None takes those of the paper.
-        model: By which model, or its name; the sweep over the phase shift has pd joints all the same.
-        progress: Called after every trial with the number of trials done, and of all.
-        changes: What differs from the model's defaults.
+        def speed(gait: Gait, how: Model, **others: float) -> float:
+            swimmer = settings.coefficients.swimmer(ROBOT, gait, model=how, duration=settings.duration)
+            changed = replace(swimmer, environment=replace(swimmer.environment, **others))
+            return runs.swim(f"{ROBOT}, {gait.kind}, side trial", changed).forward_velocity
 
-    Returns:
-        Speeds and their changes.
+        pd = replace(by, joints=JointLaw.of("pd"), dt=None)
+        swept = [speed(sweep.gait("lateral_undulation", at), pd) for at in sweep.values]
+        usual = {kind: speed(gait, by) for kind, gait in gaits.items()}
 
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a trial blows up; the message says which.
-    """
-    settings = settings or SideSettings()
-    by, sweep = model_of(model, **changes), settings.phase_shifts
-    gaits = {gait.kind: gait for gait in settings.gaits}
-    runs = Runs(n_runs=sweep.values.size + 3 * len(gaits), progress=progress)
+        def changed_by(**others: float) -> dict[str, float]:
+            return {kind: percent_change(usual[kind], speed(gait, by, **others)) for kind, gait in gaits.items()}
 
-    def speed(gait: Gait, how: Model, **others: float) -> float:
-        swimmer = settings.coefficients.swimmer(ROBOT, gait, model=how, duration=settings.duration)
-        changed = replace(swimmer, environment=replace(swimmer.environment, **others))
-        return runs.swim(f"{ROBOT}, {gait.kind}, side trial", changed).forward_velocity
+        return SideTrials(
+            settings=settings,
+            how=runs.how,
+            pd_velocity=np.array(swept),
+            by_added_inertia=changed_by(added_inertia=0.0),
+            by_depth=changed_by(depth=SHALLOW),
+        )
 
-    pd = replace(by, joints=JointLaw.of("pd"), dt=None)
-    swept = [speed(sweep.gait("lateral_undulation", at), pd) for at in sweep.values]
-    usual = {kind: speed(gait, by) for kind, gait in gaits.items()}
 
-    def changed_by(**others: float) -> dict[str, float]:
-        return {kind: percent_change(usual[kind], speed(gait, by, **others)) for kind, gait in gaits.items()}
-
-    return SideTrials(
-        settings=settings,
-        how=runs.how,
-        pd_velocity=np.array(swept),
-        by_added_inertia=changed_by(added_inertia=0.0),
-        by_depth=changed_by(depth=SHALLOW),
-    )
-
+run_side_trials = SideTrials.run
 
 KEPT = ("phase shift", "number of waves")
 """What the longer robot has in common with the shorter one, besides amplitude and frequency."""
@@ -189,39 +170,25 @@ class LinksStudy(Study[LinksSettings]):
     doublings: tuple[Doubling, ...]
     """By gait and, within, by what was kept."""
 
+    usual = LinksSettings
 
-def run_links(
-    settings: LinksSettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> LinksStudy:
-    """Run the links study: every gait with both numbers of links, straight and from rest.
+    @classmethod
+    def by_runs(cls, settings: LinksSettings, runs: Runs) -> "LinksStudy":
+        """See `Study.by_runs`."""
+        wanted = [*product(settings.gaits, KEPT)]
+        runs.n_runs = 2 * len(wanted)
 
-    Args:
-        settings: None takes 10 and 20 of Mamba's links at the setting that the paper's sweeps hold.
-        model: By which model, or its name.
-        progress: Called after every trial with the number of trials done, and of all.
-        changes: What differs from the model's defaults.
+        def swum(kind: str, kept: str, n: int) -> Trial:
+            gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
+            robot = load_robot(settings.robot, n_links=n)
+            swimmer = settings.coefficients.swimmer(robot, gait, model=runs.model, duration=settings.duration)
+            return runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
 
-    Returns:
-        Speeds and powers.
+        few, many = settings.n_links
+        found = [
+            Doubling(kept=kept, shorter=swum(kind, kept, few), longer=swum(kind, kept, many)) for kind, kept in wanted
+        ]
+        return LinksStudy(settings=settings, how=runs.how, doublings=tuple(found))
 
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a trial blows up; the message says which.
-    """
-    settings = settings or LinksSettings()
-    wanted = [*product(settings.gaits, KEPT)]
-    by, runs = model_of(model, **changes), Runs(n_runs=2 * len(wanted), progress=progress)
 
-    def swum(kind: str, kept: str, n: int) -> Trial:
-        gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
-        robot = load_robot(settings.robot, n_links=n)
-        swimmer = settings.coefficients.swimmer(robot, gait, model=by, duration=settings.duration)
-        return runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
-
-    few, many = settings.n_links
-    found = [Doubling(kept=kept, shorter=swum(kind, kept, few), longer=swum(kind, kept, many)) for kind, kept in wanted]
-    return LinksStudy(settings=settings, how=runs.how, doublings=tuple(found))
+run_links = LinksStudy.run

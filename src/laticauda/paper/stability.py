@@ -7,7 +7,7 @@ takes is asked here, for both gaits without and with the fin; for the raw headin
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Shaped
@@ -18,8 +18,6 @@ from laticauda.interfaces import Start
 from laticauda.paper.runs import Runs, Steering, Study, Swimmer, long_enough
 from laticauda.paper.settings import at_least_one, swimmers
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model, ModelChanges, model_of
-from laticauda.studies.trials import Progress
 from laticauda.trial import Trial
 from laticauda.trial.following import mean_error
 
@@ -139,6 +137,25 @@ class StabilityStudy(Study[StabilitySettings]):
     maps: tuple[StabilityMap, ...]
     """One per swimmer of the settings."""
 
+    usual = StabilitySettings
+
+    @classmethod
+    def by_runs(cls, settings: StabilitySettings, runs: Runs) -> "StabilityStudy":
+        """See `Study.by_runs`."""
+        runs.n_runs = settings.n_runs
+        maps = [
+            StabilityMap(
+                swimmer=one,
+                cycle_mean=_loops(settings, one, "cycle_mean", settings.gains, runs),
+                raw=_loops(settings, one, "raw", settings.raw_gains, runs),
+            )
+            for one in settings.swimmers
+        ]
+        return StabilityStudy(settings=settings, how=runs.how, maps=tuple(maps))
+
+
+run_stability = StabilityStudy.run
+
 
 def behavior(rms: Some, rms_before: Some, tolerance: float) -> Shaped[np.ndarray, "*loops"]:
     """What loops do, by their cycle-mean cross-track error.
@@ -161,43 +178,11 @@ def behavior(rms: Some, rms_before: Some, tolerance: float) -> Shaped[np.ndarray
     return np.where(rms < tolerance, SETTLED, np.where(rms * rms <= 0.5 * rms_before * rms_before, COMING, SWINGS))
 
 
-def run_stability(
-    settings: StabilitySettings | None = None,
-    model: Model | str = "planar",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> StabilityStudy:
-    """Run every loop of the stability maps.
-
-    Args:
-        settings: None takes the defaults.
-        model: By which model, or its name.
-        progress: Called after every run with the number of runs done, and of all.
-        changes: What differs from the model's defaults.
-
-    Raises:
-        ValueError: If an argument is out of its range.
-        SimulationFailed: If a run blows up; the message says which.
-    """
-    settings = settings or StabilitySettings()
-    by, runs = model_of(model, **changes), Runs(n_runs=settings.n_runs, progress=progress)
-    maps = [
-        StabilityMap(
-            swimmer=one,
-            cycle_mean=_loops(settings, replace(one, model=by), "cycle_mean", settings.gains, runs),
-            raw=_loops(settings, replace(one, model=by), "raw", settings.raw_gains, runs),
-        )
-        for one in settings.swimmers
-    ]
-    return StabilityStudy(settings=settings, how=runs.how, maps=tuple(maps))
-
-
 def _loops(settings: StabilitySettings, swimmer: Swimmer, estimate: str, gains: tuple[float, ...], runs: Runs) -> Loops:
     """Every look-ahead distance with every gain."""
     interval = settings.control_interval
     start = Start(center_of_mass=(0.0, settings.initial_cross_track_error))
-    alike = replace(swimmer, start=start, duration=settings.duration, sample_interval=interval)
+    alike = replace(swimmer, model=runs.model, start=start, duration=settings.duration, sample_interval=interval)
     found = np.zeros((3, len(settings.look_ahead_distances), len(gains)))
     for i, distance in enumerate(settings.look_ahead_distances):
         for j, gain in enumerate(gains):

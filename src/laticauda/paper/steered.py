@@ -15,7 +15,6 @@ from laticauda.interfaces import Observation, Start
 from laticauda.paper.runs import Runs, Steering, Swimmer, long_enough
 from laticauda.paper.settings import path_following_settings, swimmers
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean, cycle_mean
 from laticauda.trial.following import last_third_error, mean_error
@@ -54,11 +53,6 @@ class DriftSettings:
         """Check what has a range."""
         long_enough("duration", self.duration, (self.swimmer,), 5.0)
 
-    @property
-    def n_runs(self) -> int:
-        """How many runs it takes [-]."""
-        return len(self.laws)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DriftRun:
@@ -95,13 +89,12 @@ class DriftRun:
         return abs(self.mean_error) < self.tolerance
 
 
-def drift_run(settings: DriftSettings, law: Steering, model: Model, runs: Runs) -> DriftRun:
+def drift_run(settings: DriftSettings, law: Steering, runs: Runs) -> DriftRun:
     """One law in the current.
 
     Args:
         settings: Who swims, in which current, for how long.
         law: How it is steered.
-        model: By which model.
         runs: What runs it.
 
     Raises:
@@ -110,7 +103,7 @@ def drift_run(settings: DriftSettings, law: Steering, model: Model, runs: Runs) 
     swimmer = settings.swimmer
     water = replace(swimmer.environment, current=settings.current)
     controller = law.controller(swimmer.gait, StraightLine(), settings.control_interval)
-    scenario = replace(swimmer, motion=controller, environment=water, model=model, duration=settings.duration)
+    scenario = replace(swimmer, motion=controller, environment=water, model=runs.model, duration=settings.duration)
     trial = runs.swim(f"{swimmer.name}, in a current, {law.name}", scenario)
     assert trial.period is not None
     measured = trial.time, trial.signals["cross_track_error"], trial.period
@@ -163,11 +156,6 @@ class CurvedSettings:
         sharpest = float(np.max(turns)) / (path.length / 2000.0)
         return 1.0 / sharpest if sharpest > 1e-9 else math.inf
 
-    @property
-    def n_runs(self) -> int:
-        """How many runs it takes [-]."""
-        return len(self.swimmers)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CurvedRun:
@@ -189,13 +177,12 @@ class CurvedRun:
     """The largest of it to either side, without sign [m]."""
 
 
-def curved_run(settings: CurvedSettings, swimmer: Swimmer, model: Model, runs: Runs) -> CurvedRun:
+def curved_run(settings: CurvedSettings, swimmer: Swimmer, runs: Runs) -> CurvedRun:
     """One swimmer along the curve.
 
     Args:
         settings: The curve, and how it is followed.
         swimmer: Who swims.
-        model: By which model.
         runs: What runs it.
 
     Raises:
@@ -212,7 +199,7 @@ def curved_run(settings: CurvedSettings, swimmer: Swimmer, model: Model, runs: R
     x, y = begin[0]
     start = Start(center_of_mass=(float(x), float(y)), heading=math.atan2(float(ahead[1]), float(ahead[0])))
     controller = settings.law.controller(swimmer.gait, path, settings.control_interval)
-    scenario = replace(swimmer, motion=controller, model=model, start=start, duration=settings.most_duration)
+    scenario = replace(swimmer, motion=controller, model=runs.model, start=start, duration=settings.most_duration)
     trial = runs.swim(f"{swimmer.name}, along a curve", scenario, until=is_past_the_end)
     assert trial.period is not None
     error = mean_error(trial.time, trial.signals["cross_track_error"], trial.period)

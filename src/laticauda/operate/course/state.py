@@ -8,6 +8,7 @@ import numpy as np
 
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
 from laticauda.interfaces import Command
+from laticauda.kinematics import turned_about_vertical
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Event, Measurement, PowerReading
 from laticauda.operate.safety.limits import LimitState, Modules, updated
@@ -224,7 +225,7 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
     """A frame on our clock, in the path frame, and of a marker body that sits as the trial file says."""
     rotation = frame.rotation
     if rotation is not None:
-        rotation = _about_z(-tank.path_heading) @ rotation @ _about_z(-turned)
+        rotation = turned_about_vertical(-tank.path_heading) @ rotation @ turned_about_vertical(-turned)
     position = tank.to_path(frame.position)
     return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
 
@@ -256,9 +257,3 @@ def _joints(state: OperatorState, modules: Modules) -> tuple[JointSample, ...]:
         return ()
     angle, rate, torque = (np.where(fresh, one, np.nan) for one in (modules.angle, modules.rate, modules.torque))
     return (JointSample(time=state.now, angle=angle, rate=rate, torque=torque),)
-
-
-def _about_z(angle: float) -> np.ndarray:
-    """A rotation about the vertical [-]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

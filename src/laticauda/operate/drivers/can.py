@@ -4,8 +4,7 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker
 from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, from_node, open_bus, to_frame
@@ -19,8 +18,7 @@ ADVICE = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Frame:
+class Frame(NamedTuple):
     """One frame that went over the bus."""
 
     time: float
@@ -33,11 +31,6 @@ class Frame:
     """Whether we sent it."""
     message: CanMessage | None
     """What it says; None if it is none of our protocol."""
-
-
-def frame_of(time: float, wire: tuple[int, bytes], message: CanMessage | None, *, is_ours: bool) -> Frame:
-    """A frame, from its identifier and its bytes on the `wire`; see `Frame`."""
-    return Frame(time=time, identifier=wire[0], data=wire[1], is_ours=is_ours, message=message)
 
 
 class CanDriver(Worker[Frame]):
@@ -85,7 +78,7 @@ class CanDriver(Worker[Frame]):
         if not from_node(frame.arbitration_id):
             return  # our own, which udp_multicast brings back
         wire = frame.arbitration_id, bytes(frame.data)
-        self._found.append(frame_of(self._clock.now(), wire, from_frame(frame), is_ours=False))
+        self._found.append(Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame)))
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
         """Send messages, in this order.
@@ -105,7 +98,8 @@ class CanDriver(Worker[Frame]):
             except Exception as error:  # the supervisor gets it, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
-            sent.append(frame_of(self._clock.now(), (frame.arbitration_id, bytes(frame.data)), message, is_ours=True))
+            wire = frame.arbitration_id, bytes(frame.data)
+            sent.append(Frame(self._clock.now(), *wire, is_ours=True, message=message))
         self._send_trouble = trouble
         return tuple(sent)
 

@@ -13,33 +13,23 @@ from typing import Any, NamedTuple, TypeAlias, get_args
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite
+from laticauda.errors import BadArgument
 from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.interfaces import Command
+from laticauda.quantities import quantity, value
 
 
-@dataclass(frozen=True, kw_only=True)
+@value
 class PowerReading:
     """What the power meter in the supply cable says."""
 
-    time: float
-    """When it was read [s]."""
-    current: float
-    """Now [A]."""
-    average: float | None = None
-    """Since the meter was reset; None if it was not queried [A]."""
-    minimum: float | None = None
-    """Since the meter was reset [A]."""
-    maximum: float | None = None
-    """Since the meter was reset [A]."""
-    since: float | None = None
-    """When the meter was reset; None if that is not known [s]."""
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "time", finite("time", self.time, "s"))
-        object.__setattr__(self, "current", finite("current", self.current, "A"))
+    time: float = quantity("s", "When it was read")
+    current: float = quantity("A", "Now")
+    average: float | None = quantity("A", "Since the meter was reset; None if it was not queried", default=None)
+    minimum: float | None = quantity("A", "Since the meter was reset", default=None)
+    maximum: float | None = quantity("A", "Since the meter was reset", default=None)
+    since: float | None = quantity("s", "When the meter was reset; None if that is not known", default=None)
 
 
 @dataclass(frozen=True, kw_only=True)
