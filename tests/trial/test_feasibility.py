@@ -36,7 +36,7 @@ def test_the_figures_are_those_of_the_samples_after_the_first_cycle(trial: lc.Tr
     assert trial.utilization == pytest.approx(np.abs(duty[late]).max(), rel=1e-12)
 
 
-def test_a_run_without_a_second_cycle_counts_as_a_whole():
+def test_a_run_of_less_than_a_cycle_and_a_half_counts_as_a_whole():
     short = lc.swim("mamba", GAIT, 2.0)
     assert short.peak_joint_rate == np.abs(short.joint_rate).max()
 

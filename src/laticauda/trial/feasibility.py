@@ -50,14 +50,16 @@ class Feasibility:
 
 
 def settled(time: Float[np.ndarray, " n_samples"], period: float | None) -> Bool[np.ndarray, " n_samples"]:
-    """Which samples count: those after the first gait cycle, in which a run starts; all of a run without a second.
+    """Which samples count: those after the first gait cycle, in which a run starts; all if not half a cycle is left.
+
+    Half a cycle holds the peaks: the other half is its mirror image.
 
     Args:
         time: Of the samples [s].
         period: Of the gait, None without one [s].
     """
     start = time[0] + (period or 0.0)
-    return time >= (start if time[-1] - start >= (period or 0.0) else time[0])
+    return time >= (start if time[-1] - start >= 0.5 * (period or 0.0) else time[0])
 
 
 def shares(robots: Sequence[Robot], angle: Joints, rate: Joints, torque: Joints) -> Shares:

@@ -1,0 +1,39 @@
+"""What the docs say of gaits that robots can or cannot do."""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import laticauda as lc
+from laticauda.paper.measured import efficiency_trials
+from laticauda.robot import load_parameters
+from laticauda.trial.feasibility import feasibility
+
+PAGE = (Path(__file__).parents[2] / "docs" / "theory" / "joints.md").read_text(encoding="utf-8")
+GAITS = (
+    lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40),
+    lc.eel_like(amplitude_deg=50, frequency_deg_s=110, phase_shift_deg=40),
+)
+
+
+@pytest.mark.parametrize("name", [name for name in lc.robot_names()])
+def test_the_docs_say_of_every_preset_whether_it_can_swim_the_gaits_of_the_docs(name: str):
+    used = [lc.swim(name, gait, 30.0).utilization for gait in GAITS]
+    assert f"| `{name}` | {used[0]:.2f} | {used[1]:.2f} |" in PAGE
+
+
+@pytest.mark.parametrize("name", ["paper", "mamba-speed-limited", "mamba-identified"])
+def test_the_docs_count_the_gaits_of_table_1_that_are_beyond_the_published_servo(name: str):
+    model, rows, beyond, most = load_parameters(name), Counter[bool](), Counter[bool](), 0.0
+    for row in efficiency_trials():
+        published, kind = lc.load_robot(row.robot), row.gait.kind
+        robot, water = model.robot(published, kind), model.water(kind)
+        trial = lc.swim(robot, row.gait, environment=water, joints=model.joints or "prescribed")
+        found = feasibility(published, trial, trial.period)
+        rows[row.has_fin] += 1
+        beyond[row.has_fin] += bool(found.problems)
+        most = max(most, trial.peak_joint_torque)
+    (line,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` | ") and "N m |" in line]
+    counts = [f"{beyond[has_fin]} of {rows[has_fin]}" for has_fin in (False, True)]
+    assert line.endswith(f"| {counts[0]} | {counts[1]} | {most:.1f} N m |")
