@@ -219,10 +219,10 @@ def value(kind: Kind) -> Kind:
 def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(init)
     def from_degrees(self: Any, **given: Any) -> None:
-        degrees = degrees_of(type(self))
-        for key in degrees.keys() & given.keys():
-            name, number = degrees[key], given.pop(key)
-            declared = quantities_of(type(self))[name]
+        kind: type = self.__class__
+        for key in degrees_of(kind).keys() & given.keys():
+            name, number = degrees_of(kind)[key], given.pop(key)
+            declared = quantities_of(kind)[name]
             if name in given:
                 raise BadArgument(key, f"must not be given beside `{name}`, which says the same in {declared.unit}")
             given[name] = None if number is None else math.radians(declared.in_degrees.checked(key, number))

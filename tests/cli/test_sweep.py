@@ -149,7 +149,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         raise KeyboardInterrupt
 
     with monkeypatch.context() as context:
-        context.setattr(trials, "swim_many", stop)
+        context.setattr(trials, "collected", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to go on.\n"

@@ -7,7 +7,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
-from laticauda.robot import load_parameters
+from laticauda.robot import load_parameters, robot_names
 from laticauda.trial.feasibility import feasibility
 
 PAGE = (Path(__file__).parents[2] / "docs" / "theory" / "joints.md").read_text(encoding="utf-8")
@@ -17,7 +17,7 @@ GAITS = (
 )
 
 
-@pytest.mark.parametrize("name", [name for name in lc.robot_names()])
+@pytest.mark.parametrize("name", robot_names())
 def test_the_docs_say_of_every_preset_whether_it_can_swim_the_gaits_of_the_docs(name: str):
     used = [lc.swim(name, gait, 30.0).utilization for gait in GAITS]
     assert f"| `{name}` | {used[0]:.2f} | {used[1]:.2f} |" in PAGE

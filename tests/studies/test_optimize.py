@@ -58,12 +58,23 @@ def test_the_search_is_worth_more_than_as_many_random_points():
 
 
 def test_for_one_objective_it_finds_the_maximum_of_a_grid_or_better():
-    sought = replace(SOUGHT, objectives="forward_velocity")
+    sought = replace(SOUGHT, objectives="forward_velocity", beyond_actuators=True)
     front = small(sought, budget=320, population=16)
     axes = np.meshgrid(*(np.linspace(*ends, 12) for ends in BOUNDS.values()))
     table = np.stack([axis.ravel() for axis in axes], axis=1)
     assert len(front) == 1
     assert front.figures["forward_velocity"][0] >= evaluate(sought, table)["forward_velocity"].max()
+
+
+def test_it_keeps_within_what_the_actuators_have_unless_told_otherwise():
+    scenario = lc.scenario("mamba-fin", SCENARIO.gait, 6.0)
+    sought = replace(SOUGHT, scenario=scenario, objectives="forward_velocity")
+    within = small(sought, budget=96, population=16)
+    beyond = small(replace(sought, beyond_actuators=True), budget=96, population=16)
+    assert within.figures["utilization"][0] <= 1.0 < beyond.figures["utilization"][0]
+    assert within.n_infeasible > 0 == beyond.n_infeasible
+    assert within.figures["forward_velocity"][0] < beyond.figures["forward_velocity"][0]
+    assert lc.swim(within.scenario(0)).feasibility.problems == ()
 
 
 @pytest.mark.parametrize("n_objectives", [1, 2])

@@ -8,7 +8,10 @@ from laticauda.studies import Grid
     ("values", "message"),
     [
         ({"gait.amplitud": [0.1]}, "got 'gait.amplitud'; the nearest are `gait.amplitude`"),
-        ({"gait.amplitude": [-0.1, 0.1]}, "got gait.amplitude = -0.1: amplitude must be >= 0 rad, got -0.1"),
+        (
+            {"gait.amplitude": [-0.1, 0.1]},
+            "got gait.amplitude = -0.1: amplitude must be between 0 and 3.14159 rad",
+        ),
         ({"robot.n_links": [5, 5.5, 7]}, "`robot.n_links` must be a whole number, got 5.5"),
         ({"robot.n_links": [0]}, "got robot.n_links = 0: n_links must be a whole number >= 1"),
         ({"water.depth": [0.01, 1.0]}, "got water.depth = 0.01: depth must be > 0.055 m"),

@@ -58,7 +58,7 @@ def numbers(live: Live) -> Numbers:
         velocity = metrics.forward_velocity(time, place)
         work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
         power = metrics.mean_power(time, work)
-        found = {"forward_velocity": velocity, "mean_power": power}
+        found |= {"forward_velocity": velocity, "mean_power": power}
         if velocity > 1e-6:
             weight = metrics.carried_weight(robot, scenario.environment)
             found["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)

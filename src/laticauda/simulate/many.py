@@ -257,14 +257,15 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
         runs: Those of the block.
         block: What they left behind.
     """
-    layout, body = runs[0].plant.layout, runs[0].plant.robot
-    n_joints, tail = layout.n_bodies - 1, layout.tail_link
-    columns = [*range(tail, n_joints), *range(tail - 1, tail)[: len(body.driven_joints) - body.n_joints]]
-    log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))[:, (0, 1, 3)][:, :, columns]
+    layout, robots = runs[0].plant.layout, [run.plant.robot for run in runs]
+    tail, n_joints = layout.tail_link, layout.n_bodies - 1
+    log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
+    if len(robots[0].driven_joints) > robots[0].n_joints:
+        log = np.concatenate((log, log[:, :, tail - 1 : tail]), axis=2)
     periods = [2.0 * math.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
     counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
     with np.errstate(all="ignore"):
-        return feasibility.peaks([run.plant.robot for run in runs], log[:, 0], log[:, 1], log[:, 2], counts)
+        return feasibility.peaks(robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts)
 
 
 def _figures(runs: Sequence[Run], weight: np.ndarray, block: Block) -> dict[str, np.ndarray]:

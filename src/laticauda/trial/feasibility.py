@@ -24,7 +24,6 @@ from laticauda.robot import Actuator, Robot
 from laticauda.series import Log
 
 Joints = Float[np.ndarray, "n_samples n_joints n_runs"]
-Shares = Float[np.ndarray, "3 n_samples n_joints n_runs"]
 
 NEEDS = {
     "peak_joint_angle": ("joint_angle",),
@@ -35,6 +34,8 @@ NEEDS = {
 """The figures of this module, and what of a log each needs."""
 ROUNDING = 1e-9
 """A share that is this much above 1 is 1: servos do deliver all they have."""
+MOST = 40
+"""In how many postures of each of many runs crossing links are looked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,42 +63,59 @@ def settled(time: Float[np.ndarray, " n_samples"], period: float | None) -> Bool
     return time >= (start if time[-1] - start >= 0.5 * (period or 0.0) else time[0])
 
 
-def shares(robots: Sequence[Robot], angle: Joints, rate: Joints, torque: Joints) -> Shares:
-    """What every joint uses of its limit, of the speed of its actuator, and of that one's duty; 1 is all.
-
-    Args:
-        robots: One per run; the planar ones for runs in the plane.
-        angle: phi of the driven joints, tail first, then that of a driven fin [rad].
-        rate: phi' [rad/s].
-        torque: u [N m].
-    """
-    has = [[(joint.limit, *_motor(joint.actuator)) for joint in robot.driven_joints] for robot in robots]
-    limit, stall, speed, dry, viscous = np.array(has).reshape(len(robots), angle.shape[1], 5).T
-    duty = (torque + viscous * rate + dry * np.tanh(rate / SLIDING_RATE)) / stall + rate / speed
-    return np.abs(np.stack((angle / limit, rate / speed, duty)))
+def _has(robots: Sequence[Robot]) -> np.ndarray:
+    """Limit [rad], stall torque [N m], no-load speed [rad/s], dry [N m] and viscous friction of each joint and run."""
+    kinds = {id(robot): [(joint.limit, *_motor(joint.actuator)) for joint in robot.driven_joints] for robot in robots}
+    return np.array([kinds[id(robot)] for robot in robots]).reshape(len(robots), -1, 5).T
 
 
 def _motor(actuator: Actuator) -> tuple[float, float, float, float]:
     return actuator.stall_torque, actuator.no_load_speed, actuator.friction_torque, actuator.viscous_friction
 
 
+def duty(robots: Sequence[Robot], rate: Joints, torque: Joints) -> Joints:
+    """What the actuators' duty d would have to be; beyond -1 and 1 they cannot.
+
+    Args:
+        robots: One per run; the planar ones for runs in the plane.
+        rate: phi' of the driven joints, tail first, then that of a driven fin [rad/s].
+        torque: u [N m].
+    """
+    _, stall, speed, dry, viscous = _has(robots)
+    found = torque / stall + rate * (viscous / stall + 1.0 / speed)
+    return found + dry / stall * np.tanh(rate / SLIDING_RATE) if np.any(dry) else found
+
+
 def peaks(
-    robots: Sequence[Robot], angle: Joints, rate: Joints, torque: Joints, counts: Bool[np.ndarray, "n_samples n_runs"]
+    robots: Sequence[Robot],
+    angle: Joints,
+    rate: Joints,
+    torque: Joints,
+    counts: Bool[np.ndarray, "n_samples n_runs"],
+    most: int = MOST,
 ) -> dict[str, Float[np.ndarray, " n_runs"]]:
     """The figures of many runs; of one that diverged they mean nothing.
 
     Args:
-        robots: See `shares`, which has the other arguments.
-        angle: See there [rad].
-        rate: See there [rad/s].
-        torque: See there [N m].
+        robots: See `duty`.
+        angle: phi [rad].
+        rate: See `duty` [rad/s].
+        torque: See `duty` [N m].
         counts: Which samples do, see `settled`.
+        most: In how many curled postures of a run links may be looked for that cross, evenly over the run.
     """
-    motion = [np.where(counts[:, np.newaxis], one, 0.0) for one in (angle, rate, torque)]
-    largest = [np.abs(one).max(axis=(0, 1), initial=0.0) for one in motion]
-    used = shares(robots, *motion).max(axis=(0, 1, 2), initial=0.0)
-    near = [overlap(robot, motion[0][:, : robot.n_joints, k])[0] for k, robot in enumerate(robots)]
-    return dict(zip(NEEDS, (*largest, np.maximum(used, near)), strict=True))
+    mask = counts[:, np.newaxis]
+    motion = (angle, rate, torque, duty(robots, rate, torque))
+    largest = [np.max(np.abs(one) * mask, axis=0, initial=0.0) for one in motion]
+    limit, _, speed, _, _ = _has(robots)
+    used = np.max([largest[0] / limit, largest[1] / speed, largest[3]], axis=(0, 1), initial=0.0)
+    turned = np.cumsum(angle[:, : robots[0].n_joints], axis=1)
+    curl = np.maximum(turned.max(axis=1, initial=0.0), 0.0) - np.minimum(turned.min(axis=1, initial=0.0), 0.0)
+    for k, robot in enumerate(robots):
+        curled = np.flatnonzero(counts[:, k] & (curl[:, k] >= _room(robot)))
+        postures = angle[curled[:: 1 + curled.size // most], : robot.n_joints, k]
+        used[k] = max(used[k], _fold(robot, largest[0][: robot.n_joints, k])[0], _crossing(robot, postures)[0])
+    return dict(zip(NEEDS, (*(one.max(axis=0, initial=0.0) for one in largest[:3]), used), strict=True))
 
 
 def overlap(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> tuple[float, int, int]:
@@ -107,35 +125,34 @@ def overlap(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> tup
         robot: Whose links are bent.
         angle: phi of the joints between them, tail first [rad].
     """
-    if not angle.size:
+    return max(_fold(robot, np.abs(angle).max(axis=0, initial=0.0)), _crossing(robot, angle))
+
+
+def _fold(robot: Robot, bend: Float[np.ndarray, " n_joints"]) -> tuple[float, int, int]:
+    """The same of neighbors, from the largest bend of every joint [rad]."""
+    found = 0.0, 0, 0
+    for i, (joint, angle) in enumerate(zip(robot.joints, bend.tolist(), strict=True)):
+        pair = robot.modules[i : i + 2]
+        half = max(m.section.half_width if joint.axis == "yaw" else m.section.half_height for m in pair)
+        room = 0.5 * min(m.length for m in pair)
+        found = max(found, (half * math.tan(0.5 * min(angle, math.pi - 1e-6)) / room, i, i + 1))
+    return found
+
+
+def _room(robot: Robot) -> float:
+    """By how much links may differ in direction so that all come on along the body, and none reaches past the next."""
+    inner = min((module.length for module in robot.modules[1:-1]), default=math.inf)
+    return 2.0 * math.atan(0.5 * inner / max(module.section.half_width for module in robot.modules))
+
+
+def _crossing(robot: Robot, angle: Float[np.ndarray, "n_samples n_joints"]) -> tuple[float, int, int]:
+    """The same of links that are no neighbors, as rectangles: by the axes that may separate two of them."""
+    is_yaw = [joint.axis == "yaw" for joint in robot.joints]
+    if not angle.size or robot.n_links < 3 or np.any(angle[:, np.logical_not(is_yaw)]):
         return 0.0, 0, 0
     length = np.array([module.length for module in robot.modules])
-    height, width = np.array([(m.section.half_height, m.section.half_width) for m in robot.modules]).T
-    is_yaw = np.array([joint.axis == "yaw" for joint in robot.joints])
-    half = np.where(is_yaw, np.maximum(width[1:], width[:-1]), np.maximum(height[1:], height[:-1]))
-    bend = np.minimum(np.abs(angle).max(axis=0), math.pi - 1e-6)
-    fold = half * np.tan(0.5 * bend) / (0.5 * np.minimum(length[1:], length[:-1]))
-    worst = int(np.argmax(fold))
-    found = float(fold[worst]), worst, worst + 1
-    if np.any(angle[:, ~is_yaw]):
-        return found
-    turned = np.cumsum(np.pad(angle, ((0, 0), (1, 0))), axis=1)
-    # Links whose directions differ by less come on along the body, and none reaches past its neighbors.
-    curl, room = np.ptp(turned, axis=1), 0.5 * length[1:-1].min(initial=math.inf) / width.max()
-    curled = np.tan(0.5 * np.minimum(curl, 3.1)) >= room
-    return max(found, _crossing(length, width, turned[curled])) if np.any(curled) else found
-
-
-def _crossing(
-    length: Float[np.ndarray, " n_links"], width: Float[np.ndarray, " n_links"], turned: Float[np.ndarray, "n n_links"]
-) -> tuple[float, int, int]:
-    """The same of the rectangles of links that are no neighbors, by the axes that may separate two of them.
-
-    Args:
-        length: Of the links [m].
-        width: Half of theirs [m].
-        turned: Angles of the links to the tail link [rad].
-    """
+    width = np.array([module.section.half_width for module in robot.modules])
+    turned = np.cumsum(np.column_stack((np.zeros(len(angle)), angle)), axis=1)
     along = np.stack((np.cos(turned), np.sin(turned)))
     center = np.cumsum(length * along, axis=2) - 0.5 * length * along
     i, j = np.triu_indices(length.size, 2)
@@ -161,39 +178,41 @@ def feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
     counts = settled(log.time, period)
     fin = [log.signals.get(name, 0.0 * log.time) for name in ("fin_angle_0", "fin_rate_0", "fin_torque")]
     body = (log.joint_angle, log.joint_rate, log.joint_torque)
-    columns = [np.column_stack((one, own)) for one, own in zip(body, fin, strict=True)]
-    motion = [one[:, : len(robot.driven_joints), np.newaxis] for one in columns]
-    figures = {name: float(one[0]) for name, one in peaks([robot], *motion, counts[:, np.newaxis]).items()}
-    motion = [one[counts] for one in motion]
-    words, problems = _said(robot, *(one[..., 0] for one in motion)) if robot.driven_joints else ("no joints", [])
-    share, i, j = overlap(robot, motion[0][:, : robot.n_joints, 0])
+    n_driven, all_count = len(robot.driven_joints), np.full((np.count_nonzero(counts), 1), True)
+    columns = [np.column_stack((one, own))[counts, :n_driven] for one, own in zip(body, fin, strict=True)]
+    angle, rate, torque = (one[..., np.newaxis] for one in columns)
+    found = peaks([robot], angle, rate, torque, all_count, len(angle))
+    words, problems = _said(robot, angle, rate, torque) if n_driven else ("none", list[str]())
+    share, i, j = overlap(robot, angle[:, : robot.n_joints, 0])
     if share > 1.0 + ROUNDING:
         problems.append(f"links {i} and {j} overlap")
+    figures = {name: float(one[0]) for name, one in found.items()}
     return Feasibility(figures=figures, words=words, problems=tuple(problems))
 
 
-def _said(robot: Robot, angle: np.ndarray, rate: np.ndarray, torque: np.ndarray) -> tuple[str, list[str]]:
+def _said(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[str, list[str]]:
     """The largest angle, rate and torque in words, each beside what its joint has; and what goes beyond that."""
-    used = shares([robot], angle[..., np.newaxis], rate[..., np.newaxis], torque[..., np.newaxis])[..., 0]
+    limit, _, speed, _, _ = _has([robot])
+    used = np.abs(np.stack((angle / limit, rate / speed, duty([robot], rate, torque))))
     places = [tuple(map(int, np.unravel_index(np.argmax(one), one.shape))) for one in used]
-    names = [f"joint {j}" if j < robot.n_joints else "the fin's joint" for _, j in places]
-    bent, fast, strong = (robot.driven_joints[j] for _, j in places)
-    bends, limit = math.degrees(abs(angle[places[0]])), math.degrees(bent.limit)
-    turns, speed = math.degrees(abs(rate[places[1]])), math.degrees(fast.actuator.no_load_speed)
+    names = [f"joint {j}" if j < robot.n_joints else "the fin's joint" for _, j, _ in places]
+    bent, fast, strong = (robot.driven_joints[j] for _, j, _ in places)
+    bends, end = math.degrees(abs(angle[places[0]])), math.degrees(bent.limit)
+    turns, does = math.degrees(abs(rate[places[1]])), math.degrees(fast.actuator.no_load_speed)
     needs, along = abs(torque[places[2]]), math.copysign(1.0, torque[places[2]]) * rate[places[2]]
     stall, no_load, dry, viscous = _motor(strong.actuator)
     has = max(0.0, stall * (1.0 - along / no_load) - viscous * along - dry * math.tanh(along / SLIDING_RATE))
     at = f"at {math.degrees(along):.3g} deg/s"
     lacks, problems = needs > has, list[str]()
-    beyond = used.max(axis=(1, 2)) > 1.0 + ROUNDING
+    beyond = used.max(axis=(1, 2, 3)) > 1.0 + ROUNDING
     if beyond[0]:
-        problems.append(f"{names[0]} bends {bends:.3g} deg; its limit is {limit:.3g}")
+        problems.append(f"{names[0]} bends {bends:.3g} deg; its limit is {end:.3g}")
     if beyond[2] and lacks:
         problems.append(f"{names[2]} needs {needs:.3g} N m {at}; its servo has {has:.3g}")
     elif beyond[1]:
-        problems.append(f"{names[1]} turns at {turns:.3g} deg/s; its servo does {speed:.3g}")
+        problems.append(f"{names[1]} turns at {turns:.3g} deg/s; its servo does {does:.3g}")
     words = (
-        f"{names[0]} bends {bends:.3g} of {limit:.3g} deg, {names[1]} turns at {turns:.3g} of {speed:.3g} deg/s, "
+        f"{names[0]} bends {bends:.3g} of {end:.3g} deg, {names[1]} turns at {turns:.3g} of {does:.3g} deg/s, "
         f"{names[2]} needs {needs:.3g} of {has:.3g} N m {at}"
     )
     return words, problems
