@@ -14,6 +14,7 @@ from laticauda.cli import main
 from laticauda.errors import TrialFileError
 from laticauda.gaits import Generator
 from laticauda.gaits.reference import between_knots
+from laticauda.identify import Measurement, fit
 from laticauda.simulate import sensitivities
 
 ANGLES = lc.JointAngles(
@@ -183,3 +184,17 @@ def test_the_frequency_is_that_of_the_strongest_oscillation():
     waves = [0.5 * np.sin(8.0 * t + k) + 0.1 * np.sin(16.0 * t) + 0.2 for k in range(3)]
     assert lc.JointAngles(time=tuple(t), angle=tuple(map(tuple, waves))).frequency == pytest.approx(8.0, rel=2e-3)
     assert replace(ANGLES, angle=((0.3,) * 6,)).frequency == 0.0
+
+
+def test_the_water_of_recorded_trials_is_identified():
+    gaits = [lc.recorded_gait(ANGLES), lc.recorded_gait(MIRRORED, offset=0.1)]
+    scenarios = [lc.scenario(CHAIN, gait, 2.5, environment=WATER, dt=0.01) for gait in gaits]
+    speeds = lc.swim_many(scenarios).forward_velocity
+    trials = [
+        Measurement(name=f"{i}", scenario=one, figures={"forward_velocity": (speed, 1e-4)})
+        for i, (one, speed) in enumerate(zip(scenarios, map(float, speeds), strict=True))
+    ]
+    guess = replace(WATER, normal_drag=1.2)
+    guessed = [replace(one, scenario=replace(one.scenario, environment=guess)) for one in trials]
+    found = fit(guessed, parameters=["water.normal_drag"], n_starts=1)
+    assert found["water.normal_drag"].value == pytest.approx(WATER.normal_drag, rel=1e-5)
