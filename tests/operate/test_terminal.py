@@ -12,7 +12,7 @@ import laticauda as lc
 from laticauda.control import Following
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Operation
-from laticauda.operate.terminal import EMERGENCY, STOP, Dashboard, Keys, Lines, Terminal, picture
+from laticauda.operate.terminal import EMERGENCY, STOP, Dashboard, Keys, Terminal, picture, print_events
 
 termios = pytest.importorskip("termios", reason="terminals are of Unix")
 
@@ -127,13 +127,12 @@ def test_it_is_drawn_by_a_thread_that_ends():
     assert not dashboard._thread.is_alive()
 
 
-def test_without_a_terminal_there_is_a_line_per_event():
-    run, stream = run_of(Operator(operation=WHAT)), io.StringIO()
-    with Lines(stream) as lines:
-        while run.state.phase != "running":
-            run.tick()
-            lines(run.state, run.outputs)
-    told = stream.getvalue()
+def test_without_a_terminal_there_is_a_line_per_event(capsys):
+    run = run_of(Operator(operation=WHAT))
+    while run.state.phase != "running":
+        run.tick()
+        print_events(run.state, run.outputs)
+    told = capsys.readouterr().err
     assert "8 modules and the motion capture are heard" in told
     assert "I_0 = 1.180 A" in told
     assert "phase" not in told

@@ -2,6 +2,7 @@
 
 import math
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.operate.series import run_series
 from laticauda.operate.session import operate, table
 from laticauda.operate.settings import Operation
-from laticauda.operate.terminal import Dashboard, Keys, Lines, Terminal
+from laticauda.operate.terminal import Dashboard, Keys, Terminal, print_events
 from laticauda.quantities import option, quantity, value
 
 
@@ -95,7 +96,7 @@ class Operate(Command):
     def _shown(self, operation: Operation) -> Any:
         """What shows the ticks: the dashboard, or plain lines on standard error."""
         if self.no_dashboard or self.json or not sys.stdout.isatty():
-            return Lines(sys.stderr)
+            return nullcontext(print_events)
         return Dashboard(operation)
 
     def _chosen(self, operation: Operation) -> Operation:

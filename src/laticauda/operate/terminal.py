@@ -130,28 +130,11 @@ COLORS = {"idle": "white", "ready": "cyan", "running": "green", "stopping": "yel
 STATE_COLORS = {NodeState.ACTIVE: "green", NodeState.HOLD: "yellow", NodeState.LIMP: "yellow", NodeState.FAULT: "red"}
 
 
-class Lines:
-    """One line per event.
-
-    Args:
-        stream: Where they go.
-    """
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
-    def __call__(self, state: OperatorState, outputs: Outputs) -> None:
-        """Write the events of one tick."""
-        for event in outputs.events:
-            if event.kind != "phase":
-                print(line_of(event), file=self._stream, flush=True)
-
-    def __enter__(self) -> Self:
-        """Nothing to begin."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Nothing to end."""
+def print_events(state: OperatorState, outputs: Outputs) -> None:
+    """Write the events of one tick to standard error, a line each; takes what is called with every tick."""
+    for event in outputs.events:
+        if event.kind != "phase":
+            sys.stderr.write(f"{line_of(event)}\n")
 
 
 def line_of(event: Event) -> str:

@@ -109,7 +109,7 @@ class BeyondStudy(Study[BeyondSettings]):
 
     @classmethod
     def by_runs(cls, settings: BeyondSettings, runs: Runs) -> "BeyondStudy":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
         return BeyondStudy(
             settings=settings,

@@ -75,7 +75,7 @@ class EfficiencyStudy(Study[EfficiencySettings]):
 
     @classmethod
     def by_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
 
         def swum(group: Group, gait: Gait) -> list[tuple[float, float, float]]:

@@ -132,7 +132,7 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
 
     @classmethod
     def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         chosen = runs.model
         law = name_of(type(chosen.joints))
         ways = [

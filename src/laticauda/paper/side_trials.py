@@ -72,7 +72,7 @@ class SideTrials(Study[SideSettings]):
 
     @classmethod
     def by_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         by, sweep = runs.model, settings.phase_shifts
         gaits = {gait.kind: gait for gait in settings.gaits}
         runs.n_runs = sweep.values.size + 3 * len(gaits)
@@ -174,7 +174,7 @@ class LinksStudy(Study[LinksSettings]):
 
     @classmethod
     def by_runs(cls, settings: LinksSettings, runs: Runs) -> "LinksStudy":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         wanted = [*product(settings.gaits, KEPT)]
         runs.n_runs = 2 * len(wanted)
 

@@ -141,7 +141,7 @@ class StabilityStudy(Study[StabilitySettings]):
 
     @classmethod
     def by_runs(cls, settings: StabilitySettings, runs: Runs) -> "StabilityStudy":
-        """See `Study.by_runs`."""
+        """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
         maps = [
             StabilityMap(

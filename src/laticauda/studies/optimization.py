@@ -103,9 +103,7 @@ class Optimization:
             **definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
-            "joint_rate_limit": self.joint_rate_limit,
-            "least_velocity": self.least_velocity,
-            "beyond_actuators": self.beyond_actuators,
+            **{name: getattr(self, name) for name in ("joint_rate_limit", "least_velocity", "beyond_actuators")},
         }
 
     def box(self) -> tuple[np.ndarray, np.ndarray]:
