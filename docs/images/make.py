@@ -131,7 +131,9 @@ def fronts() -> Figure:
     found = []
     for kind in ("lateral_undulation", "eel_like"):
         gait = lc.Gait(envelope=envelope_of(kind), amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        found.append(optimize(Optimization(scenario=lc.scenario("mamba", gait), bounds=bounds), seed=1))
+        found.append(
+            optimize(Optimization(scenario=lc.scenario("mamba", gait), bounds=bounds, beyond_actuators=True), seed=1)
+        )
     return front_figure(found)
 
 
