@@ -107,7 +107,7 @@ def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
 
 def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
     """Measured energy per meter without and with the fin, gait by gait [J/m]."""
-    costs = {group: float(np.mean(measured)) for group, (measured, _) in meter_costs(study).items()}
+    costs = {group: np.mean(found, axis=1).tolist()[0] for group, found in meter_costs(study).items()}
     for gait in dict.fromkeys(group.gait for group in study.settings.groups):
         pair = {group.has_fin: costs[group.name] for group in study.settings.groups if group.gait == gait}
         if len(pair) == 2:

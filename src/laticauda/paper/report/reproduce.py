@@ -42,8 +42,10 @@ CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """The best first."""
-COLUMNS = {"about": "theme", "where": "where", "the paper says": "paper", "here": "found"}
-COLUMNS |= {"rule: it holds if": "rule", "verdict": "verdict"}
+COLUMNS = {
+    **{"about": "theme", "where": "where", "the paper says": "paper", "here": "found"},
+    **{"rule: it holds if": "rule", "verdict": "verdict"},
+}
 """Of the table of claims, with the claim's fields."""
 
 Progress = Callable[[str, int, int], None]
