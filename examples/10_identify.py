@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 import laticauda as lc
-from laticauda.identify import fit, from_trial, leave_out
+from laticauda.identify import Measurement, fit, from_trial, leave_out
 
 # In place of a tank: three trials in a water whose numbers the fit is not told, seen by a tracker with noise.
 rng = np.random.default_rng(1)
 robot, guess = lc.load_robot("mamba"), lc.load_water("paper-lateral")
 truth = replace(guess, tangential_friction=0.2, normal_drag=1.4, current=(0.01, -0.02))
-measured = []
+measured: list[Measurement] = []
 for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=phase_shift, offset=0.03)
     trial = lc.swim(robot, gait, 12.0, environment=truth)
@@ -25,13 +25,15 @@ for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
     )
     noise = {"center_of_mass": 0.003, "heading": 0.01}  # standard deviations [m], [rad]
     seen = from_trial(tracked, name=f"trial {k}", series=noise, every=5)
-    measured.append(replace(seen, scenario=replace(seen.scenario, start=lc.Start(), environment=guess)))
+    measured.append(
+        replace(seen, scenario=replace(seen.scenario, environment=guess))
+    )  # it began about where it was seen
 
 names = ["water.tangential_friction", "water.normal_drag", "water.current_x", "water.current_y", "water.added_inertia"]
 found = fit(measured, parameters=names)
 
 print(found.status)
-for estimate in found.estimates:
+for estimate in (found[name] for name in names):
     if estimate.interval is None:
         print(f"  {estimate.name:<26} {estimate.note}")
     else:

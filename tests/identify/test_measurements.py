@@ -8,7 +8,7 @@ from identify.trials import ROBOT, WATER, gaits
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_table1, from_trial
-from laticauda.identify.measurements import mean_of_the_greatest, with_noise
+from laticauda.identify.measurements import mean_of_the_greatest
 from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]
@@ -67,13 +67,6 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
         from_trial(replace(trial, scenario=unknown), name="a", figures=figures)
     with pytest.raises(ValueError, match="`figures` must be one of"):
         from_trial(trial, name="a", figures={"speed": 0.1})
-
-
-def test_noise_is_of_the_size_that_is_stated():
-    exact = one(time=np.linspace(0, 2, 4000), series={"heading": (np.zeros(4000), 0.3)})
-    noisy = with_noise(exact, np.random.default_rng(1))
-    assert np.std(noisy.series["heading"][0]) == pytest.approx(0.3, rel=0.05)
-    assert noisy.figures["x"][0] != 1.0
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,8 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
         "1.start.x",
     ]
     put = make_problem(measured, names, dt=0.05)
-    check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1]))
+    assert put.names[len(names) :] == ("0.start.x", "0.start.y", "1.start.y")  # where they began is unknown, too
+    check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1, 0.02, -0.1, 0.05]))
     assert not put.moves[0, 2] and put.moves[1, 2]
     assert not put.moves[0, 7] and put.moves[1, 7]
 
@@ -106,6 +107,7 @@ def test_the_twin_predicts_what_the_planar_model_does():
             figures={"forward_velocity": (0.1, 0.01)},
             time=np.array([0.5, 0.9]),
             series={"heading": (np.zeros(2), 0.01)},
+            free_start=False,
         )
     ]
     flat, deep = (make_problem(measured, ["water.normal_drag"], model=model) for model in ("planar", "spatial"))

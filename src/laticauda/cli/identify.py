@@ -41,6 +41,7 @@ class What:
     interval: float = quantity("s", "Between the samples of series that count", gt=0.0, default=0.5)
     columns: File = option("What the columns are of files that laticauda did not write: a TOML file", default=None)
     table1: bool = option("The paper's Table 1 instead of files", default=False)
+    free_start: bool = option("Identify where trials began, if path or heading counts", default=True)
 
 
 @value
@@ -149,6 +150,7 @@ class Identify(Command):
         if not self.what.parameters:
             raise BadFlag("--parameters must name at least one number to identify, as water.normal_drag, got none.")
         counted: dict[str, Any] = {**_measured(self.what.measured), "interval": self.what.interval}
+        counted["free_start"] = self.what.free_start
         short = [Path(file).stem for file in self.files]
         trials: list[dict[str, Any]] = []
         for file, stem in zip(self.files, short, strict=True):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 from typing import Any
@@ -21,7 +21,6 @@ from laticauda.trial.null_models import group_name
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
-
 TABLE_SIGMA = 0.05
 """Noise of the paper's Table 1 as a share of each value, unless one says otherwise; the paper states none [-]."""
 TABLE_SELECTED_FROM = 3
@@ -56,6 +55,8 @@ class Measurement:
     """By name, of `SERIES`: samples, time first, and standard deviation of the noise of each."""
     selected_from: int = 1
     """Of how many settings that are about as good it was taken for being the best; 1: it was not selected [-]."""
+    free_start: bool = True
+    """Whether where it began is unknown to a fit, if a path or a heading counts; False: the start is exact."""
 
     def __post_init__(self) -> None:
         """Check every field once, and freeze what it holds."""
@@ -109,7 +110,7 @@ class Measurement:
         values = _frozen(where, given)
         n_axes = 1 if known == "heading" else 2
         if values.ndim != n_axes or len(values) != n or (known == "center_of_mass" and values.shape[1] != 2):
-            shape = {"center_of_mass": f"({n}, 2)", "heading": f"({n},)"}.get(known, f"({n}, n_joints)")
+            shape = f"({n},)" if n_axes == 1 else f"({n}, {2 if known == 'center_of_mass' else 'n_joints'})"
             raise BadArgument(where, f"must have the shape {shape}, got {values.shape}")
         return values, positive(f"sigma of {where}", sigma, SERIES[known])
 
@@ -117,6 +118,26 @@ class Measurement:
     def selection_bias(self) -> float:
         """How many standard deviations of the noise its figures are too great for being selected, on average [-]."""
         return mean_of_the_greatest(self.selected_from)
+
+    @property
+    def starts(self) -> dict[str, tuple[float, float] | None]:
+        """What of its begin a fit adds to its unknowns, and what is known of each before: mean and standard deviation.
+
+        A start that the sensor saw has the sensor's noise. Where a series begins with the trial, its first sample says
+        so, and a prior would say it twice.
+        """
+        if not self.free_start or self.time is None:
+            return {}
+        seen = {name: None if self.time[0] == 0.0 else (0.0, sigma) for name, (_, sigma) in self.series.items()}
+        found = {f"start.{name}": seen["center_of_mass"] for name in "xy" if "center_of_mass" in seen}
+        found |= {"start.heading": seen.get("heading")} if found or "heading" in seen else {}
+        return found | ({"start.velocity": None} if found and self.coasts else {})
+
+    @property
+    def coasts(self) -> bool:
+        """Whether the straight robot was let go with a speed."""
+        start = self.scenario.start
+        return self.scenario.gait.amplitude == 0.0 and isinstance(start, Start) and start.velocity != 0.0
 
     def without_bias(self, figure: str) -> float:
         """A figure less what selection adds to it on average; power is not what a setting was selected for.
@@ -141,8 +162,11 @@ def from_trial(
     series: Mapping[str, float] | None = None,
     every: int = 1,
     group: str = "",
+    free_start: bool = True,
 ) -> Measurement:
-    """A trial, simulated or recorded, as a measurement. It must begin straight and at rest.
+    """A trial, simulated or recorded, as a measurement. It must begin straight, about where it says, and at rest.
+
+    A gait without amplitude is a coast-down: that one begins with the speed that it has.
 
     Args:
         trial: With a gait.
@@ -152,6 +176,7 @@ def from_trial(
         every: Which samples of the series count: every so many. Samples so close that their noise is the same
             noise say nothing new, and a fit that counts them all is too sure of itself.
         group: See `Measurement`.
+        free_start: See `Measurement`. The first sample has noise as all others have: taken for exact, it pushes them.
 
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.
@@ -171,16 +196,18 @@ def from_trial(
         values = getattr(trial, one_of("series", known, tuple(SERIES)))[::step]
         columns[known] = (values[:, :2] if known == "center_of_mass" else values, sigma)
     x, y = trial.center_of_mass[0, :2]
+    speed = float(np.linalg.norm(trial.center_of_mass_velocity[0])) if trial.gait.amplitude == 0.0 else 0.0
     return Measurement(
         name=name,
         scenario=Scenario(
             robot=trial.robot,
             motion=trial.gait,
             environment=trial.environment,
-            start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0])),
+            start=Start(center_of_mass=(float(x), float(y)), heading=float(trial.heading[0]), velocity=speed),
             duration=trial.duration,
         ),
         group=group,
+        free_start=free_start,
         figures=chosen,
         time=time if columns else None,
         series=columns,
@@ -237,6 +264,7 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
     """
     ahead, left = nuisance.get("measured.offset_x", 0.0), nuisance.get("measured.offset_y", 0.0)
     turned, more = nuisance.get("measured.heading_offset", 0.0), nuisance.get("measured.power_offset", 0.0)
+    shift = np.array([nuisance.get(f"start.{name}", 0.0) for name in "xy"])  # water is everywhere the same
     figures: list[Any] = []
     for name in measurement.figures:
         value: Any = run[name]
@@ -245,18 +273,20 @@ def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: 
         elif name == "mean_power":
             value = value + more
         elif name == "x":
-            value = value + ahead * np.cos(run["heading"]) - left * np.sin(run["heading"])
+            value = value + shift[0] + ahead * np.cos(run["heading"]) - left * np.sin(run["heading"])
         elif name == "y":
-            value = value + ahead * np.sin(run["heading"]) + left * np.cos(run["heading"])
+            value = value + shift[1] + ahead * np.sin(run["heading"]) + left * np.cos(run["heading"])
         figures.append(value)
     parts = [np.array(figures)]
     for name in measurement.series:
         value = run[f"{name} series"]
         if name == "heading":
             value = value + turned
-        elif name == "center_of_mass" and (ahead != 0.0 or left != 0.0):
-            c, s = np.cos(run["heading series"]), np.sin(run["heading series"])
-            value = value + np.stack((ahead * c - left * s, ahead * s + left * c), axis=1)
+        elif name == "center_of_mass":
+            value = value + shift
+            if ahead != 0.0 or left != 0.0:
+                c, s = np.cos(run["heading series"]), np.sin(run["heading series"])
+                value = value + np.stack((ahead * c - left * s, ahead * s + left * c), axis=1)
         parts.append(np.ravel(value))
     return np.concatenate(parts)
 
@@ -282,23 +312,6 @@ def mean_of_the_greatest(n: int) -> float:
     density = np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
     share = np.array([0.5 * math.erfc(-value / math.sqrt(2.0)) for value in x])
     return float(n * np.sum(x * density * share ** (n - 1)) * (x[1] - x[0]))
-
-
-def with_noise(measurement: Measurement, rng: np.random.Generator) -> Measurement:
-    """The same measurement with other noise of the size that it states: for simulated measurements.
-
-    Args:
-        measurement: Without noise.
-        rng: Where it comes from.
-    """
-    figures = {
-        name: (value + sigma * rng.standard_normal(), sigma) for name, (value, sigma) in measurement.figures.items()
-    }
-    series = {
-        name: (values + sigma * rng.standard_normal(values.shape), sigma)
-        for name, (values, sigma) in measurement.series.items()
-    }
-    return replace(measurement, figures=figures, series=series)
 
 
 def _pair(where: str, pair: Sequence[Any]) -> tuple[Any, Any]:

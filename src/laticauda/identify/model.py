@@ -16,7 +16,7 @@ from laticauda.identify.measurements import Measurement, measured_values
 from laticauda.identify.measurements import Run as Raw
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
 from laticauda.identify.resolution import with_tied
-from laticauda.identify.unknowns import NUISANCE
+from laticauda.identify.unknowns import NUISANCE, SIMULATED
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
@@ -119,7 +119,8 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
     data_of = [np.flatnonzero(problem.owner == i) for i in range(len(scenarios))]
     simulated: list[tuple[int, int]] = []
     for i, k in cast("list[tuple[int, int]]", np.argwhere(problem.moves).tolist()):
-        if problem.unknowns[k].parameter.name.startswith("measured."):
+        name = problem.unknowns[k].parameter.name
+        if name in NUISANCE and name not in SIMULATED:
             nuisance = problem.nuisance(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
             jacobian[data_of[i], k] = np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
         else:

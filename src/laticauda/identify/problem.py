@@ -9,14 +9,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.errors import BadArgument, instance
+from laticauda.extras import optional_import
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.resolution import dependence, known_numbers, resolve, split_name, with_tied
-from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown, Unknown, as_unknowns
+from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown, as_unknowns
 from laticauda.interfaces import Resumed, Start
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
 from laticauda.simulate.numbers import changed
 
+_RARE = 5e-4  # of all cases a chi^2 is below its range, and above it
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
 
 
@@ -163,7 +165,7 @@ class Problem:
             start, wanted = scenario.start, dict[str, float]()
             for unknown, value, moves in zip(self.unknowns, values, self.moves[i], strict=True):
                 name = unknown.parameter.name
-                if moves and name.startswith("start."):
+                if moves and name in SIMULATED:
                     start = shifted(start, name, float(value))
                 elif moves and name not in NUISANCE:
                     wanted |= with_tied(scenario, name, float(value), unknown.tied)
@@ -212,12 +214,22 @@ def make_problem(
     asked = as_unknowns(wanted)
     names = [split_name(unknown, scopes, known) for unknown in asked]
     moves = dependence(names, scopes, known)
-    return Problem(
-        measurements=given,
-        unknowns=tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked)),
-        moves=moves,
-        threads=threads,
-    )
+    unknowns = tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
+    return _with_starts(Problem(measurements=given, unknowns=unknowns, moves=moves, threads=threads))
+
+
+def _with_starts(problem: Problem) -> Problem:
+    """The same with where every trial began among the unknowns, as far as nobody looks for it already."""
+    added: list[tuple[int, ResolvedUnknown]] = []
+    for i, one in enumerate(problem.measurements):
+        known = {unknown.parameter.name for k, unknown in enumerate(problem.unknowns) if problem.moves[i, k]}
+        for name, prior in one.starts.items():
+            what: Any = {"parameter": NUISANCE[name], "start": 0.0, "prior": prior, "is_log": False, "size": 0.1}
+            if name not in known:
+                added.append((i, ResolvedUnknown(name=f"{one.name}.{name}", scope=one.name, **what)))
+    own = np.array([[i == j for j, _ in added] for i in range(len(problem.measurements))], dtype=bool)
+    unknowns = (*problem.unknowns, *(unknown for _, unknown in added))
+    return replace(problem, unknowns=unknowns, moves=np.hstack([problem.moves, own]))
 
 
 def other_measurements(problem: Problem, measurements: Sequence[Measurement]) -> Problem:
@@ -245,16 +257,12 @@ def shifted(start: Start | Resumed, name: str, value: float) -> Start:
 
     Args:
         start: As it is stated.
-        name: Of the number: start.x, start.y, start.heading or start.velocity.
+        name: Of the number, one of `SIMULATED`.
         value: What is added.
     """
     assert isinstance(start, Start)  # as measurements check
-    x, y = start.center_of_mass
-    if name == "start.heading":
-        return replace(start, heading=start.heading + value)
-    if name == "start.velocity":
-        return replace(start, velocity=start.velocity + value)
-    return replace(start, center_of_mass=(x + value, y) if name == "start.x" else (x, y + value))
+    field = name.removeprefix("start.")
+    return replace(start, **{field: getattr(start, field) + value})
 
 
 def _common_model(measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any) -> Model:
@@ -288,3 +296,31 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
                 f"must be of one body, with or without fin; `{measurement.name}` is of robot "
                 f"`{other.name}`, whose modules or joints are not those of `{body.name}`",
             )
+
+
+def warnings_of(problem: Problem, chi2: float, degrees: float) -> list[str]:
+    """What is odd about measurements and fit, though nothing is wrong; a sentence each.
+
+    Args:
+        problem: Measurements and unknowns.
+        chi2: Of data and priors, in the noise as stated; nan if that is estimated [-].
+        degrees: Of freedom [-].
+    """
+    found: list[str] = []
+    special = optional_import("Identification", "scipy", "identify", "scipy.special")
+    low, high = (2.0 * special.gammaincinv(0.5 * max(degrees, 1.0), end) for end in (_RARE, 1.0 - _RARE))
+    if degrees > 0.0 and (chi2 < low or chi2 > high):
+        found.append(
+            f"chi^2 out of range: {chi2:.4g} at {degrees:.0f} degrees of freedom, where the stated noise gives "
+            f"{low:.4g} to {high:.4g} in 99.9 % of all cases: it or the model is wrong, and the intervals with it."
+        )
+    frictions = [one.name for one in problem.unknowns if one.parameter.name.endswith("tangential_friction")]
+    if frictions and not any(one.coasts for one in problem.measurements):
+        found.append(
+            f"no coast-down: `{frictions[0]}` makes up for whatever the model lacks of thrust and drag; it is the "
+            "water's only where a straight robot that coasts is among the data."
+        )
+    gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
+    if len(gaits) == 1 and len(problem.scenarios) > 1:
+        found.append("All measurements are of the same gait with the same robot: they are one measurement, repeated.")
+    return found

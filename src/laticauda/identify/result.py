@@ -15,7 +15,7 @@ from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
 from laticauda.identify.measurements import SERIES
 from laticauda.identify.model import predict
-from laticauda.identify.problem import Problem
+from laticauda.identify.problem import Problem, warnings_of
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.numbers import UNITS
@@ -183,7 +183,8 @@ class Fit:
     @property
     def status(self) -> str:
         """A sentence about the result."""
-        good = sum(estimate.is_identified for estimate in self.estimates)
+        sought = [self.estimates[k] for k in self.problem.of_interest] or self.estimates
+        good = sum(estimate.is_identified for estimate in sought)
         noise = (
             f"residuals are {self.noise_factor:.2g} times the stated noise"
             if np.isfinite(self.noise_factor)
@@ -191,7 +192,7 @@ class Fit:
         )
         searches = f"{self.n_agreeing} of {len(self.searches)} starts agree"
         return (
-            f"{good} of {len(self.estimates)} parameters identified from {len(self.problem.measurements)} "
+            f"{good} of {len(sought)} parameters identified from {len(self.problem.measurements)} "
             f"measurements ({self.problem.observed.size} numbers); {noise}; {searches}."
         )
 
@@ -317,6 +318,7 @@ def fit_of(
     n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
     degrees = float(problem.observed.size - max(len(problem.unknowns) - n_priors, 0))
     covariance, correlations = _covariance(problem, jacobian, by_all)
+    total = chi2 + float(np.sum(problem.prior_residuals(values) ** 2))
     quantile = method.quantile(degrees)
     return Fit(
         problem=problem,
@@ -330,7 +332,7 @@ def fit_of(
         noise_factor=math.sqrt(chi2 / degrees) if degrees > 0.0 else math.nan,
         degrees_of_freedom=degrees,
         searches=tuple(searches),
-        warnings=(*_warnings(problem), *by_data.words),
+        warnings=(*warnings_of(problem, total if method.noise == "known" else math.nan, degrees), *by_data.words),
     )
 
 
@@ -381,12 +383,3 @@ def _estimate(
         interval=(low, high) if identified else None,
         note="; ".join(notes),
     )
-
-
-def _warnings(problem: Problem) -> list[str]:
-    """What is odd about the data, though nothing is wrong with it."""
-    found: list[str] = []
-    gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
-    if len(gaits) == 1 and len(problem.scenarios) > 1:
-        found.append("All measurements are of the same gait with the same robot: they are one measurement, repeated.")
-    return found

@@ -71,7 +71,6 @@ Table = Mapping[str, Any]
 
 PATH = {"center_of_mass": 0.005}
 """What counts of a trial unless one says otherwise: the path, as a camera sees it [m]."""
-STARTS = ("start.x", "start.y", "start.heading")
 
 
 @value
@@ -99,8 +98,8 @@ class TrialFile:
         gt=0.0,
     )
     free_start: bool = option(
-        "Whether place and heading at the begin are identified too where the path counts: the first sample has noise "
-        "as all others have, and would push them all",
+        "Whether place and heading at the begin are identified too where path or heading counts: the first sample has "
+        "noise as all others have, and would push them all",
         default=True,
     )
 
@@ -113,13 +112,6 @@ class TrialFile:
     def counted_series(self) -> Mapping[str, float]:
         """Series that count, the path if nothing else was asked for."""
         return self.series if self.series or self.figures else PATH
-
-    @property
-    def starts(self) -> tuple[Unknown, ...]:
-        """What is identified of the begin."""
-        if not self.free_start or "center_of_mass" not in self.counted_series:
-            return ()
-        return tuple(Unknown(name=f"{self.label}.{name}") for name in STARTS)
 
     @property
     def sources(self) -> tuple[Path, ...]:
@@ -149,6 +141,7 @@ class TrialFile:
                 series=self.counted_series,
                 every=max(1, round(self.interval / step)),
                 group=self.group,
+                free_start=self.free_start,
             )
         except ValueError as error:
             raise ValueError(f"{self.file}: {error}") from error
@@ -272,7 +265,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         name=said.name,
         title=said.title,
         measurements=tuple(measured),
-        unknowns=(*said.parameters, *(start for trial in trials for start in trial.starts)),
+        unknowns=said.parameters,
         robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=options,

@@ -23,6 +23,8 @@ NUISANCE: dict[str, Parameter] = {
     )
 }
 """Nuisance parameters: what a measurement brings besides robot and water."""
+SIMULATED = ("start.heading", "start.velocity")
+"""Those that a run depends on; the others change what is seen of it."""
 
 _SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
 

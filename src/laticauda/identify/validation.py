@@ -45,6 +45,8 @@ class LeftOut:
 def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None = None) -> LeftOut:
     """Refit without each measurement, or without each group, and predict what was left out.
 
+    Where it began is what the fit to all says: nothing else can.
+
     Args:
         found: The fit to all; each refit begins at its values.
         by: measurement or group.
@@ -63,9 +65,10 @@ def leave_out(found: Fit, by: str = "measurement", *, progress: Progress | None 
     for number, name in enumerate(different):
         out = [i for i, other in enumerate(names) if other == name]
         rest = problem.part([i for i in range(len(names)) if i not in out])
+        began = problem.moves[out].any(axis=0) & ~np.isin(np.arange(len(problem.unknowns)), problem.of_interest)
         refit = refitted(found, rest)
-        values.append(refit.best)
-        if not _lacks(found, out, rest.moves):
+        values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
+        if not _lacks(found, out, rest.moves | began):
             predictions[np.isin(problem.owner, out)] = predict(problem.part(out), values[-1]).values
         if progress is not None:
             progress((number + 1) / len(different))

@@ -7,7 +7,7 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.kinematics.poses import center_of_mass as center_of_mass, fin_line as fin_line, heading as heading
     from laticauda.kinematics.poses import center_of_mass_velocity as center_of_mass_velocity
-    from laticauda.kinematics.poses import joint_angles as joint_angles, joint_positions as joint_positions
+    from laticauda.kinematics.poses import joint_angles as joint_angles
     from laticauda.kinematics.poses import link_angles as link_angles, link_centers as link_centers
     from laticauda.kinematics.poses import link_ends as link_ends, link_velocities as link_velocities
     from laticauda.kinematics.poses import trailing_edge as trailing_edge

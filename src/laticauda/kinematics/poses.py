@@ -143,17 +143,6 @@ def link_ends(
     return _points(robot, _levers(robot).end, center_of_mass, link_angle, fin_angle)
 
 
-def joint_positions(
-    robot: Robot,
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch n_joints 2"]:
-    """Positions of the joints [m], world axes; arguments and errors as for `link_ends`."""
-    return link_ends(robot, center_of_mass, link_angle, fin_angle=fin_angle)[..., 1:-1, :]
-
-
 def fin_line(
     robot: Robot,
     center_of_mass: Float[np.ndarray, "*batch 2"],
