@@ -364,6 +364,20 @@ def test_water_at_rest_and_water_that_moves_differ_by_the_current_only():
     np.testing.assert_allclose(velocities[0], velocities[1], atol=1e-9)
 
 
+def test_water_that_is_told_to_move_is_water_that_was_attached_moving():
+    V, speeds = np.array([0.3, -0.1, 0.2]), []
+    for first, told in ((V, None), (np.zeros(3), V)):
+        (wet, _) = pair(n=3)
+        handle = water.attach(wet, oracle.elements(3), current=first, usual_speed=0.01)
+        if told is not None:
+            handle.set_current(told)
+        data = mujoco.MjData(wet)
+        oracle.random_state(wet, data)
+        mujoco.mj_step(wet, data)
+        speeds.append(data.qvel.copy())
+    np.testing.assert_array_equal(speeds[0], speeds[1])
+
+
 def test_drag_only_takes_energy():
     (wet, _) = pair('integrator="RK4"')
     handle = water.attach(wet, oracle.elements(), usual_speed=0.01)

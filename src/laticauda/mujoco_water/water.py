@@ -50,6 +50,15 @@ class Water:
         """Whether the callback is in place: another package may have put its own there."""
         return registry.is_installed()
 
+    def set_current(self, velocity: Sequence[float]) -> None:
+        """Let the water move with `velocity` from now on.
+
+        Args:
+            velocity: World axes [m/s].
+        """
+        x, y, z = (finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity))
+        self.numbers["water"][[rows.V_X, rows.V_Y, rows.V_Z]] = x, y, z
+
     def forces(self, data: Any) -> dict[str, np.ndarray]:
         """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
 
