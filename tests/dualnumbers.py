@@ -100,6 +100,7 @@ def python_kernels(law=None):
         "compiled": same,
         "in_lanes": same,
         "any_lane": same,
+        "first_lane": same,
         "where": lambda condition, a, b: a if condition else b,
         "magnitude": lambda x: -x if x.real < 0.0 else x,
         "sincos": lambda x: (dual(x).sin(), dual(x).cos()),

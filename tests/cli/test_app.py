@@ -31,7 +31,7 @@ def test_the_installed_command_refuses_bad_input():
     done = shell("swim", "--amplitude-deg", "-3")
     assert done.returncode == 2
     assert done.stdout == ""
-    assert done.stderr == "laticauda: --amplitude-deg must be >= 0 deg, got -3.\n"
+    assert done.stderr == "laticauda: --amplitude-deg must be between 0 and 180 deg, got -3.\n"
 
 
 def test_a_closed_pipe_is_no_error_message():

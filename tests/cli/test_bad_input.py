@@ -6,7 +6,7 @@ import pytest
 
 BAD = {
     # numbers of the gait, in degrees
-    "swim --amplitude-deg -3": "--amplitude-deg must be >= 0 deg, got -3.",
+    "swim --amplitude-deg -3": "--amplitude-deg must be between 0 and 180 deg, got -3.",
     "swim --amplitude-deg nan": "--amplitude-deg must be a finite number in deg, got nan.",
     "swim --frequency-deg-s -1": "--frequency-deg-s must be >= 0 deg/s, got -1.",
     "swim --frequency-deg-s inf": "--frequency-deg-s must be a finite number in deg/s, got inf.",
@@ -94,7 +94,7 @@ BAD = {
     "swimm": "Available subcommands: swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "": "Expected one of {swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "--versio": "Unrecognized options: --versio",
-    "robots nope": "NAME must be one of `chain`, `mamba`,",
+    "robots nope": "NAME must be one of `amphibot`, `chain`, `mamba`,",
     "robots paper-eal": "got 'paper-eal'; did you mean `paper-eel`?",
     "robots nope.toml": "nope.toml: no such file",
     "robots --toml": "--toml must be given with the NAME of a robot, water, ground or parameters.",

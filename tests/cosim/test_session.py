@@ -146,14 +146,14 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
         ("set", {"current": [0.1]}, "`current` must be two numbers in m/s, got 1 of them."),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
-        ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be >= 0 rad, got -1."),
+        ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
         ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),
         ("set", {"gait": {"fin": {"amplitude": 0.1}}}, "`gait.fin` must be None unless the fin is driven"),
         ("get", {"series": ["joint_torqe"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("get", {"series": [1]}, "`series` must be an array of names, got [1]."),
         ("run", {"series": ["robot"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("run", {"dt": 1e-7}, "in one request for 9 links and steps of 1e-07 s, got 30."),
-        ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `chain`, `mamba`"),
+        ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `amphibot`, `chain`, `mamba`"),
         ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
         ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be between 1 and 200, got 1000000."),
         ("reset", {"coefficients": {"drag": 1}}, "`drag` must be a table, got 1"),
@@ -215,7 +215,10 @@ def test_numbers_of_the_drag_law_may_be_given_one_by_one_also_under_their_older_
 @pytest.mark.parametrize(
     ("gait", "rule"),
     [
-        ({"kind": 3}, "`gait.envelope.kind` must be one of `lateral-undulation`, `eel-like`, `custom`, got '3'."),
+        (
+            {"kind": 3},
+            "`gait.envelope.kind` must be one of `lateral-undulation`, `eel-like`, `anguilliform`, `custom`, got '3'.",
+        ),
         ({"envelope": 0.1}, "`gait.envelope` must be a table, got 0.1."),
     ],
 )

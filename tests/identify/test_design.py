@@ -145,7 +145,7 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
         m = one.measurement
         trial = lc.swim(replace(m.scenario, sample_interval=0.5))
         path = trial.center_of_mass[1:] + 0.005 * rng.standard_normal(trial.center_of_mass[1:].shape)
-        measured.append(replace(m, time=trial.time[1:], series={"center_of_mass": (path, 0.005)}))
+        measured.append(replace(m, time=trial.time[1:], series={"center_of_mass": (path, 0.005)}, free_start=False))
     found = fit(measured, parameters=WANTED[:2], n_starts=1, threads=1)
     for k, name in enumerate(WANTED[:2]):
         estimate = found[name]
