@@ -159,3 +159,11 @@ def test_a_trial_without_torques_says_what_it_knows(trial: lc.Trial):
     measured = lc.Trial.measured(series, scenario=trial.scenario, version="1")
     assert measured.peak_joint_angle == trial.peak_joint_angle
     assert {"peak_joint_torque", "utilization"} <= measured.figures()[1].keys()
+
+
+def test_links_that_cross_are_looked_for_in_every_posture_where_there_are_no_more_than_may_be_looked_at():
+    robot, ring = lc.load_robot("mamba"), np.full(8, 2 * pi / 8)
+    angle = np.stack([0.8 * ring, ring, 0.8 * ring, 0.8 * ring])
+    still, counts = np.zeros((4, 8, 1)), np.full((4, 1), True)
+    found = feasibility.peaks([robot], angle[..., np.newaxis], still, still, counts, most=4)
+    assert found["utilization"][0] == feasibility.overlap(robot, angle)[0] > 1.0

@@ -113,7 +113,7 @@ def peaks(
     curl = np.maximum(turned.max(axis=1, initial=0.0), 0.0) - np.minimum(turned.min(axis=1, initial=0.0), 0.0)
     for k, robot in enumerate(robots):
         curled = np.flatnonzero(counts[:, k] & (curl[:, k] >= _room(robot)))
-        postures = angle[curled[:: 1 + curled.size // most], : robot.n_joints, k]
+        postures = angle[curled[:: max(1, math.ceil(curled.size / most))], : robot.n_joints, k]
         used[k] = max(used[k], _fold(robot, largest[0][: robot.n_joints, k])[0], _crossing(robot, postures)[0])
     return dict(zip(NEEDS, (*(one.max(axis=0, initial=0.0) for one in largest[:3]), used), strict=True))
 
@@ -183,10 +183,11 @@ def feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
     angle, rate, torque = (one[..., np.newaxis] for one in columns)
     found = peaks([robot], angle, rate, torque, all_count, len(angle))
     words, problems = _said(robot, angle, rate, torque) if n_driven else ("none", list[str]())
-    share, i, j = overlap(robot, angle[:, : robot.n_joints, 0])
-    if share > 1.0 + ROUNDING:
-        problems.append(f"links {i} and {j} overlap")
     figures = {name: float(one[0]) for name, one in found.items()}
+    if figures["utilization"] > 1.0 + ROUNDING:  # only then may links overlap, too
+        share, i, j = overlap(robot, angle[:, : robot.n_joints, 0])
+        if share > 1.0 + ROUNDING:
+            problems.append(f"links {i} and {j} overlap")
     return Feasibility(figures=figures, words=words, problems=tuple(problems))
 
 
