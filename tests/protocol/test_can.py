@@ -3,6 +3,7 @@ import math
 import subprocess
 import sys
 
+import cantools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -26,9 +27,9 @@ from laticauda.protocol import (
     references,
     to_frame,
 )
-from laticauda.protocol.can import database
 from laticauda.protocol.dbc import FILE, dbc_text
 
+DATABASE = cantools.database.load_file(str(FILE))
 NODES = st.integers(1, 19)
 
 
@@ -95,7 +96,7 @@ def title(name: str) -> str:
 @given(message=MESSAGES)
 def test_cantools_reads_and_writes_the_same_frames_by_the_file_alone(message):
     identifier, data = encode(message)
-    theirs = database().get_message_by_frame_id(identifier)
+    theirs = DATABASE.get_message_by_frame_id(identifier)
     values = theirs.decode(data, scaling=True, decode_choices=False)
     for name, value in dataclasses.asdict(message).items():
         if title(name) in values:
@@ -139,7 +140,7 @@ def test_references_of_18_joints_are_five_frames_and_so_are_those_with_a_fin():
 
 def test_a_stop_goes_before_all_else_and_references_before_their_sync():
     def first(name):
-        return min(m.frame_id for m in database().messages if m.name.rstrip("0123456789") == name)
+        return min(m.frame_id for m in DATABASE.messages if m.name.rstrip("0123456789") == name)
 
     order = ["EmergencyStop", "NodeCommand", "References", "Sync", "JointState", "Loads", "Acceleration", "Heartbeat"]
     assert [first(name) for name in order] == sorted(m for m in map(first, order))

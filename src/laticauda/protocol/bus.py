@@ -207,9 +207,9 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
     positive("bitrate", bitrate, "bit/s")
     kinds: list[tuple[Layout, int, float]] = []
     for layout in sorted(LAYOUTS, key=lambda layout: layout.identifier):
-        if layout.name not in RARE:
+        if layout.kind.__name__ not in RARE:
             count = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}[layout.number]
-            kinds.append((layout, count, SLOW_RATES.get(layout.name, rate)))
+            kinds.append((layout, count, SLOW_RATES.get(layout.kind.__name__, rate)))
     return BusLoad(traffic=tuple(_traffic(kinds, k, bitrate) for k in range(len(kinds))))
 
 
@@ -217,7 +217,7 @@ def _traffic(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float
     layout, count, rate = kinds[at]
     bits = frame_bits(layout.length)
     return Traffic(
-        name=layout.name,
+        name=layout.kind.__name__,
         identifier=layout.identifier + layout.numbers[0],
         frames=count,
         rate=rate,

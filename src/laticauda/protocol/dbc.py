@@ -3,11 +3,13 @@
 After a change: ``python -c "from laticauda.protocol import dbc; dbc.FILE.write_text(dbc.dbc_text())"``.
 """
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from laticauda.protocol import messages
 from laticauda.protocol.messages import N_NODES, Signal
@@ -18,57 +20,39 @@ NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(messages.
 """Numbers of the frames of one kind, by the field that says which one it is."""
 
 
-@dataclass(frozen=True)
-class Field:
-    """A field of a message, as it goes over the bus: one number, or several in a row."""
+class Number(NamedTuple):
+    """One number in a frame."""
 
     name: str
+    """What the file calls it."""
     kind: Any
+    """Type of the field that it belongs to."""
     signal: Signal
-
-    @cached_property
-    def signals(self) -> tuple[str, ...]:
-        """What the file calls the numbers."""
-        return self.signal.names or ("".join(word.capitalize() for word in self.name.split("_")),)
-
-    @property
-    def is_word(self) -> bool:
-        """Whether its number stands for something: a flag, or a word."""
-        return isinstance(self.kind, type) and issubclass(self.kind, bool | IntEnum)
-
-    @property
-    def may_lack(self) -> bool:
-        """Whether a sensor may have nothing to say."""
-        return type(None) in get_args(self.kind)
-
-    @property
-    def limits(self) -> tuple[int, int]:
-        """Least and greatest number, as it is on the bus; the lowest of all says that there is none."""
-        top = 2 ** (self.signal.bits - self.signal.signed)
-        return (-top + (not self.may_lack) if self.signal.signed else 0), top - 1
+    """How it goes over the bus."""
+    scale: float
+    """What one step of it is worth."""
+    start: int
+    """Its first bit."""
+    low: int
+    """Its least value on the bus; the lowest of all says that a sensor has nothing to say."""
+    high: int
+    """Its greatest."""
+    is_word: bool
+    """Whether it stands for something: a flag, or a word."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """One kind of frame: the fields of its message, in their order."""
+    """One kind of frame: the fields of its message in their order, each one number or several in a row."""
 
     kind: type[messages.CanMessage]
     identifier: int
     says: str
 
     @cached_property
-    def _hints(self) -> dict[str, Any]:
-        return get_type_hints(self.kind, include_extras=True)
-
-    @property
-    def name(self) -> str:
-        """That of the message."""
-        return self.kind.__name__
-
-    @cached_property
     def number(self) -> str:
         """The field that says which frame it is; "" where there is but one."""
-        return next((name for name, hint in self._hints.items() if hint is int), "")
+        return next((name for name, hint in get_type_hints(self.kind, include_extras=True).items() if hint is int), "")
 
     @property
     def numbers(self) -> range:
@@ -76,20 +60,35 @@ class Layout:
         return NUMBERS[self.number]
 
     @cached_property
-    def fields(self) -> tuple[Field, ...]:
-        """Those that the frame carries."""
-        return tuple(_field(name, hint) for name, hint in self._hints.items() if name != self.number)
+    def fields(self) -> dict[str, tuple[Number, ...]]:
+        """The numbers of every field that the frame carries."""
+        found, start = dict[str, tuple[Number, ...]](), 0
+        for field, hint in get_type_hints(self.kind, include_extras=True).items():
+            if field != self.number:
+                found[field] = tuple(_numbers(field, hint, start))
+                start = found[field][-1].start + found[field][-1].signal.bits
+        return found
 
-    @property
+    @cached_property
+    def signals(self) -> tuple[Number, ...]:
+        """All numbers of the frame."""
+        return tuple(itertools.chain.from_iterable(self.fields.values()))
+
+    @cached_property
     def length(self) -> int:
         """Bytes of data."""
-        return sum(field.signal.bits * len(field.signals) for field in self.fields) // 8
+        return sum(one.signal.bits for one in self.signals) // 8
 
 
-def _field(name: str, hint: Any) -> Field:
-    if get_origin(hint) is Annotated:
-        return Field(name, *get_args(hint))
-    return Field(name, hint, Signal(1 if hint is bool else 8))
+def _numbers(field: str, hint: Any, start: int) -> Iterator[Number]:
+    """Those of one field, from this bit on."""
+    kind, how = get_args(hint) if get_origin(hint) is Annotated else (hint, Signal(1 if hint is bool else 8))
+    top = 2 ** (how.bits - how.signed)
+    low = -top + (type(None) not in get_args(kind)) if how.signed else 0
+    is_word = isinstance(kind, type) and issubclass(kind, bool | IntEnum)
+    scale = 1 if how.scale == "1" else float(how.scale)
+    for i, name in enumerate(how.names or (field.title().replace("_", ""),)):
+        yield Number(name, kind, how, scale, start + i * how.bits, low, top - 1, is_word)
 
 
 LAYOUTS = (
@@ -119,18 +118,15 @@ def dbc_text() -> str:
         sender, hears = OPERATOR, ",".join(nodes)
         if layout.number == "node":
             sender, hears = nodes[number - 1], OPERATOR
-        lines.append(f"BO_ {identifier} {layout.name}{suffix[layout.number]}: {layout.length} {sender}")
+        lines.append(f"BO_ {identifier} {layout.kind.__name__}{suffix[layout.number]}: {layout.length} {sender}")
         remarks.append(f'CM_ BO_ {identifier} "{layout.says}";')
-        start = 0
-        for signal, field in ((signal, one) for one in layout.fields for signal in one.signals):
-            how = field.signal
+        for name, kind, how, _, start, _, _, is_word in layout.signals:
             sign = "-" if how.signed else "+"
-            lines.append(f' SG_ {signal} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}')
+            lines.append(f' SG_ {name} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}')
             if how.says:
-                remarks.append(f'CM_ SG_ {identifier} {signal} "{how.says}";')
-            if field.is_word and field.kind is not bool:
-                words = " ".join(f'{word.value} "{word.name}"' for word in field.kind)
-                values.append(f"VAL_ {identifier} {signal} {words} ;")
-            start += how.bits
+                remarks.append(f'CM_ SG_ {identifier} {name} "{how.says}";')
+            if is_word and kind is not bool:
+                words = " ".join(f'{word.value} "{word.name}"' for word in kind)
+                values.append(f"VAL_ {identifier} {name} {words} ;")
         lines.append("")
     return "\n".join([*lines, *remarks, *values, ""])
