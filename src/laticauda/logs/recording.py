@@ -47,22 +47,33 @@ class Topic:
     """How many complete ones there are."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class Recording:
-    """What is in an MCAP file, also one that was never completed."""
+    """What is in an MCAP file, also one that was never completed; made by `open_recording`, which says more.
 
-    path: Path
-    """The file."""
-    topics: Mapping[str, Topic]
-    """By name."""
-    metadata: Mapping[str, Mapping[str, str]]
-    """Texts that belong to the whole file, by name."""
-    start: float
-    """Time of the earliest message [s], 0 if there is none."""
-    stop: float
-    """Time of the latest [s], 0 if there is none."""
-    lost: str
-    """What is missing from the file or damaged in it: a sentence; "" if nothing is."""
+    Args:
+        path: The file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.metadata: dict[str, Mapping[str, str]] = {}
+        """Texts that belong to the whole file, by name."""
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+        self._decoders: dict[int, Callable[[bytes], Any]] = {}
+        lost, counts, times = list[str](), Counter[str](), (math.inf, 0)
+        for channel, time, _ in self._contents(lost):
+            counts[channel.topic] += 1
+            times = min(times[0], time), max(times[1], time)
+        self.topics = {
+            one.topic: Topic(kind=self._kind(one), unit=one.metadata.get("unit", ""), n_messages=counts[one.topic])
+            for one in self._channels.values()
+        }
+        """By name."""
+        self.start, self.stop = (one / 1e9 if counts else 0.0 for one in times)
+        """Times of the earliest and the latest message [s], 0 if there is none."""
+        self.lost = f"{path.name} is not whole: {'; '.join(lost)}." if lost else ""
+        """What is missing from the file or damaged in it: a sentence; "" if nothing is."""
 
     def messages(self, *topics: str) -> Iterator[Logged]:
         """The complete messages in the order in which they were recorded.
@@ -73,10 +84,55 @@ class Recording:
         Raises:
             TrialFileError: If a message does not fit the definition of its type.
         """
-        contents = _Contents(self.path)
-        for channel, time, data in contents.messages():
+        for channel, time, data in self._contents([]):
             if not topics or channel.topic in topics:
-                yield Logged(channel.topic, time / 1e9, contents.kind(channel), contents.decoded(channel, data))
+                yield Logged(channel.topic, time / 1e9, self._kind(channel), self._decoded(channel, data))
+
+    def _kind(self, channel: Channel) -> str:
+        """The type of a channel's messages."""
+        schema = self._schemas.get(channel.schema_id)
+        return "" if schema is None else schema.name.replace("/msg/", "/")
+
+    def _decoded(self, channel: Channel, data: bytes) -> Any:
+        """The fields of a message."""
+        try:
+            if channel.id not in self._decoders:
+                self._decoders[channel.id] = self._decoder(channel)
+            return self._decoders[channel.id](data)
+        except ValueError as error:
+            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
+
+    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
+        schema = self._schemas.get(channel.schema_id)
+        if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
+            return ros2.decoder(schema)
+        return json.loads if channel.message_encoding == "json" else bytes
+
+    def _contents(self, lost: list[str]) -> Iterator[tuple[Channel, int, bytes]]:
+        """All complete messages, with their channel and time [ns]; what is lost is said in sentences."""
+        from mcap import records
+
+        size, opcode, end = self.path.stat().st_size, 0, len(MAGIC)
+        with self.path.open("rb") as file:
+            if file.read(len(MAGIC)) != MAGIC:
+                raise TrialFileError(f"Cannot load {self.path}: it is no MCAP file.")
+            for opcode, content in _records(file, size):
+                end, found = file.tell(), list[Any]()
+                try:
+                    found = _unpacked(opcode, content)
+                except Exception as error:  # whatever the decompressors and the parser raise at bytes without sense
+                    lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
+                for record in found:
+                    if isinstance(record, records.Schema):
+                        self._schemas[record.id] = record
+                    elif isinstance(record, records.Channel):
+                        self._channels[record.id] = record
+                    elif isinstance(record, records.Metadata):
+                        self.metadata[record.name] = record.metadata
+                    elif isinstance(record, records.Message) and record.channel_id in self._channels:
+                        yield self._channels[record.channel_id], record.log_time, record.data
+        if opcode != _FOOTER:
+            lost.append(f"it ends before its end, with {max(size - end, 0)} bytes of an incomplete chunk")
 
 
 def open_recording(path: str | Path) -> Recording:
@@ -92,26 +148,10 @@ def open_recording(path: str | Path) -> Recording:
         MissingExtra: If the package `mcap` is not installed.
     """
     need_mcap()
-    contents, counts = _Contents(Path(path)), Counter[str]()
-    start, stop = math.inf, 0
     try:
-        for channel, time, _ in contents.messages():
-            counts[channel.topic] += 1
-            start, stop = min(start, time), max(stop, time)
+        return Recording(Path(path))
     except OSError as error:
         raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
-    topics = {
-        one.topic: Topic(kind=contents.kind(one), unit=one.metadata.get("unit", ""), n_messages=counts[one.topic])
-        for one in contents.channels.values()
-    }
-    return Recording(
-        path=contents.path,
-        topics=topics,
-        metadata=contents.metadata,
-        start=start / 1e9 if counts else 0.0,
-        stop=stop / 1e9,
-        lost=f"{contents.path.name} is not whole: {'; '.join(contents.lost)}." if contents.lost else "",
-    )
 
 
 def read_messages(path: str | Path, *topics: str) -> Iterator[Logged]:
@@ -126,68 +166,6 @@ def read_messages(path: str | Path, *topics: str) -> Iterator[Logged]:
         MissingExtra: If the package `mcap` is not installed.
     """
     return open_recording(path).messages(*topics)
-
-
-class _Contents:
-    """What the records of one file say, gathered while its messages are read."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.channels: dict[int, Channel] = {}
-        self.metadata: dict[str, Mapping[str, str]] = {}
-        self.lost: list[str] = []
-        self._schemas: dict[int, Schema] = {}
-        self._decoders: dict[int, Callable[[bytes], Any]] = {}
-
-    def messages(self) -> Iterator[tuple[Channel, int, bytes]]:
-        """All complete messages, with their channel and time [ns]."""
-        size, opcode, end = self.path.stat().st_size, 0, len(MAGIC)
-        with self.path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise TrialFileError(f"Cannot load {self.path}: it is no MCAP file.")
-            for opcode, content in _records(file, size):
-                end = file.tell()
-                yield from self._messages(opcode, content)
-        if opcode != _FOOTER:
-            self.lost.append(f"it ends before its end, with {max(size - end, 0)} bytes of an incomplete chunk")
-
-    def kind(self, channel: Channel) -> str:
-        """The type of a channel's messages."""
-        schema = self._schemas.get(channel.schema_id)
-        return "" if schema is None else schema.name.replace("/msg/", "/")
-
-    def decoded(self, channel: Channel, data: bytes) -> Any:
-        """The fields of a message."""
-        try:
-            if channel.id not in self._decoders:
-                self._decoders[channel.id] = self._decoder(channel)
-            return self._decoders[channel.id](data)
-        except ValueError as error:
-            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
-
-    def _decoder(self, channel: Channel) -> Callable[[bytes], Any]:
-        schema = self._schemas.get(channel.schema_id)
-        if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
-            return ros2.decoder(schema)
-        return json.loads if channel.message_encoding == "json" else bytes
-
-    def _messages(self, opcode: int, content: bytes) -> Iterator[tuple[Channel, int, bytes]]:
-        from mcap import records
-
-        try:
-            found = _unpacked(opcode, content)
-        except Exception as error:  # whatever the decompressors and the parser raise at bytes that make no sense
-            self.lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
-            return
-        for record in found:
-            if isinstance(record, records.Schema):
-                self._schemas[record.id] = record
-            elif isinstance(record, records.Channel):
-                self.channels[record.id] = record
-            elif isinstance(record, records.Metadata):
-                self.metadata[record.name] = record.metadata
-            elif isinstance(record, records.Message) and record.channel_id in self.channels:
-                yield self.channels[record.channel_id], record.log_time, record.data
 
 
 def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
