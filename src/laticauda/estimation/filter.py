@@ -16,27 +16,9 @@ from laticauda.angles import wrap_to_pi
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
-from laticauda.estimation.filter_state import (
-    EstimatorState,
-    FilterState,
-    Gaussian,
-    Matrix,
-    Noise,
-    Vector,
-    beside_twin,
-    initial_state,
-    within_horizon,
-)
+from laticauda.estimation.filter_state import EstimatorState, FilterState, Gaussian, Matrix, Noise, Vector
 from laticauda.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
-from laticauda.estimation.samples import (
-    Estimate,
-    JointSample,
-    PoseSample,
-    ReferenceSample,
-    Sample,
-    StateEstimator,
-    yaw_joints,
-)
+from laticauda.estimation.samples import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
@@ -87,7 +69,7 @@ class Estimator(StateEstimator):
     @cached_property
     def twin_model(self) -> MotionModel:
         """The same beside a twin."""
-        return MotionModel(robot=self.robot, mount=self.mount, noise=beside_twin(self.noise), has_twin=True)
+        return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise.beside_twin, has_twin=True)
 
     def init(self, time: float = -math.inf) -> EstimatorState:
         """The state before the first sample. The first call with a plant has it compiled, which may take seconds.
@@ -95,10 +77,12 @@ class Estimator(StateEstimator):
         Args:
             time: Samples from before it are left out [s].
         """
+        still = np.zeros(self.model.n_joints)
         if self.plant is not None:
-            still = np.zeros(self.model.n_joints)
             step_twin(self.plant, start_twin(self.plant, still), still, None, 0.0, 0.01)
-        return EstimatorState(history=((None, initial_state(self.model.n_joints, time)),))
+        none = still.astype(np.int64)
+        first = FilterState(time=time, reference=still, lagged=still, lagged_rate=still, n_joint_rejected=none)
+        return EstimatorState(history=((None, first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
         """The state after one more sample, in whatever order samples come.
@@ -123,9 +107,8 @@ class Estimator(StateEstimator):
             after = self._after(before, item)
             history.append((item, after))
             rejected += item is sample and after.n_rejected > before.n_rejected
-        return EstimatorState(
-            history=within_horizon(history, self.horizon), n_outliers=state.n_outliers + rejected, n_late=state.n_late
-        )
+        after = replace(state, history=tuple(history), n_outliers=state.n_outliers + rejected)
+        return after.within(self.horizon)
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
         """Where the robot is, by the model from the last sample on; None before the first frame and joint sample.
@@ -214,7 +197,7 @@ class Estimator(StateEstimator):
 
     def _with_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
         """New references; the first ones start the twin."""
-        reference, twin, posterior = yaw_joints(self.robot, "angle", sample.angle), state.twin, state.posterior
+        reference, twin, posterior = self.robot.yaw_joints("angle", sample.angle), state.twin, state.posterior
         if twin is None and self.plant is not None and not state.twin_failed:
             twin = start_twin(self.plant, reference)
             posterior = None if posterior is None else self.twin_model.reopened(posterior)
@@ -224,10 +207,10 @@ class Estimator(StateEstimator):
 
     def _without_play(self, sample: JointSample) -> Vector:
         """The joint angles, from the sensors and the side on which the gears touch."""
-        angle = yaw_joints(self.robot, "angle", sample.angle)
+        angle = self.robot.yaw_joints("angle", sample.angle)
         if self.backlash == 0.0 or sample.torque is None:
             return angle
-        pull = np.nan_to_num(yaw_joints(self.robot, "torque", sample.torque))
+        pull = np.nan_to_num(self.robot.yaw_joints("torque", sample.torque))
         return angle - 0.5 * self.backlash * np.tanh(pull / PLAY_TORQUE)
 
     def _with_joints(self, state: FilterState, angle: Vector) -> FilterState:

@@ -1,7 +1,6 @@
 """What the filter knows: how much sensors and model are off, a Gaussian estimate, and the past it may go back to."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -43,6 +42,11 @@ class Noise:
     )
     position_ripple: float = quantity("m/sqrt(s)", "the same for the center of mass", ge=0.0, default=0.006)
 
+    @property
+    def beside_twin(self) -> "Noise":
+        """The same sensors, and of the motion what a twin does not foresee."""
+        return replace(self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()})
+
 
 # How fast changes what a twin leaves to explain of the motion; chosen on runs of their own, with the right plant and
 # with a wrong one. See docs/theory/estimation.md.
@@ -55,15 +59,6 @@ BESIDE_TWIN = {
     "heading_ripple": 0.003,
     "position_ripple": 0.0025,
 }
-
-
-def beside_twin(noise: Noise) -> Noise:
-    """The same sensors, and of the motion what a twin does not foresee.
-
-    Args:
-        noise: Without a twin.
-    """
-    return replace(noise, **{name: min(getattr(noise, name), limit) for name, limit in BESIDE_TWIN.items()})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -161,14 +156,11 @@ class FilterState:
     """Whether the twin had to be given up [-]."""
 
 
-History: TypeAlias = tuple[tuple[Sample | None, FilterState], ...]
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EstimatorState:
     """The estimator's state: the filter now, and the last few samples with the filter after each."""
 
-    history: History
+    history: tuple[tuple[Sample | None, FilterState], ...]
     """Oldest first; the first one has no sample."""
     n_outliers: int = 0
     """Frames that were not accepted so far [-]."""
@@ -180,31 +172,12 @@ class EstimatorState:
         """After the last sample."""
         return self.history[-1][1]
 
-
-def initial_state(n_joints: int, time: float) -> FilterState:
-    """The filter before the first sample.
-
-    Args:
-        n_joints: Of the planar robot [-].
-        time: From when on [s].
-    """
-    still = np.zeros(n_joints)
-    rejected = np.zeros(n_joints, dtype=np.int64)
-    return FilterState(time=time, reference=still, lagged=still, lagged_rate=still, n_joint_rejected=rejected)
-
-
-def within_horizon(history: Sequence[tuple[Sample | None, FilterState]], horizon: float) -> History:
-    """The end of a history that a late sample may still go back to.
-
-    Args:
-        history: Oldest first.
-        horizon: How late a sample may come [s].
-    """
-    oldest = history[-1][1].time - horizon
-    keep = 0
-    while keep + 1 < len(history) and history[keep + 1][1].time <= oldest:
-        keep += 1
-    return ((None, history[keep][1]), *history[keep + 1 :])
+    def within(self, horizon: float) -> "EstimatorState":
+        """The same without what no sample may go back to that comes late by at most `horizon` [s]."""
+        past, keep = self.history, 0
+        while keep + 1 < len(past) and past[keep + 1][1].time <= self.latest.time - horizon:
+            keep += 1
+        return replace(self, history=((None, past[keep][1]), *past[keep + 1 :]))
 
 
 def _symmetric(matrix: Matrix) -> Matrix:

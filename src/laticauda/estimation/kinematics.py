@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
-from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Sample, StateEstimator, yaw_joints
+from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Sample, StateEstimator
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import quantity, value
 from laticauda.robot import Robot
@@ -72,7 +72,7 @@ class KinematicEstimator(StateEstimator):
             ValueError: If the sample does not fit the robot.
         """
         if isinstance(sample, JointSample):
-            angle = yaw_joints(self.robot, "angle", sample.angle)
+            angle = self.robot.yaw_joints("angle", sample.angle)
             if not np.isfinite(angle).all() or (state.joints and sample.time <= state.joints[-1][0]):
                 return state
             kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]

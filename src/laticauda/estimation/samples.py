@@ -100,25 +100,6 @@ def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarra
     return array
 
 
-def yaw_joints(robot: Robot, name: str, angle: Vector) -> Vector:
-    """The columns of the yaw joints.
-
-    Args:
-        robot: Whose joints they are.
-        name: What `angle` is called, for the message.
-        angle: One number per joint of the robot, or per yaw joint; that of a driven fin may follow the former.
-
-    Raises:
-        ValueError: If there are as many as neither.
-    """
-    is_yaw = [joint.axis == "yaw" for joint in robot.joints]
-    if angle.size in (len(is_yaw), len(robot.driven_joints)):
-        return angle[: len(is_yaw)][is_yaw]
-    if angle.size == sum(is_yaw):
-        return angle
-    raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {angle.size}")
-
-
 Status: TypeAlias = Literal["tracking", "bridging", "lost"]
 
 

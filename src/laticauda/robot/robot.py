@@ -2,7 +2,10 @@
 
 import math
 from dataclasses import replace
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.errors import BadArgument, label, whole
@@ -10,6 +13,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot.body import Joint, Module, Reduction, reduce_to_plane
 from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
 
+Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", Thruster, PectoralFin)
 
 
@@ -120,6 +124,23 @@ class Robot:
             pectoral_fins=tuple(_moved(fin, reduction) for fin in self.pectoral_fins),
             electronics_power=self.electronics_power + sum(joint.actuator.idle_power for joint in held),
         )
+
+    def yaw_joints(self, name: str, values: Numbers) -> Numbers:
+        """Those of the yaw joints, of what there is for every joint.
+
+        Args:
+            name: What `values` are called, for the message.
+            values: One per joint, or per yaw joint; that of a driven fin may follow the former.
+
+        Raises:
+            ValueError: If there are as many as neither.
+        """
+        is_yaw = [joint.axis == "yaw" for joint in self.joints]
+        if values.size in (len(is_yaw), len(self.driven_joints)):
+            return values[: len(is_yaw)][is_yaw]
+        if values.size == sum(is_yaw):
+            return values
+        raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {values.size}")
 
     def with_links(self, n_links: int) -> "Robot":
         """The same robot with another number of links.

@@ -10,7 +10,6 @@ from jaxtyping import Float
 
 from laticauda.errors import TrialFileError, not_negative
 from laticauda.estimation import Estimate, JointSample, ReferenceSample
-from laticauda.estimation.samples import yaw_joints
 from laticauda.interfaces import Observation
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
@@ -138,7 +137,7 @@ def _torque(log: OperationLog, time: Column) -> Table | None:
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
-    table = np.stack([yaw_joints(log.header.run.robot, "torque", sample.torque) for sample in samples])
+    table = np.stack([log.header.run.robot.yaw_joints("torque", sample.torque) for sample in samples])
     known = np.isfinite(table)
     columns: list[Column] = [
         np.interp(time, when[is_known], column[is_known]) if is_known.any() else np.zeros(time.size)
@@ -169,7 +168,7 @@ def _references(log: OperationLog, time: Column) -> Table | None:
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
-    table = np.stack([yaw_joints(log.header.run.robot, "angle", sample.angle) for sample in samples])
+    table = np.stack([log.header.run.robot.yaw_joints("angle", sample.angle) for sample in samples])
     held = np.searchsorted(when, time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
 
