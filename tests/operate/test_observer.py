@@ -116,7 +116,7 @@ def test_a_listener_sends_nothing_and_waits_for_a_lab_that_comes_goes_and_comes_
         "send",
         lambda bus, *args, **settings: (senders.append(bus), send(bus, *args, **settings))[1],
     )
-    monkeypatch.setattr("laticauda.operate.drivers.worker.RETRY", 0.1)
+    monkeypatch.setattr("laticauda.protocol.worker.RETRY", 0.1)
     address = bus_address("virtual:test_observer")
     lab = Lab(make_tank(), bus=address, port=0)
     port = lab.open().mocap_port

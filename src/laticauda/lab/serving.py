@@ -5,6 +5,7 @@ import select
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,28 +16,22 @@ from laticauda.protocol import BusAddress, open_bus
 from laticauda.protocol.can import python_can
 from laticauda.protocol.meter import LineReader
 from laticauda.protocol.qtm import PORT
+from laticauda.protocol.worker import Worker
 
 
-class SerialLine:
-    """Answers lines in a thread of its own.
+class SerialLine(Worker[None]):
+    """Answers lines; its `path` is what pyserial opens.
 
     Args:
         answer: What to say to a line.
+
+    Raises:
+        ServerFailed: If the operating system has no pseudo-terminals.
     """
 
     def __init__(self, answer: Callable[[str], bytes]) -> None:
-        self._answer = answer
-        self._reader = LineReader()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="meter", daemon=True)
-        self.path = ""
-
-    def start(self) -> None:
-        """Make the pseudo-terminal; its `path` is what pyserial opens.
-
-        Raises:
-            ServerFailed: If the operating system has none.
-        """
+        super().__init__("meter")
+        self._answer, self._reader = answer, LineReader()
         try:
             import tty
 
@@ -46,33 +41,19 @@ class SerialLine:
         tty.setraw(self._theirs)
         os.set_blocking(self._ours, False)
         self.path = os.ttyname(self._theirs)
-        self._thread.start()
+        self._start()
 
-    def stop(self) -> None:
+    def work(self) -> None:
+        """Wait for lines, and answer them."""
+        if select.select([self._ours], [], [], 0.1)[0]:
+            for line in self._reader.feed(os.read(self._ours, 4096)):
+                with suppress(OSError):  # nobody reads, and the line is full
+                    os.write(self._ours, self._answer(line))
+
+    def release(self) -> None:
         """Hang up."""
-        self._ended.set()
-        self._thread.join(2.0)
         for end in (self._ours, self._theirs):
             os.close(end)
-
-    def _run(self) -> None:
-        while not self._ended.is_set():
-            ready, _, _ = select.select([self._ours], [], [], 0.1)
-            if not ready:
-                continue
-            try:
-                data = os.read(self._ours, 4096)
-            except OSError:  # nobody has the other end open
-                self._ended.wait(0.1)
-                continue
-            for line in self._reader.feed(data):
-                self._write(self._answer(line))
-
-    def _write(self, data: bytes) -> None:
-        try:
-            os.write(self._ours, data)
-        except OSError:  # nobody reads, and the line is full
-            pass
 
 
 WORST_LAG = 0.5  # s; a lab that is further behind its clock lets the clock wait
@@ -110,11 +91,9 @@ class Lab:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
         """What the clock had to wait in all, because this computer could not follow [s]."""
-        self._bus_address = bus
+        self._bus_address, self._wires = bus, ExitStack()
         self._server = QtmServer(tank.settings.mocap.rate, host, port)
-        self._line = SerialLine(self._answer)
         self._lock = threading.Lock()
-        self._bus: Any = None
         self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
         self._broken: BaseException | None = None
@@ -125,27 +104,21 @@ class Lab:
         Raises:
             LaticaudaError: If one of them cannot be opened; the message says which, and why.
         """
-        self._bus = open_bus(self._bus_address)
-        try:
+        with ExitStack() as wires:
+            self._bus = wires.enter_context(open_bus(self._bus_address))
+            wires.callback(self._server.stop)
             self._server.start()
-            self._line.start()
-        except BaseException:
-            self.close()
-            raise
-        return LabAddresses(
-            bus=self._bus_address, mocap_host=self._server.host, mocap_port=self._server.port, meter=self._line.path
-        )
+            line = wires.enter_context(SerialLine(self._answer))
+            self._wires = wires.pop_all()
+        host, port = self._server.host, self._server.port
+        return LabAddresses(bus=self._bus_address, mocap_host=host, mocap_port=port, meter=line.path)
 
     def close(self) -> None:
         """Stop, and close all wires."""
         self._stopped.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(5.0)
-        self._server.stop()
-        if self._line.path:
-            self._line.stop()
-        if self._bus is not None:
-            self._bus.shutdown()
+        self._wires.close()
 
     def start(self) -> LabAddresses:
         """Open all wires, and let time go on in a thread of its own until `close`; see `open`."""

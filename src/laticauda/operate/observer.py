@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from laticauda.estimation import Estimate, JointSample, KinematicEstimator, KinematicState, Mount, PoseSample
-from laticauda.operate.drivers.worker import Clock, Worker, hardware
 from laticauda.operate.loop import Wired, connected
 from laticauda.operate.safety.limits import Modules, no_reports, updated
 from laticauda.operate.settings import Connection
 from laticauda.protocol import CanMessage, Heartbeat, JointState
 from laticauda.protocol.can import python_can
+from laticauda.protocol.worker import Clock, Worker, hardware
 from laticauda.quantities import option, value
 from laticauda.robot import Robot
 

@@ -17,12 +17,12 @@ from typing import Any, Self, TextIO
 
 from laticauda.extras import optional_import
 from laticauda.operate.course.state import OperatorState, Outputs
-from laticauda.operate.drivers.worker import Worker
 from laticauda.operate.recording.entries import Event
 from laticauda.operate.safety.limits import Modules
 from laticauda.operate.safety.transitions import PHASES
 from laticauda.operate.settings import Operation
 from laticauda.protocol import NodeState
+from laticauda.protocol.worker import Worker
 
 STOP, EMERGENCY = "operator_key", "emergency_key"
 WORDS = {b" ": "by space", b"q": "by q", b"Q": "by q"}

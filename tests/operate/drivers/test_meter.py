@@ -32,11 +32,9 @@ class Meter:
 @pytest.fixture
 def meter():
     meter = Meter()
-    line = SerialLine(meter)
-    line.start()
-    meter.path = line.path  # type: ignore[attr-defined]
-    yield meter
-    line.stop()
+    with SerialLine(meter) as line:
+        meter.path = line.path  # type: ignore[attr-defined]
+        yield meter
 
 
 def readings(driver: MeterDriver, n: int) -> list:

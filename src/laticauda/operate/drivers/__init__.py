@@ -5,9 +5,8 @@ wrong (`trouble`), and ends without a trace (`close`, or a `with` block).
 """
 
 from laticauda.operate.drivers.can import CanDriver
-from laticauda.operate.drivers.worker import Clock
 from laticauda.operate.drivers.meter import MeterDriver
 from laticauda.operate.drivers.mocap import MocapDriver
-from laticauda.operate.drivers.worker import DeviceFailed
+from laticauda.protocol.worker import Clock, DeviceFailed
 
 __all__ = ["CanDriver", "Clock", "DeviceFailed", "MeterDriver", "MocapDriver"]

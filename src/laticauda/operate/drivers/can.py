@@ -6,8 +6,8 @@
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker
 from laticauda.protocol import BusAddress, BusFailed, CanMessage, from_frame, from_node, open_bus, to_frame
+from laticauda.protocol.worker import Clock, DeviceFailed, Worker
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # of the identifier of Linux' error frames

@@ -8,9 +8,9 @@ import threading
 import time
 from typing import Any
 
-from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker, hardware
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.protocol import ProtocolError, meter
+from laticauda.protocol.worker import Clock, DeviceFailed, Worker, hardware
 
 ANSWER_TIME = 1.0  # [s, wall clock]
 INTERVAL = 0.1  # between two questions, the meter's own rate is about that [s]

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from laticauda.estimation import PoseSample
-from laticauda.operate.drivers.worker import Clock, DeviceFailed, Worker, hardware
 from laticauda.protocol.qtm import BodyPose, body_pose
+from laticauda.protocol.worker import Clock, DeviceFailed, Worker, hardware
 
 CONNECT_TIME = 5.0  # [s, wall clock]
 LOST = np.full(3, np.nan)

@@ -6,9 +6,8 @@ writes what the loop hands over, so that no disk makes it late.
 """
 
 import math
-import threading
-from collections import deque
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Self
 
@@ -145,10 +144,6 @@ class OperationRecorder:
         self.close()
 
 
-PAUSE = 0.02  # of the thread when there is nothing to write [s, wall clock]
-PATIENCE = 10.0  # for the rest to be written at the end [s, wall clock]
-
-
 class Sink:
     """What keeps a record of every tick, and says by `trouble` if it cannot; this one keeps nothing."""
 
@@ -205,28 +200,17 @@ class RecordingSink(PlainSink):
 
     def __init__(self, recorder: OperationRecorder) -> None:
         super().__init__(recorder)
-        self._waiting: deque[tuple[OperatorState, Outputs, tuple[Frame, ...], Tick | None]] = deque()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="laticauda-recorder", daemon=True)
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="laticauda-recorder")
 
     def tick(self, state: OperatorState, outputs: Outputs, frames: tuple[Frame, ...], tick: Tick | None) -> None:
         """Hand one tick over."""
         if not self.trouble:
-            self._waiting.append((state, outputs, frames, tick))
-
-    def _run(self) -> None:
-        while self._waiting or not self._ended.is_set():
-            if self._waiting:
-                super().tick(*self._waiting.popleft())
-            else:
-                self._ended.wait(PAUSE)
+            self._thread.submit(super().tick, state, outputs, frames, tick)
 
     def __enter__(self) -> Self:
-        """Begin to write."""
-        self._thread.start()
+        """Itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
         """Write the rest."""
-        self._ended.set()
-        self._thread.join(PATIENCE)
+        self._thread.shutdown()
