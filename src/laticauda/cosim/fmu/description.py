@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from laticauda.cosim.fmu.variables import Variable
 from laticauda.packaging import __version__
@@ -54,55 +54,39 @@ class Description:
         Args:
             guid: What tells this FMU from others.
         """
-        root = ElementTree.Element(
+        is_old = self.version == "2.0"
+        root = Element(
             "fmiModelDescription",
-            {"fmiVersion": self.version, "modelName": self.identifier, self._guid: guid},
+            {
+                "fmiVersion": self.version,
+                "modelName": self.identifier,
+                "guid" if is_old else "instantiationToken": guid,
+            },
             description=f"{self.robot} Kernels of laticauda as machine code; needs no Python.",
             generationTool=f"laticauda {__version__}",
             variableNamingConvention="structured",
         )
+        state = "FMUstate" if is_old else "FMUState"
         # What is left out, FMI takes as false.
-        can = ("canHandleVariableCommunicationStepSize", *self._state_functions)
-        ElementTree.SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
+        can = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
+        SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
         _add_units(root, self.variables)
-        categories = ElementTree.SubElement(root, "LogCategories")
-        text = "What was refused, and why."
-        ElementTree.SubElement(categories, "Category", name="logStatusError", description=text)
-        ElementTree.SubElement(
-            root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL)
-        )
-        listed = ElementTree.SubElement(root, "ModelVariables")
+        categories = SubElement(root, "LogCategories")
+        SubElement(categories, "Category", name="logStatusError", description="What was refused, and why.")
+        SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL))
+        listed = SubElement(root, "ModelVariables")
         for reference, variable in enumerate(self.variables):
-            _add_variable(listed, reference, variable, self.version)
-        self._add_structure(root)
-        ElementTree.indent(root)
-        return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
-
-    @property
-    def _guid(self) -> str:
-        return "guid" if self.version == "2.0" else "instantiationToken"
-
-    @property
-    def _state_functions(self) -> tuple[str, str]:
-        state = "FMUstate" if self.version == "2.0" else "FMUState"
-        return f"canGetAndSet{state}", f"canSerialize{state}"
-
-    def _add_structure(self, root: ElementTree.Element) -> None:
-        """Which variables are outputs, and what they depend on."""
+            _add_variable(listed, reference, variable, is_old)
+        structure = SubElement(root, "ModelStructure")
         outputs = [i for i, variable in enumerate(self.variables) if variable.causality == "output"]
-        structure = ElementTree.SubElement(root, "ModelStructure")
         # Outputs are those of the end of the last step, so no input acts on them before the next one.
-        if self.version == "3.0":
+        for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
+            group = SubElement(structure, f"{kind}s") if is_old else structure
             for i in outputs:
-                ElementTree.SubElement(structure, "Output", valueReference=str(i), dependencies="")
-            for i in outputs:
-                ElementTree.SubElement(structure, "InitialUnknown", valueReference=str(i))
-            return
-        of_outputs = ElementTree.SubElement(structure, "Outputs")
-        at_start = ElementTree.SubElement(structure, "InitialUnknowns")
-        for i in outputs:
-            ElementTree.SubElement(of_outputs, "Unknown", index=str(i + 1), dependencies="")
-            ElementTree.SubElement(at_start, "Unknown", index=str(i + 1))
+                place = {"index": str(i + 1)} if is_old else {"valueReference": str(i)}
+                SubElement(group, "Unknown" if is_old else kind, {**place, **more})
+        indent(root)
+        return tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
     def page(self) -> str:
         """The file documentation/index.html."""
@@ -118,20 +102,20 @@ class Description:
         )
 
 
-def _add_units(root: ElementTree.Element, variables: Sequence[Variable]) -> None:
+def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     used = {variable.unit for variable in variables}
-    definitions = ElementTree.SubElement(root, "UnitDefinitions")
+    definitions = SubElement(root, "UnitDefinitions")
     for name, exponents in UNITS.items():
         if name not in used:
             continue
-        unit = ElementTree.SubElement(definitions, "Unit", name=name)
+        unit = SubElement(definitions, "Unit", name=name)
         base = {key: str(value) for key, value in zip(("kg", "m", "s", "rad"), exponents, strict=True) if value}
-        ElementTree.SubElement(unit, "BaseUnit", base)
+        SubElement(unit, "BaseUnit", base)
         if name in DEGREES:
-            ElementTree.SubElement(unit, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
+            SubElement(unit, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
 
 
-def _add_variable(listed: ElementTree.Element, reference: int, variable: Variable, version: str) -> None:
+def _add_variable(listed: Element, reference: int, variable: Variable, is_old: bool) -> None:
     named = {
         "name": variable.name,
         "valueReference": str(reference),
@@ -139,21 +123,15 @@ def _add_variable(listed: ElementTree.Element, reference: int, variable: Variabl
         "causality": variable.causality,
         "variability": VARIABILITY[variable.causality],
     }
-    if version == "2.0":
-        real = ElementTree.SubElement(ElementTree.SubElement(listed, "ScalarVariable", named), "Real")
+    facts = {"unit": variable.unit if variable.unit in UNITS else "", "displayUnit": DEGREES.get(variable.unit, "")}
+    if variable.causality in ("parameter", "input"):
+        ends = {"min": variable.least, "max": variable.most, "start": variable.start}
+        facts |= {name: repr(end) for name, end in ends.items() if math.isfinite(end)}
+    facts = {name: fact for name, fact in facts.items() if fact}
+    if is_old:
+        SubElement(SubElement(listed, "ScalarVariable", named), "Real", facts)
     else:
-        real = ElementTree.SubElement(listed, "Float64", named)
-    if variable.unit in UNITS:
-        real.set("unit", variable.unit)
-    if variable.unit in DEGREES:
-        real.set("displayUnit", DEGREES[variable.unit])
-    if variable.causality not in ("parameter", "input"):
-        return
-    if math.isfinite(variable.least):
-        real.set("min", repr(variable.least))
-    if math.isfinite(variable.most):
-        real.set("max", repr(variable.most))
-    real.set("start", repr(variable.start))
+        SubElement(listed, "Float64", named | facts)
 
 
 def _row(variable: Variable) -> str:

@@ -100,7 +100,7 @@ def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     if platform.machine().lower() not in ("x86_64", "amd64") or not sys.platform.startswith("linux"):
         here = f"{sys.platform} on {platform.machine()}"
         raise BadArgument("fmu", f"must be made on Linux on an x86-64 processor, for which it will be, got {here}")
-    kept = _kept(law, joints)
+    kept = kept_at(law, joints)
     try:
         return kept.read_bytes()
     except OSError:
@@ -114,18 +114,13 @@ def object_code(law: DragLaw, joints: JointLaw) -> bytes:
     return code
 
 
-def is_compiled(law: DragLaw, joints: JointLaw) -> bool:
-    """Whether the object file is on the disk; making it takes seconds.
+def kept_at(law: DragLaw, joints: JointLaw) -> Path:
+    """Where an object file is kept: beside what Numba keeps, under a name that says what it was made from.
 
     Args:
         law: Loads on one element.
         joints: How its joints follow their references.
     """
-    return _kept(law, joints).exists()
-
-
-def _kept(law: DragLaw, joints: JointLaw) -> Path:
-    """Where the object file of a law is kept: beside what Numba keeps, under a name that says what it was made from."""
     run = specialize(1, law, joints).run  # not compiled by being looked at; its module's name tells sources and law
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())

@@ -206,9 +206,9 @@ def needs_compiling(water: Water, joints: JointLaw | str = "prescribed") -> bool
         water: Where it will swim.
         joints: How its joints will follow their references.
     """
-    from laticauda.cosim.fmu.entry import is_compiled
+    from laticauda.cosim.fmu.entry import kept_at
 
-    return not is_compiled(water.drag, JointLaw.of(joints))
+    return not kept_at(water.drag, JointLaw.of(joints)).exists()
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, cast
 
 from laticauda.formulas import Law
-from laticauda.gaits import Gait
+from laticauda.gaits import Gait, Wave
 from laticauda.interfaces import Start
 from laticauda.planar import rows
 from laticauda.planar.model import LEAST_DT, PlanarPlant
@@ -14,8 +15,24 @@ from laticauda.quantities import quantities_of
 from laticauda.robot import Water, has_power_model
 
 Shares = tuple[tuple[int, float], ...]
+Ends = tuple[float, float]
+_Line = tuple[str, str, str, float, int, int | None, str]
 FAR = 1e5  # m and rad, as for `Start`
 TINY = 1e-9  # of what must be positive
+
+# Of the numbers of a wave: field, unit, symbol, least value, row, the row of a filter that follows it, and text.
+GAIT: Sequence[_Line] = (
+    ("amplitude", "rad", "alpha", 0.0, rows.AMPLITUDE, rows.AMPLITUDE_NOW, "Amplitude of the joints."),
+    ("frequency", "rad/s", "omega", 0.0, rows.FREQUENCY, rows.FREQUENCY_NOW, "Angular frequency."),
+    ("phase_shift", "rad", "delta", -FAR, rows.PHASE_SHIFT, rows.PHASE_SHIFT_NOW, "Between neighboring joints."),
+    ("offset", "rad", "phi_0", -FAR, rows.OFFSET, None, "Of every joint; positive turns left."),
+)
+FIN: Sequence[_Line] = (
+    ("amplitude", "rad", "", 0.0, rows.FIN_AMPLITUDE, rows.FIN_AMPLITUDE_NOW, "Amplitude of the driven fin."),
+    ("frequency", "rad/s", "", 0.0, rows.FIN_FREQUENCY, rows.FIN_FREQUENCY_NOW, "Angular frequency of the fin."),
+    ("offset", "rad", "", -FAR, rows.FIN_OFFSET, None, "Offset of the fin."),
+    ("phase", "rad", "", -FAR, rows.FIN_LEAD, None, "How far the fin is ahead of the tail-most joint."),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,15 +72,21 @@ def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -
         start: Where it begins.
         inputs: gait or references.
     """
+    water = plant.environment
+    assert isinstance(water, Water)
+    if inputs == "gait":
+        fin = _wave("fin", gait.fin, FIN) if 0 in plant.robot.fin_joints else ()
+        driven = (*_generator(plant, gait), *_wave("gait", gait, GAIT), *fin)
+    else:
+        driven = _references(plant)
+    clock = "Largest step of the integration; each communication step is cut into equal ones."
     return (
         Variable(name="time", causality="independent", unit="s", description="Time.", symbol="t"),
-        *_clock(plant),
+        _parameter("dt", "s", "", plant.dt, (LEAST_DT, 1e3), clock),
         *_start(plant, start),
-        *_water(plant),
-        *(_generator(plant, gait) if inputs == "gait" else ()),
-        *(_gait(gait) if inputs == "gait" else _references(plant)),
-        *(_fin_wave(plant, gait) if inputs == "gait" else ()),
-        *_current(plant),
+        *_water(plant, water),
+        *driven,
+        *_current(water),
         *_motion(),
         *_links(plant),
         *_joints(plant),
@@ -72,45 +95,35 @@ def variables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -
     )
 
 
-def _parameter(name: str, unit: str, symbol: str, start: float, text: str, **more: Any) -> Variable:
-    return Variable(name=name, causality="parameter", unit=unit, symbol=symbol, start=start, description=text, **more)
+def _set(
+    causality: str, name: str, unit: str, symbol: str, start: float, ends: Ends, text: str, *row: int, **more: Any
+) -> Variable:
+    """One that is set from outside, and the row, if any, that has its value."""
+    more = {"rows": tuple((one, 1.0) for one in row), "least": ends[0], "most": ends[1], **more}
+    return Variable(name=name, causality=causality, unit=unit, symbol=symbol, start=start, description=text, **more)
 
 
-def _input(name: str, unit: str, symbol: str, start: float, text: str, **more: Any) -> Variable:
-    return Variable(name=name, causality="input", unit=unit, symbol=symbol, start=start, description=text, **more)
+_parameter, _input = partial(_set, "parameter"), partial(_set, "input")
 
 
 def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, float]) -> Variable:
     return Variable(name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares)
 
 
-def _clock(plant: PlanarPlant) -> Iterator[Variable]:
-    text = "Largest step of the integration; each communication step is cut into equal ones."
-    yield _parameter("dt", "s", "", plant.dt, text, least=LEAST_DT, most=1e3)
-
-
 def _start(plant: PlanarPlant, start: Start) -> Iterator[Variable]:
-    x, y = start.center_of_mass
-    for name, row, value in (("x", rows.X, x), ("y", rows.Y, y)):
-        text = "Where the center of mass is at the start."
-        yield _parameter(f"start.{name}", "m", f"p_{name}", value, text, least=-FAR, most=FAR, rows=((row, 1.0),))
+    text, (x, y), anywhere = "Where the center of mass is at the start.", start.center_of_mass, (-FAR, FAR)
+    yield _parameter("start.x", "m", "p_x", x, anywhere, text, rows.X)
+    yield _parameter("start.y", "m", "p_y", y, anywhere, text, rows.Y)
     text = "Mean angle of the links at the start, counter-clockwise from the x axis."
-    share = ((rows.HEADING, 1.0),)
-    yield _parameter("start.heading", "rad", "theta", start.heading, text, least=-FAR, most=FAR, rows=share)
+    yield _parameter("start.heading", "rad", "theta", start.heading, anywhere, text, rows.HEADING)
     text = "Speed at the start, along the heading."
-    yield _parameter("start.velocity", "m/s", "", start.velocity, text, least=-100.0, most=100.0)
-    if not plant.joints.prescribed:
-        for i, b in enumerate(_records(plant)):
-            text = f"Angle of joint {i} at the start."
-            share = ((b + rows.ANGLE, 1.0),)
-            yield _parameter(
-                f"start.joint_angle[{i}]", "rad", "phi", 0.0, text, least=-math.pi, most=math.pi, rows=share
-            )
+    yield _parameter("start.velocity", "m/s", "", start.velocity, (-100.0, 100.0), text)
+    for i, b in enumerate(() if plant.joints.prescribed else _records(plant)):
+        name, text = f"start.joint_angle[{i}]", f"Angle of joint {i} at the start."
+        yield _parameter(name, "rad", "phi", 0.0, (-math.pi, math.pi), text, b + rows.ANGLE)
 
 
-def _water(plant: PlanarPlant) -> Iterator[Variable]:
-    water = plant.environment
-    assert isinstance(water, Water)
+def _water(plant: PlanarPlant, water: Water) -> Iterator[Variable]:
     for name, unit, symbol, least, text in (
         ("density", "kg/m3", "rho", TINY, "Density of the water."),
         ("tangential_friction", "1", "C_f", 0.0, "Drag along the body."),
@@ -119,8 +132,8 @@ def _water(plant: PlanarPlant) -> Iterator[Variable]:
         ("added_inertia", "1", "C_M", 0.0, "Added moment of inertia."),
         ("tangential_added_mass", "1", "C_T", 0.0, "Added mass along the body."),
     ):
-        value = getattr(water, name)
-        yield _parameter(f"water.{name}", unit, symbol, value, text, least=least, coefficient=name)
+        value: float = getattr(water, name)
+        yield _parameter(f"water.{name}", unit, symbol, value, (least, math.inf), text, coefficient=name)
     yield from _law("water.drag", water.drag, rows.LAW)
     if plant.joints.own is not None:
         yield from _law("joints", plant.joints, rows.JOINT_LAW)
@@ -129,71 +142,44 @@ def _water(plant: PlanarPlant) -> Iterator[Variable]:
 def _law(prefix: str, law: Law, first: int) -> Iterator[Variable]:
     """The numbers of a law."""
     for name, one in quantities_of(cast(type, type(law))).items():
-        share = ((first + law.formula.fields.index(name), 1.0),)
         text, unit = one.text[0].upper() + one.text[1:] + ".", one.unit.replace(" ", ".").replace("^", "") or "1"
-        limits = {"least": max(one.least, -FAR), "most": min(one.le, FAR)}
-        yield _parameter(f"{prefix}.{name}", unit, "", getattr(law, name), text, **limits, rows=share)
+        ends, row = (max(one.least, -FAR), min(one.le, FAR)), first + law.formula.fields.index(name)
+        yield _parameter(f"{prefix}.{name}", unit, "", getattr(law, name), ends, text, row)
 
 
 def _generator(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
-    text = "Bandwidth of the filters behind the gait's parameters."
-    share = ((rows.BANDWIDTH, 1.0),)
-    yield _parameter(
-        "offset_bandwidth", "rad/s", "", plant.settings.offset_bandwidth, text, least=TINY, most=1e6, rows=share
-    )
-    text = "Duration of the smooth start."
-    yield _parameter("ramp", "s", "T", plant.ramp, text, least=0.0, most=1e6, rows=((rows.RAMP, 1.0),))
+    text, now = "Bandwidth of the filters behind the gait's parameters.", plant.settings.offset_bandwidth
+    yield _parameter("offset_bandwidth", "rad/s", "", now, (TINY, 1e6), text, rows.BANDWIDTH)
+    yield _parameter("ramp", "s", "T", plant.ramp, (0.0, 1e6), "Duration of the smooth start.", rows.RAMP)
     template = plant.layout.template
     for i, (b, g) in enumerate(zip(_records(plant), gait.joint_envelope(plant.robot.n_links), strict=True)):
+        name, text = f"gait.envelope[{i}]", f"Share of the amplitude that joint {i} has."
         share = ((b + rows.ENVELOPE, float(template[b + rows.ENVELOPE])),)
-        yield _parameter(f"gait.envelope[{i}]", "1", "g", g, f"Share of the amplitude that joint {i} has.", rows=share)
+        yield _parameter(name, "1", "g", g, (-math.inf, math.inf), text, rows=share)
 
 
-def _gait(gait: Gait) -> Iterator[Variable]:
-    for name, unit, symbol, least, row, now, text in (
-        ("amplitude", "rad", "alpha", 0.0, rows.AMPLITUDE, rows.AMPLITUDE_NOW, "Amplitude of the joints."),
-        ("frequency", "rad/s", "omega", 0.0, rows.FREQUENCY, rows.FREQUENCY_NOW, "Angular frequency."),
-        ("phase_shift", "rad", "delta", -FAR, rows.PHASE_SHIFT, rows.PHASE_SHIFT_NOW, "Between neighboring joints."),
-        ("offset", "rad", "phi_0", -FAR, rows.OFFSET, None, "Of every joint; positive turns left."),
-    ):
+def _wave(prefix: str, wave: Gait | Wave | None, lines: Sequence[_Line]) -> Iterator[Variable]:
+    """The numbers of a wave; those that a filter follows are there at once at the start."""
+    for name, unit, symbol, least, row, now, text in lines:
         first = () if now is None else ((now, 1.0),)
-        value = getattr(gait, name)
-        share = ((row, 1.0),)
-        yield _input(f"gait.{name}", unit, symbol, value, text, least=least, most=FAR, rows=share, start_rows=first)
+        value = 0.0 if wave is None else getattr(wave, name)
+        yield _input(f"{prefix}.{name}", unit, symbol, value, (least, FAR), text, row, start_rows=first)
 
 
 def _references(plant: PlanarPlant) -> Iterator[Variable]:
-    asked = [(f"references[{i}]", f"joint {i}", b) for i, b in enumerate(_records(plant))]
+    driven = [(f"references[{i}]", f"joint {i}", b) for i, b in enumerate(_records(plant))]
     if 0 in plant.robot.fin_joints:
-        asked.append(("fin.reference", "the fin", _record(plant.layout.tail_link)))
-    for name, of, b in asked:
+        driven.append(("fin.reference", "the fin", _record(plant.layout.tail_link)))
+    for name, of, b in driven:
         # The generator stands still at the crest of a wave of amplitude 1 (`PlanarPlant.rows`).
         text = f"Angle that {of} is asked for, held during a communication step."
-        yield _input(name, "rad", "phi_ref", 0.0, text, least=-FAR, most=FAR, rows=((b + rows.ENVELOPE, 1.0),))
+        yield _input(name, "rad", "phi_ref", 0.0, (-FAR, FAR), text, b + rows.ENVELOPE)
 
 
-def _fin_wave(plant: PlanarPlant, gait: Gait) -> Iterator[Variable]:
-    if 0 not in plant.robot.fin_joints:
-        return
-    wave = gait.fin
-    for name, unit, least, row, now, text in (
-        ("amplitude", "rad", 0.0, rows.FIN_AMPLITUDE, rows.FIN_AMPLITUDE_NOW, "Amplitude of the driven fin."),
-        ("frequency", "rad/s", 0.0, rows.FIN_FREQUENCY, rows.FIN_FREQUENCY_NOW, "Angular frequency of the fin."),
-        ("offset", "rad", -FAR, rows.FIN_OFFSET, None, "Offset of the fin."),
-        ("phase", "rad", -FAR, rows.FIN_LEAD, None, "How far the fin is ahead of the tail-most joint."),
-    ):
-        first = () if now is None else ((now, 1.0),)
-        value = 0.0 if wave is None else getattr(wave, name)
-        share = ((row, 1.0),)
-        yield _input(f"fin.{name}", unit, "", value, text, least=least, most=FAR, rows=share, start_rows=first)
-
-
-def _current(plant: PlanarPlant) -> Iterator[Variable]:
-    water = plant.environment
-    assert isinstance(water, Water)
+def _current(water: Water) -> Iterator[Variable]:
     for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.current, strict=True):
         text = "Velocity that the water moves to, world axes."
-        yield _input(f"current.{name}", "m/s", f"V_{name}", value, text, least=-100.0, most=100.0, rows=((row, 1.0),))
+        yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)
 
 
 def _motion() -> Iterator[Variable]:
@@ -214,7 +200,7 @@ def _links(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _joints(plant: PlanarPlant) -> Iterator[Variable]:
-    records = list(enumerate(_records(plant)))
+    records = [*enumerate(_records(plant))]
     for i, b in records:
         yield _output(f"joint_angle[{i}]", "rad", "phi_i", f"Angle of joint {i}.", (b + rows.ANGLE, 1.0))
     for i, b in records:
