@@ -8,7 +8,7 @@ from typing import Any, NoReturn, TypeAlias, cast
 
 import numpy as np
 
-from laticauda.codec import check_keys, decode, table_of, updated
+from laticauda.codec import decode, table_of, updated
 from laticauda.errors import BadArgument, one_of, within
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import Wave
@@ -207,16 +207,3 @@ def _gait(table: dict[str, Any], held: Gait) -> Gait:
         usual = {"amplitude": 0.0, "frequency": table.get("frequency", held.frequency)}
         table[name] = None if wave is None or wave == [] else decode(Wave, usual | table_of(wave, at), at)
     return updated(held, table, "gait")
-
-
-def check_fields(message: Message, *names: str) -> None:
-    """Refuse a message with other fields than these and those of every request.
-
-    Args:
-        message: The request.
-        names: Of the fields.
-
-    Raises:
-        BadKey: If there is one.
-    """
-    check_keys(message, ("do", "id", "protocol", *names))

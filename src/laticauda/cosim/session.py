@@ -6,17 +6,9 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda.codec import BadKey
-from laticauda.cosim.messages import (
-    HELD,
-    MADE_FROM,
-    PROTOCOL_VERSION,
-    Message,
-    check_fields,
-    read_message,
-    read_scenario,
-    write_message,
-)
+from laticauda.codec import BadKey, check_keys
+from laticauda.cosim import messages
+from laticauda.cosim.messages import Message
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__
@@ -37,13 +29,14 @@ class Session:
     def __init__(self, own_robots: Mapping[str, Robot] | None = None) -> None:
         self._own_robots = own_robots or {}
         self._world: World | None = None
-        self._requests: dict[str, Callable[[Message], dict[str, Any]]] = {
-            "reset": self._reset,
-            "step": self._step,
-            "set": self._set,
-            "get": self._get,
-            "run": self._run,
+        self._requests: dict[str, tuple[Callable[[Message], dict[str, Any]], tuple[str, ...]]] = {
+            "reset": (self._reset, messages.MADE_FROM),
+            "step": (self._step, ("duration", *messages.HELD)),
+            "set": (self._set, messages.HELD),
+            "get": (self._get, ("series", "since")),
+            "run": (self._run, ("duration", "series", *messages.MADE_FROM)),
         }
+        """By what is to be done: what does it, and the fields that it has besides those of every request."""
 
     def answer(self, line: bytes) -> bytes:
         """The answer to a line, which is never an exception.
@@ -53,31 +46,33 @@ class Session:
         """
         tag: dict[str, Any] = {}
         try:
-            message = read_message(line)
+            message = messages.read_message(line)
             if "id" in message:
                 tag["id"] = message["id"]
-            return write_message({**tag, **self._answer(message)})
+            return messages.write_message({**tag, **self._answer(message)})
         except BadKey as bad:
-            return write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
+            return messages.write_message({**tag, "error": str(BadArgument(bad.key, bad.rule))})
         except (ValueError, LaticaudaError) as error:
-            return write_message({**tag, "error": str(error)})
+            return messages.write_message({**tag, "error": str(error)})
         except Exception as error:  # one request that we cannot make sense of must not end the others
             traceback.print_exc(file=sys.stderr)
-            return write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
+            return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
 
     def _answer(self, message: Message) -> dict[str, Any]:
-        asked = message.get("protocol", PROTOCOL_VERSION)
-        if asked != PROTOCOL_VERSION:
-            raise BadArgument("protocol", f"must be {PROTOCOL_VERSION}, which this server speaks, got {asked!r}")
-        return self._requests[one_of("do", message.get("do"), tuple(self._requests))](message)
+        asked = message.get("protocol", messages.PROTOCOL_VERSION)
+        if asked != messages.PROTOCOL_VERSION:
+            raise BadArgument(
+                "protocol", f"must be {messages.PROTOCOL_VERSION}, which this server speaks, got {asked!r}"
+            )
+        request, fields = self._requests[one_of("do", message.get("do"), tuple(self._requests))]
+        check_keys(message, ("do", "id", "protocol", *fields))
+        return request(message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
-        check_fields(message, *MADE_FROM)
-        world = self._world = new_world(read_scenario(message, self._own_robots))
+        world = self._world = new_world(messages.read_scenario(message, self._own_robots))
         return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
-        check_fields(message, "duration", *HELD)
         duration = positive("duration", message.get("duration"), "s")
         world = stepped(changed(self._there(), message, tried=False), duration)
         self._world = world
@@ -86,12 +81,10 @@ class Session:
         return _seen(world)
 
     def _set(self, message: Message) -> dict[str, Any]:
-        check_fields(message, *HELD)
         self._world = changed(self._there(), message)
         return {"command": _command(self._world)}
 
     def _get(self, message: Message) -> dict[str, Any]:
-        check_fields(message, "series", "since")
         world = self._there()
         if "series" not in message:
             return {**_seen(world), "command": _command(world), **_about(world)}
@@ -99,12 +92,11 @@ class Session:
         return {"series": world.log.series(_names(message["series"]), since), "dropped": world.log.dropped}
 
     def _run(self, message: Message) -> dict[str, Any]:
-        check_fields(message, "duration", "series", *MADE_FROM)
         names = _names(message.get("series", []))
         for name in names:
             one_of("series", name, tuple(SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
-        trial = whole_run(read_scenario(message, self._own_robots, duration))
+        trial = whole_run(messages.read_scenario(message, self._own_robots, duration))
         found: dict[str, Any] = {"figures": trial.summary()}
         if names:
             found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}
@@ -137,7 +129,7 @@ def _command(world: World) -> dict[str, Any]:
 def _about(world: World) -> dict[str, Any]:
     robot = world.plant.robot
     return {
-        "protocol": PROTOCOL_VERSION,
+        "protocol": messages.PROTOCOL_VERSION,
         "version": __version__,
         "robot": robot.name,
         "n_links": robot.n_links,

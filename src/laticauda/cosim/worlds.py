@@ -185,20 +185,13 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
         ValueError: If so.
     """
     within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
-    if duration / sample_interval > MOST_SAMPLES:
-        raise BadArgument(
-            "duration",
-            f"must be <= {MOST_SAMPLES * sample_interval:g} s at a `sample_interval` of "
-            f"{sample_interval:g} s, got {duration:g}",
-        )
-    dt = float(plant.settings.dt)
-    most = MOST_WORK / plant.robot.n_links * dt
-    if duration > most:
-        raise BadArgument(
-            "duration",
-            f"must be <= {most:g} s in one request for {plant.robot.n_links} links and steps of "
-            f"{dt:g} s, got {duration:g}",
-        )
+    dt, n = float(plant.settings.dt), plant.robot.n_links
+    for most, where in (
+        (MOST_SAMPLES * sample_interval, f"at a `sample_interval` of {sample_interval:g} s"),
+        (MOST_WORK / n * dt, f"in one request for {n} links and steps of {dt:g} s"),
+    ):
+        if duration > most:
+            raise BadArgument("duration", f"must be <= {most:g} s {where}, got {duration:g}")
 
 
 def _try(world: World) -> Log:

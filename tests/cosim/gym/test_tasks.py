@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import laticauda as lc
 from laticauda.cosim.gym import Efficiency, PathFollowing, Pilots, StationKeeping, Step
 from laticauda.cosim.gym.episodes import BOUND, Episodes
-from laticauda.cosim.gym.swimming import log_square
+from laticauda.cosim.gym.tasks import log_square
 
 TASKS = [PathFollowing(), Efficiency(), StationKeeping()]
 NAMES = [type(task).__name__ for task in TASKS]

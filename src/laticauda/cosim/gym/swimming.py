@@ -15,7 +15,7 @@ from typing import Unpack, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, instance, positive, within
+from laticauda.errors import instance, within
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command
 from laticauda.planar.model import PlanarPlant
@@ -76,24 +76,10 @@ class Sight:
     """What is seen as 1 [SI]."""
 
 
-HEADING_RATE = Sight(name="heading_rate", of=lambda step: step.after.heading_rate)
-ALONG = Sight(name="velocity_along", of=lambda step: step.velocity[0], unit=0.1)
-ACROSS = Sight(name="velocity_across", of=lambda step: step.velocity[1], unit=0.1)
-PHASE = (
-    Sight(name="sin_phase", of=lambda step: np.sin(step.after.phase)),
-    Sight(name="cos_phase", of=lambda step: np.cos(step.after.phase)),
-)
-
-
 def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbers]:
     """A vector in world axes, seen along the heading and to the left of it."""
     c, s = np.cos(motion.heading), np.sin(motion.heading)
     return c * x + s * y, c * y - s * x
-
-
-def log_square(value: Numbers, tolerance: float) -> Numbers:
-    """ln(1 + (x/a)^2): (x/a)^2 for small x; from there on ten times the distance costs 4.6 more, wherever it is [-]."""
-    return np.log1p((value / tolerance) ** 2)
 
 
 GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0))
@@ -178,21 +164,3 @@ class Swimming(ABC):
     @abstractmethod
     def reward(self, step: Step) -> Numbers:
         """What `step` is worth [-]."""
-
-
-def check_ends(task: Swimming, unit: str, *names: str) -> None:
-    """Refuse fields that are two ends, of which the lower one does not come first, or the upper one is not positive.
-
-    Args:
-        task: Whose fields.
-        unit: Theirs.
-        names: Of the fields.
-
-    Raises:
-        ValueError: If there is one.
-    """
-    for name in names:
-        low, high = getattr(task, name)
-        if low > high:
-            raise BadArgument(name, f"must be two numbers in {unit}, the lower one first, got {(low, high)}")
-        positive(f"{name}[1]", high, unit)
