@@ -23,42 +23,30 @@ DESCRIPTION = (
 
 # A command's words, where its class is (beside this module; with a dot, beside this package), and what the list of
 # commands says about it. Only the module of the command that runs is imported.
-COMMANDS: dict[tuple[str, ...], tuple[str, str]] = {
-    ("swim",): ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
-    ("follow",): ("follow:Follow", "Let a robot follow a path, and print how soon and how well."),
-    ("reproduce",): (
+COMMANDS: dict[str, tuple[str, str]] = {
+    "swim": ("swim:Swim", "Let a robot swim a gait, and print its speed and power."),
+    "follow": ("follow:Follow", "Let a robot follow a path, and print how soon and how well."),
+    "reproduce": (
         ".paper.command:Reproduce",
         "Repeat the paper's experiments, and write figures, tables and a report.",
     ),
-    ("sweep",): ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
-    ("optimize",): ("optimize:Optimize", "Search for the best gait, fin or number of links."),
-    ("identify",): (
-        "identify:Identify",
-        "Identify parameters with their uncertainty from measured trials.",
-    ),
-    ("design-experiment",): ("design:DesignExperiment", "Find the next trials that would tell the most."),
-    ("view",): ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
-    ("export", "mjcf"): ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
-    ("export", "urdf"): ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
-    ("export", "fmu"): (
-        "export:Fmu",
-        "Write a robot in water to an FMU, for Simulink, OpenModelica and others.",
-    ),
-    ("lab",): (
-        "lab:LabCommand",
-        "Run the virtual tank: the robot on a CAN bus, cameras and a power meter.",
-    ),
-    ("operate",): (
-        "operate:Operate",
-        "Operate the robot, virtual or real: a trial file or a series file.",
-    ),
-    ("replay",): ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
-    ("cockpit",): ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
-    ("serve",): ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
-    ("robots",): ("robots:Robots", "List the robots, waters, grounds and parameters there are, or show one."),
-    ("trial", "show"): ("trial:Show", "Print the figures of a stored trial."),
-    ("trial", "compare"): ("trial:Compare", "Print the figures of stored trials side by side."),
-    ("trial", "convert"): ("trial:Convert", "Write a stored trial as MCAP, Parquet, .mat, netCDF or CSV."),
+    "sweep": ("sweep:SweepCommand", "Run a trial at every point of a grid, a list or of samples."),
+    "optimize": ("optimize:Optimize", "Search for the best gait, fin or number of links."),
+    "identify": ("identify:Identify", "Identify parameters with their uncertainty from measured trials."),
+    "design-experiment": ("design:DesignExperiment", "Find the next trials that would tell the most."),
+    "view": ("view:View", "Show a stored trial in 3D: in a window, as a film or as a picture."),
+    "export mjcf": ("export:Mjcf", "Write a robot to an MJCF file, for MuJoCo."),
+    "export urdf": ("export:Urdf", "Write a robot to a URDF file, for ROS and others."),
+    "export fmu": ("export:Fmu", "Write a robot in water to an FMU, for Simulink, OpenModelica and others."),
+    "lab": ("lab:LabCommand", "Run the virtual tank: the robot on a CAN bus, cameras and a power meter."),
+    "operate": ("operate:Operate", "Operate the robot, virtual or real: a trial file or a series file."),
+    "replay": ("replay:Replay", "Make a trial of a recorded operation, and print its figures."),
+    "cockpit": ("cockpit:CockpitCommand", "Serve a live page on which the robot swims."),
+    "serve": ("serve:Serve", "Let Octave, MATLAB and other programs drive robots over TCP."),
+    "robots": ("robots:Robots", "List the robots, waters, grounds and parameters there are, or show one."),
+    "trial show": ("trial:Show", "Print the figures of a stored trial."),
+    "trial compare": ("trial:Compare", "Print the figures of stored trials side by side."),
+    "trial convert": ("trial:Convert", "Write a stored trial as MCAP, Parquet, .mat, netCDF or CSV."),
 }
 GROUPS = {
     "export": "Write robots to files for other programs.",
@@ -112,20 +100,21 @@ def main(args: Sequence[str] | None = None) -> int:
 def _read(words: list[str]) -> Command:
     """The command that the words ask for, with its options; ends the program where there is none."""
     for length in (2, 1):
-        place = COMMANDS.get(tuple(words[:length]))
+        place = COMMANDS.get(" ".join(words[:length]))
         if len(words) >= length and place is not None:
             module, name = place[0].split(":")
             command: type[Command] = getattr(import_module(f".{module}", "laticauda.cli"), name)
             prog = " ".join([PROGRAM, *words[:length]])
             return command.read(words[length:], prog)
     if words and words[0] in GROUPS:
-        return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands((words[0],)), words[1:])
-    return _choose(PROGRAM, DESCRIPTION, _commands(()) | GROUPS, words)
+        return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands(words[0]), words[1:])
+    return _choose(PROGRAM, DESCRIPTION, _commands("") | GROUPS, words)
 
 
-def _commands(group: tuple[str, ...]) -> dict[str, str]:
+def _commands(group: str) -> dict[str, str]:
     """The last words of a group's commands, and what they do."""
-    return {words[-1]: text for words, (_, text) in COMMANDS.items() if words[:-1] == group}
+    listed = ((*name.rpartition(" "), text) for name, (_, text) in COMMANDS.items())
+    return {word: text for of, _, word, text in listed if of == group}
 
 
 def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
