@@ -26,7 +26,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     )
     swum = []
     monkeypatch.setattr(
-        module, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
+        module.trials, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
     )
     found = module.evaluate(sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]]))
     assert found["violation"] == pytest.approx([0.0, 31 / 30 - 1, radians(24) * 3.0 - 1.0])
@@ -36,7 +36,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
 
 def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(
-        module, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
+        module.trials, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
     )
     sought = replace(SOUGHT, least_velocity=0.2)
     found = module.evaluate(sought, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))

@@ -127,11 +127,10 @@ class Front:
         Args:
             path: The file; an older one of that name is replaced.
         """
-        known = parameters(self.optimization.scenario)
-        values = dict(zip(self.optimization.names, self.values.T, strict=True))
-        columns = [(name, known[name].unit or "-", column) for name, column in values.items()]
-        columns += [(name, QUANTITIES[name][0].replace("1", "-"), self.figures[name]) for name in FIGURES]
-        write(path, csv_text(columns))
+        found: Any = self.to_dataset()
+        columns: dict[str, Any] = {**found.coords, **found.data_vars}
+        units = {name: "-" if column.units == "1" else column.units for name, column in columns.items()}
+        write(path, csv_text([(name, units[name], column.to_numpy()) for name, column in columns.items()]))
 
 
 def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:

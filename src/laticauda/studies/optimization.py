@@ -11,18 +11,9 @@ from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import parameters
+from laticauda.studies import trials
 from laticauda.studies.sampling import checked_ranges
-from laticauda.studies.trials import (
-    COSTS,
-    QUANTITIES,
-    Column,
-    Table,
-    check_ranges,
-    check_scenario,
-    definition_of,
-    scenarios_at,
-    swim_points,
-)
+from laticauda.studies.trials import QUANTITIES, Column, Table
 from laticauda.trial.feasibility import ROUNDING
 
 OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
@@ -89,8 +80,8 @@ class Optimization:
 
     def __post_init__(self) -> None:
         """Check what goes together."""
-        check_scenario(self.scenario)
-        check_ranges(self.scenario, self.bounds, "bounds")
+        trials.check_scenario(self.scenario)
+        trials.check_ranges(self.scenario, self.bounds, "bounds")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,7 +91,7 @@ class Optimization:
     def definition(self) -> dict[str, Any]:
         """All that the trials depend on, for a file."""
         return {
-            **definition_of(self.scenario),
+            **trials.definition_of(self.scenario),
             "bounds": {name: list(ends) for name, ends in self.bounds.items()},
             "objectives": list(self.objectives),
             **{name: getattr(self, name) for name in ("joint_rate_limit", "least_velocity", "beyond_actuators")},
@@ -141,12 +132,12 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
     """
     scenario, names = optimization.scenario, optimization.names
     limit = optimization.joint_rate_limit
-    violation = np.array([_beyond(one, limit) for one in scenarios_at(scenario, names, table)])
+    violation = np.array([_beyond(one, limit) for one in trials.scenarios_at(scenario, names, table)])
     swims = violation == 0.0
     found: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     found["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        for name, values in swim_points(scenario, names, table[swims], threads).items():
+        for name, values in trials.swim_points(scenario, names, table[swims], threads).items():
             found[name][swims] = values
     if not optimization.beyond_actuators:
         excess = found["utilization"] - 1.0
@@ -166,7 +157,7 @@ def losses(names: Sequence[str], found: Mapping[str, Column]) -> np.ndarray:
         names: Of the objectives.
         found: Values by name.
     """
-    columns = [found[name] if name in COSTS else -found[name] for name in names]
+    columns = [found[name] if name in trials.COSTS else -found[name] for name in names]
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 

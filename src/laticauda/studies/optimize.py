@@ -19,9 +19,8 @@ import json
 import zipfile
 from collections.abc import Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
@@ -32,32 +31,32 @@ from laticauda.files import write
 from laticauda.studies.folder import as_stored, check_same, owned, storage
 from laticauda.studies.front import Front, unbeaten
 from laticauda.studies.optimization import VIOLATION, Optimization, evaluate, losses
-from laticauda.studies.trials import QUANTITIES, Column, Progress, Table, silent
+from laticauda.studies.trials import QUANTITIES, Progress, Table, silent
 
 CHECKPOINT, JOB = "checkpoint.npz", "optimization"
 DEFINITION, POINTS = "definition", "points"
 COLUMNS = (*QUANTITIES, VIOLATION)
+Columns: TypeAlias = dict[str, Any]
 
 
-@dataclass(kw_only=True)
+def _joined(before: Columns, after: Columns) -> Columns:
+    return {name: np.concatenate((column, after[name])) for name, column in before.items()}
+
+
 class Checkpoint:
-    """Every point that was tried so far, in the order of the search; in a folder, or in memory alone."""
+    """Every point that was tried so far, in the order of the search; in a folder, or in memory alone.
 
-    definition: Mapping[str, Any]
-    """What the points depend on."""
-    n_names: int
-    """Number of parameters."""
-    folder: Path | None = None
-    """Where the file is; None keeps nothing."""
-    points: Table = field(init=False)
-    """As the search asked for them."""
-    found: dict[str, Column] = field(init=False)
-    """What they came to, by name."""
+    Args:
+        definition: What the points depend on.
+        n_names: Number of parameters.
+        folder: Where the file is; None keeps nothing.
+    """
 
-    def __post_init__(self) -> None:
-        """Begin with none."""
-        self.points = np.empty((0, self.n_names))
-        self.found = {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
+    def __init__(self, definition: Mapping[str, Any], n_names: int, folder: Path | None) -> None:
+        self.definition, self.folder = definition, folder
+        self.tried: Columns = {POINTS: np.empty((0, n_names))}
+        """The points as the search asked for them, a row each, and what they came to, by name."""
+        self.tried |= {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
 
     def load(self) -> None:
         """Take over what is stored, if anything.
@@ -71,38 +70,28 @@ class Checkpoint:
             content = io.BytesIO((self.folder / CHECKPOINT).read_bytes())
             with np.load(content, allow_pickle=False) as file:
                 stored: Any = json.loads(str(file[DEFINITION]))
-                points, columns = file[POINTS], {name: file[name] for name in COLUMNS}
+                tried = {name: file[name] for name in (POINTS, *COLUMNS)}
         except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise BadArgument("folder", f"must hold a readable `{CHECKPOINT}`, got {self.folder}: {error}") from error
         check_same(self.folder, JOB, stored, self.definition)
-        if points.ndim != 2 or any(len(column) != len(points) for column in columns.values()):
+        if tried[POINTS].ndim != 2 or len({len(column) for column in tried.values()}) > 1:
             raise BadArgument("folder", f"must hold a whole `{CHECKPOINT}`, got {self.folder}")
-        self.points, self.found = points, columns
+        self.tried = tried
 
-    def first(self, count: int) -> tuple[Table, dict[str, Column]]:
-        """The points that were tried first, and what they came to.
-
-        Args:
-            count: How many of them.
-        """
-        return self.points[:count], {name: column[:count] for name, column in self.found.items()}
-
-    def add(self, points: Table, found: dict[str, Column]) -> None:
+    def add(self, fresh: Columns) -> None:
         """Take a generation in, and store it.
 
         Args:
-            points: As the search asked for them.
-            found: What they came to.
+            fresh: Its points, and what they came to.
 
         Raises:
             StorageFailed: If the file cannot be written; the older one stays.
         """
-        before = len(self.points)
-        self.points = np.concatenate((self.points, points))
-        self.found = {name: np.concatenate((column, found[name])) for name, column in self.found.items()}
+        before = len(self.tried[POINTS])
+        self.tried = _joined(self.tried, fresh)
         if self.folder is None:
             return
-        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), POINTS: self.points, **self.found}
+        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), **self.tried}
         with storage(self.folder, f"{before} trials are stored"):
             write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))
 
@@ -236,55 +225,53 @@ def optimize(
     search = Search(low, high, n_objectives=len(optimization.objectives), population=population, seed=seed)
     path = None if folder is None else Path(folder)
     definition = as_stored({**optimization.definition(), "population": population, "seed": seed, **versions()})
-    memory = Checkpoint(definition=definition, n_names=len(optimization.names), folder=path)
+    memory = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
         _search(optimization, search, memory, budget, progress or silent, threads)
-    sought, found = memory.first(budget)
-    return _front(optimization, optimization.points(sought), found, seed)
+    return _front(optimization, {name: column[:budget] for name, column in memory.tried.items()}, seed)
 
 
 def _search(
     optimization: Optimization, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
 ) -> None:
     """Let the search try points until the budget is spent; those that are remembered do not swim again."""
-    remembered, figures_before = memory.points, memory.found
-    n_done = 0
-    progress(min(len(remembered), budget), budget)
+    remembered, n_done = memory.tried, 0
+    progress(min(len(remembered[POINTS]), budget), budget)
     while n_done < budget:
         generation = search.ask()
         n_points = min(len(generation), budget - n_done)
         if n_points == 0:
             return
-        stop = n_done + len(generation)
-        known, figures = remembered[n_done:stop], {name: column[n_done:stop] for name, column in figures_before.items()}
-        if not np.array_equal(known, generation[: len(known)]):
+        known = {name: column[n_done : n_done + len(generation)] for name, column in remembered.items()}
+        n_known = len(known[POINTS])
+        if not np.array_equal(known[POINTS], generation[:n_known]):
             raise BadArgument(
                 "folder",
                 f"must hold a `{CHECKPOINT}` that this computer can repeat, got {memory.folder}, where the "
                 f"search went another way after {n_done} trials; it may be from another kind of computer",
             )
-        new = generation[len(known) : n_points]
+        new = generation[n_known:n_points]
         if len(new):
-            fresh = evaluate(optimization, optimization.points(new), threads)
-            memory.add(new, fresh)
-            figures = {name: np.concatenate((column, fresh[name])) for name, column in figures.items()}
-            progress(len(memory.points), budget)
+            fresh = {POINTS: new, **evaluate(optimization, optimization.points(new), threads)}
+            memory.add(fresh)
+            known = _joined(known, fresh)
+            progress(len(memory.tried[POINTS]), budget)
         n_done += n_points
         if n_done < budget:
-            search.tell(losses(optimization.objectives, figures), figures[VIOLATION])
+            search.tell(losses(optimization.objectives, known), known[VIOLATION])
 
 
-def _front(optimization: Optimization, table: Table, found: dict[str, Column], seed: int) -> Front:
-    feasible = found[VIOLATION] == 0.0
-    values = losses(optimization.objectives, found)
+def _front(optimization: Optimization, tried: Columns, seed: int) -> Front:
+    feasible = tried[VIOLATION] == 0.0
+    values = losses(optimization.objectives, tried)
     best = np.flatnonzero(feasible)[unbeaten(values[feasible])]
-    best = best[np.argsort(found[optimization.objectives[-1]][best], kind="stable")]
+    best = best[np.argsort(tried[optimization.objectives[-1]][best], kind="stable")]
     return Front(
         optimization=optimization,
-        values=table[best],
-        figures={name: column[best] for name, column in found.items() if name != VIOLATION},
-        n_trials=len(table),
+        values=optimization.points(tried[POINTS])[best],
+        figures={name: tried[name][best] for name in QUANTITIES},
+        n_trials=len(feasible),
         n_infeasible=int(np.sum(~feasible)),
         seed=seed,
     )

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Generator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Self, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
@@ -41,7 +41,7 @@ BLOCK = "region"
 
 @dataclass(kw_only=True, eq=False)
 class Store:
-    """A sweep's folder, open for writing by this process alone; a context manager."""
+    """A sweep's folder, open for writing by this process alone; see `opened`."""
 
     folder: Path
     """Where it is."""
@@ -57,59 +57,10 @@ class Store:
     """What is written region by region."""
     marks: BinaryIO
     """The file of the marks, not buffered."""
-    resources: ExitStack
-    """What is open, and the lock that keeps other processes out."""
-
-    @classmethod
-    def open(cls, folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool) -> Self:
-        """Open the folder of a sweep, and make it if there is none.
-
-        Args:
-            folder: Where it is to be.
-            sweep: What it is to hold.
-            region_size: Of a new one; None for what suits the sweep.
-            resume: Whether it may hold results already.
-
-        Raises:
-            ValueError: If it holds something else, results that may not be there, or another process writes to it.
-            StorageFailed: If it cannot be made.
-        """
-        zarr, path = _zarr(), Path(folder)
-        with ExitStack() as stack:
-            stack.enter_context(owned(path, "sweep", DEFINITION))
-            with storage(path, "0 trials are stored"):  # of a new folder, the only one that is written to here
-                regions = _claim(path, sweep, region_size)
-                if not (path / DONE).exists():
-                    _make(zarr, path, sweep, regions)
-                marks = stack.enter_context((path / DONE).open("r+b", buffering=0))
-                for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
-                    left.unlink(missing_ok=True)
-                group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
-            done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
-            if done.size != regions.count:
-                raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
-            if done.any() and not resume:
-                raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
-            return cls(
-                folder=path,
-                sweep=sweep,
-                regions=regions,
-                done=done.copy(),
-                n_done=sum(regions.n_points(int(i)) for i in np.flatnonzero(done)),
-                arrays={name: group[name] for name in _by_region(sweep)},
-                marks=marks,
-                resources=stack.pop_all(),
-            )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.resources.close()
 
     def pending(self) -> list[int]:
         """Numbers of the regions that are still to come, in rising order."""
-        return [int(index) for index in np.flatnonzero(~self.done)]
+        return np.flatnonzero(~self.done).tolist()
 
     def write(self, index: int, table: Table, found: Mapping[str, Column]) -> None:
         """Store a region, then mark it.
@@ -131,6 +82,43 @@ class Store:
             self.marks.write(b"\1")
         self.done[index] = True
         self.n_done += len(table)
+
+
+@contextmanager
+def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool) -> Generator[Store]:
+    """Open the folder of a sweep, and make it if there is none.
+
+    Args:
+        folder: Where it is to be.
+        sweep: What it is to hold.
+        region_size: Of a new one; None for what suits the sweep.
+        resume: Whether it may hold results already.
+
+    Raises:
+        ValueError: If it holds something else, results that may not be there, or another process writes to it.
+        StorageFailed: If it cannot be made.
+    """
+    zarr, path = _zarr(), Path(folder)
+    with ExitStack() as held:
+        held.enter_context(owned(path, "sweep", DEFINITION))
+        with storage(path, "0 trials are stored"):  # of a new folder, the only one that is written to here
+            regions = _claim(path, sweep, region_size)
+            if not (path / DONE).exists():
+                _make(zarr, path, sweep, regions)
+            marks = held.enter_context((path / DONE).open("r+b", buffering=0))
+            for left in (path / RESULTS).rglob("*.partial"):  # of a run that was killed
+                left.unlink(missing_ok=True)
+            group = zarr.open_group(str(path / RESULTS), mode="r+", use_consolidated=False)
+        done = np.frombuffer(marks.read(), dtype=np.uint8) == 1
+        if done.size != regions.count:
+            raise BadArgument("folder", f"must hold whole files, got a `{DONE}` of {done.size} bytes in {path}")
+        if done.any() and not resume:
+            raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
+        n_done = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
+        arrays = {name: group[name] for name in _by_region(sweep)}
+        yield Store(
+            folder=path, sweep=sweep, regions=regions, done=done.copy(), n_done=n_done, arrays=arrays, marks=marks
+        )
 
 
 def open_sweep(folder: str | Path) -> xarray.Dataset:
@@ -156,7 +144,7 @@ def open_sweep(folder: str | Path) -> xarray.Dataset:
     done = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
     dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
     dataset = dataset[[name for name in QUANTITIES if name in dataset]]  # in our order; older ones have fewer
-    n_finished = sum(regions.n_points(int(i)) for i in np.flatnonzero(done))
+    n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
     return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import one_of, whole
-from laticauda.studies.store import Store, open_sweep, regions_of
+from laticauda.studies.store import open_sweep, opened, regions_of
 from laticauda.studies.sweep import Regions, Sweep
 from laticauda.studies.trials import COSTS, FIGURES, Column, Progress, Table, silent, swim_points
 
@@ -57,7 +57,7 @@ def run_sweep(
     """
     if threads is not None:
         whole("threads", threads, 1)
-    with Store.open(folder, sweep, region_size=region_size, resume=resume) as store:
+    with opened(folder, sweep, region_size=region_size, resume=resume) as store:
         tell = progress or silent
         tell(store.n_done, sweep.n_trials)
         pending = store.pending()
