@@ -1,7 +1,7 @@
 """`laticauda robots`: what there is to swim, where, and with which parameters."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,13 @@ from laticauda.robot import Ground, Parameters, Robot, Water
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import KIND
 
+KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
+    "robots": (robot.robot_names, robot.load_robot),
+    "waters": (robot.water_names, robot.load_water),
+    "grounds": (robot.ground_names, robot.load_ground),
+    "parameters": (robot.parameter_names, robot.load_parameters),
+}
+"""What there are presets of: their names, and what a name stands for."""
 WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
 
@@ -48,33 +55,25 @@ class Robots(Command):
 
 def _named(name: str) -> Robot | Water | Ground | Parameters:
     """The preset of that name, of whatever kind, or what a file holds."""
-    if name in robot.water_names():
-        return robot.load_water(name)
-    if name in robot.ground_names():
-        return robot.load_ground(name)
-    if name in robot.parameter_names():
-        return robot.load_parameters(name)
+    for names, load in KINDS.values():
+        if name in names():
+            return load(name)
     if name.endswith(".toml"):
-        if read_table(Path(name)).get("kind") == KIND:
-            return robot.load_parameters(name)
-        return robot.from_toml(Path(name))
-    names = (*robot.robot_names(), *robot.water_names(), *robot.ground_names(), *robot.parameter_names())
-    return robot.load_robot(one_of("name", name, names))
+        is_parameters = read_table(Path(name)).get("kind") == KIND
+        return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
+    return robot.load_robot(one_of("name", name, [one for names, _ in KINDS.values() for one in names()]))
 
 
 def _all() -> dict[str, Any]:
-    names = {"waters": robot.water_names(), "grounds": robot.ground_names(), "parameters": robot.parameter_names()}
-    return {"robots": _summaries(), **{kind: list(found) for kind, found in names.items()}}
+    return {**{kind: list(names()) for kind, (names, _) in KINDS.items()}, "robots": _summaries()}
 
 
 def _lists() -> str:
-    waters = {name: robot.describe(robot.load_water(name)) for name in robot.water_names()}
-    grounds = {name: robot.describe(robot.load_ground(name)) for name in robot.ground_names()}
     titles = [{"parameters": name, "title": robot.load_parameters(name).title} for name in robot.parameter_names()]
     return "\n\n".join([
         _robots(_summaries()),
-        table(_rows("water", waters, WATER_FACTS)),
-        table(_rows("ground", grounds, GROUND_FACTS)),
+        table(_rows("water", WATER_FACTS)),
+        table(_rows("ground", GROUND_FACTS)),
         table(titles),
     ])  # fmt: skip
 
@@ -92,10 +91,11 @@ def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
     return aligned(rows, right=(1, 2, 3, 4))
 
 
-def _rows(kind: str, descriptions: dict[str, str], facts: Sequence[str]) -> list[dict[str, str]]:
-    """A row per thing, with what its description says about these facts."""
+def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
+    """A row per water or ground, with what its description says about these facts."""
     rows: list[dict[str, str]] = []
-    for name, text in descriptions.items():
-        found = dict(line.split(maxsplit=1) for line in text.splitlines())
+    names, load = KINDS[f"{kind}s"]
+    for name in names():
+        found = dict(line.split(maxsplit=1) for line in robot.describe(load(name)).splitlines())
         rows.append({kind: name, **{fact: found[fact] for fact in facts}})
     return rows
