@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         JointLaw as JointLaw,
         Prescribed as Prescribed,
         Servo as Servo,
+        SpeedServo as SpeedServo,
     )
     from laticauda.control import (
         HeadingController as HeadingController,

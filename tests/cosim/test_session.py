@@ -161,7 +161,11 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
         ("reset", {"ground": "viscous", "current": [0, 1]}, "`ground` must not be given with"),
         ("reset", {"center_of_mass": [1, 2, 3]}, "`center_of_mass` must be two numbers in m, got 3 of them."),
-        ("reset", {"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, got 'servos'"),
+        (
+            "reset",
+            {"joints": "servos"},
+            "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_and_changes_nothing(ask, request_, fields, message):

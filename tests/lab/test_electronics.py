@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lab_parts import EXACT, make_tank
 
+from laticauda.actuation import Servo
 from laticauda.lab import LabSettings, NodeSettings
 from laticauda.lab.electronics import Electronics
 
@@ -19,7 +20,7 @@ def tank():
 
 
 def electronics(tank, settings: LabSettings = EXACT) -> Electronics:
-    return Electronics(tank.body.robot, settings, np.random.default_rng(0))
+    return Electronics(tank.body.robot, settings, np.random.default_rng(0), Servo())
 
 
 def test_the_constants_are_those_that_were_chosen():

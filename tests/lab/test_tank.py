@@ -229,7 +229,7 @@ def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
     from laticauda.simulate import plant
 
     robot, water = load_robot("mamba"), load_water("paper-lateral")
-    with pytest.raises(ValueError, match=r"`plant` must have `servo` joints, got 'prescribed'\."):
+    with pytest.raises(ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."):
         VirtualRobot(robot, plant(robot, water))
     from laticauda.lab import Tank
 

@@ -14,7 +14,7 @@ def test_the_file_holds_what_the_study_found(following, tmp_path):
         stored.load()
     assert stored.equals(to_dataset(following))
     assert stored.sizes["case"] == 13  # the held-out trial is the last
-    assert stored.attrs["chosen_way"] == "prescribed joints, 10 rad/s, raw heading"
+    assert stored.attrs["chosen_way"] == "prescribed joints, 10 rad/s, delay 0 s, raw heading"
     assert stored.attrs["joints"] == "prescribed"
 
 

@@ -53,7 +53,7 @@ def test_the_chosen_run_is_one_of_the_band_and_the_others_differ_in_one_thing(fo
         mean = case.cycle_mean
         assert (mean.joints, mean.offset_bandwidth, mean.heading_estimate) == ("prescribed", 10.0, "cycle_mean")
         assert len({run.forward_velocity for run in (*case.band, mean)}) == 3
-    assert following.cases[0].cycle_mean.name == "prescribed joints, 10 rad/s, cycle-mean heading"
+    assert following.cases[0].cycle_mean.name == "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading"
 
 
 def test_the_unsteered_speed_is_that_of_swim(following):

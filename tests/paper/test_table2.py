@@ -26,9 +26,9 @@ def test_the_overall_error_is_the_mean_of_those_of_the_groups(following):
 
 def test_every_way_is_there_once_and_the_chosen_one_comes_first(following):
     assert [score.name for score in simulated(following)] == [
-        "prescribed joints, 10 rad/s, raw heading",
-        "prescribed joints, 4 rad/s, raw heading",
-        "prescribed joints, 10 rad/s, cycle-mean heading",
+        "prescribed joints, 10 rad/s, delay 0 s, raw heading",
+        "prescribed joints, 4 rad/s, delay 0 s, raw heading",
+        "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading",
     ]
     assert simulated(following)[0].speeds == tuple(case.run.forward_velocity for case in following.cases)
     assert all(score.n_fitted is None for score in simulated(following))

@@ -103,7 +103,10 @@ def test_what_a_gait_does_not_replace_stays_as_for_every_gait(load):
             HEAD + WATER + "[robot]\nactive_pwr = 3\n",
             "key `robot.active_pwr`: is not known; did you mean `active_power`?",
         ),
-        (HEAD + 'joints = "loose"\n' + WATER, "key `joints`: must be one of `prescribed`, `pd`, `servo`, got 'loose'"),
+        (
+            HEAD + 'joints = "loose"\n' + WATER,
+            "key `joints`: must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'loose'",
+        ),
         (HEAD + WATER + "[actuator]\ntracking = 2\n", "key `actuator.tracking`: must be between 0 and 1.5, got 2"),
         (HEAD + WATER + "[actuator]\ntraking = 1\n", "key `actuator.traking`: is not known; did you mean `tracking`?"),
         (HEAD + WATER + '[joint]\naxis = "pitch"\n', "key `joint.axis`: must not be given: a parameter file does not"),

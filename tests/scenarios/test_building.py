@@ -46,7 +46,7 @@ def test_a_scenario_swims_as_its_robot_and_gait_do():
     [
         ({"root": "free"}, "`root` must be left out unless `model` is `spatial`, got 'free'."),
         ({"model": "flat"}, "`model` must be one of `planar`, `spatial`, got 'flat'"),
-        ({"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, got 'servos'"),
+        ({"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'"),
         ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
         ({"duration": -1.0}, "`duration` must be > 0 s, got -1.0."),
         ({"motion": 3}, "`gait` must be of class Gait or Controller, got int."),

@@ -29,7 +29,9 @@ def test_a_setup_out_of_its_range_is_refused():
         small(duration=0.0)
     with pytest.raises(ValueError, match="`region_size` must be a whole number >= 1, got 0"):
         small().regions(0)
-    with pytest.raises(ValueError, match="`joints` must be one of `prescribed`, `pd`, `servo`, got 'pdd'"):
+    with pytest.raises(
+        ValueError, match="`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'pdd'"
+    ):
         small(joints="pdd")
     with pytest.raises(ValueError, match="`points` must be of class Grid or Rows or Samples, got dict"):
         small(points={"gait.amplitude": [0.1]})

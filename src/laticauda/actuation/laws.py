@@ -60,6 +60,8 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     """Step at which it is converged [s]; None: that of the model's own integrator."""
     ramp: ClassVar[float] = 0.0
     """Usual duration of the smooth start [s]."""
+    takes_jumps: ClassVar[bool] = False
+    """Whether references may jump, because it does not look at their rates and accelerations."""
     remedy: ClassVar[str] = "a smaller `dt`, or a softer joint law"
     """What to try if a run blows up."""
 
@@ -166,6 +168,7 @@ class Servo(JointLaw):
     """As the real robot's hobby servos do, see `servo`."""
 
     powered: ClassVar[bool] = True
+    takes_jumps: ClassVar[bool] = True
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `servo_gain` and `friction_torque`"
 
     def __call__(
@@ -178,17 +181,11 @@ class Servo(JointLaw):
         drive: Drive,
     ) -> tuple[float, float, float]:
         """See `servo`."""
-        torque, slope_p, slope_d, _ = servo(
-            angle,
-            rate,
-            reference,
-            drive.servo_gain,
-            drive.stall_torque,
-            drive.no_load_speed,
-            drive.friction_torque,
-            drive.viscous_friction,
-        )
-        return torque, slope_p, slope_d
+        return servo(angle, rate, reference, *drive[2:])[:3]
+
+    def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
+        """Share of the supply's voltage that the motor gets, from -1 to 1; arguments as for the law [-]."""
+        return servo(angle, rate, reference, *drive[2:])[3]
 
     @property
     def words(self) -> str:

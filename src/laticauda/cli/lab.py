@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from laticauda import simulate
+from laticauda.actuation import JointLaw
 from laticauda.cli.command import LOCAL, Command, until_stopped
 from laticauda.cli.flags import File, NetCdf, read
 from laticauda.cli.scene import warn_of_compiling
@@ -28,9 +29,8 @@ class Body:
         default="mamba-modules",
     )
     water: str = option("A preset or a TOML file", default="paper-lateral")
-    model: Literal["planar", "spatial"] = option(
-        "The model of the body; the joints are servos in either", default="planar"
-    )
+    model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
+    joints: str = option("Its servos: servo, or speed-servo, which control their speed", default="servo")
 
 
 @value
@@ -70,6 +70,7 @@ class LabCommand(Command):
     body: Body = option("What swims, where", default=Body())
     start: Start = option("Where it lies, straight", default=Start())
     coefficients: Water = option("Replace what the chosen water has")
+    servos: JointLaw = option("The servos' own numbers")
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
     save: NetCdf = option(
@@ -81,7 +82,8 @@ class LabCommand(Command):
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
         """The command that was typed; see `Command.read`."""
         body: Body = read(Body, words, prog, first=True)
-        return read(cls, words, prog, cls(body=body, coefficients=load_water(body.water)))
+        law, water = JointLaw.of(body.joints), load_water(body.water)
+        return read(cls, words, prog, cls(body=body, coefficients=water, servos=law))
 
     def run(self) -> None:
         """Serve until Ctrl-C, or as long as is asked for."""
@@ -107,7 +109,7 @@ class LabCommand(Command):
         faults = () if self.time.faults is None else load_faults(self.time.faults)
         settings = LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
-        body = simulate.plant(robot, water, model=self.body.model, joints="servo")
+        body = simulate.plant(robot, water, model=self.body.model, joints=self.servos)
         return Tank(VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: LabAddresses, tank: Tank) -> None:

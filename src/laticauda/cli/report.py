@@ -10,6 +10,7 @@ from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.gaits import Custom, Gait, Wave
 from laticauda.quantities import quantities_of
 from laticauda.robot import Ground, Robot, Water
+from laticauda.scenarios import loop_in_words
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
@@ -199,8 +200,9 @@ def _run(trial: Trial) -> str:
     for name, words, unit in (("dt", "time step", "s"), ("ramp", "smooth start", "s")):
         if settings.get(name):
             parts.append(f"{words} {settings[name]:g} {unit}")
-    if trial.gait is not None and trial.gait.offset and settings.get("offset_bandwidth"):
-        parts.append(f"offset bandwidth {settings['offset_bandwidth']:g} rad/s")
+    is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
+    if is_steered and settings.get("offset_bandwidth"):
+        parts.append(f"steering: {loop_in_words(settings)}")
     return ", ".join(parts)
 
 

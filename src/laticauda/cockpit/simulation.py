@@ -39,7 +39,7 @@ class Simulation:
     controller_state: Any
     """Of the scenario's controller."""
     command: Command
-    """What the controller said last."""
+    """What acts: what the controller said last, or what is left of it until the loop's delay is over."""
     shape: Gait
     """The gait whose envelope is swum: the old one until its amplitude has come down."""
     fade: float = 0.0
@@ -48,6 +48,8 @@ class Simulation:
     """Since the simulation began [-]."""
     next_control: int = 0
     """The tick at which the controller is asked again."""
+    coming: tuple[tuple[int, Command], ...] = ()
+    """Commands on their way to the joints, and the tick at which each arrives."""
     failure: str | None = None
     """What went wrong; it stands still then."""
 
@@ -69,10 +71,18 @@ class Simulation:
         return max(round(min(self.scenario.controller.interval, 1e3) / TICK), 1)
 
     @property
+    def delay_ticks(self) -> int:
+        """How many ticks a command is on its way [-]."""
+        return 0 if isinstance(self.scenario.motion, Gait) else round(self.scenario.model.loop_delay / TICK)
+
+    @property
     def has_interval(self) -> bool:
-        """Whether a command is held as long as the controller says, or until the end."""
-        interval = self.scenario.controller.interval
-        return math.isinf(interval) or math.isclose(interval, self.control_ticks * TICK)
+        """Whether a command comes as late and is held as long as the scenario says, or until the end."""
+        interval, delay = self.scenario.controller.interval, self.scenario.model.loop_delay
+        if math.isinf(interval):
+            return True
+        late = math.isclose(delay, self.delay_ticks * TICK, abs_tol=1e-9)
+        return late and math.isclose(interval, self.control_ticks * TICK)
 
     @property
     def cross_track_error(self) -> float:
@@ -113,6 +123,7 @@ class Simulation:
             plant=body,
             state=state,
             command=Command(gait=scenario.gait, offset=self.command.offset if is_steered else 0.0),
+            coming=tuple((at, replace(one, gait=scenario.gait)) for at, one in self.coming) if is_steered else (),
             shape=self.shape if fading else scenario.gait,
             fade=(self.fade or FADE) if fading else 0.0,
             failure=None,
@@ -141,7 +152,10 @@ class Simulation:
         now, body, controller = self, self.plant, self.scenario.controller
         if now.ticks >= now.next_control:
             state, command = controller.step(now.controller_state, body.observe(now.state))
-            now = replace(now, controller_state=state, command=command, next_control=now.ticks + self.control_ticks)
+            coming = (*now.coming, (now.ticks + now.delay_ticks, command))
+            now = replace(now, controller_state=state, coming=coming, next_control=now.ticks + now.control_ticks)
+        if due := [command for at, command in now.coming if at <= now.ticks]:
+            now = replace(now, command=due[-1], coming=tuple(one for one in now.coming if one[0] > now.ticks))
         state, log, failure = body.march(now.state, now.held, TICK, TICK, link_forces=link_forces)
         signals = {name: np.full(log.time.size, one) for name, one in controller.signals(now.controller_state).items()}
         fade = max(now.fade - TICK, 0.0)

@@ -5,7 +5,7 @@
     name = "tank-2026"                     # of the parameter file that it makes
     title = "identified in the tank"
     robot = "mamba"                        # a preset or a file; left out: the trials say it
-    joints = "servo"                       # prescribed, pd or servo
+    joints = "servo"                       # prescribed, pd, servo or speed-servo
     noise = "estimated"                    # or known
     starts = 4
     seed = 0

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from jaxtyping import Bool, Float
 
+from laticauda.actuation.laws import Drive, Servo
 from laticauda.lab.nodes import Senses
 from laticauda.lab.settings import LabSettings
 from laticauda.lab.virtual_robot import Truth
@@ -22,12 +23,13 @@ class Electronics:
         robot: With all of its joints, and those of its fin.
         settings: The tank's numbers.
         random: Where the noise comes from.
+        servos: The law of the joints.
     """
 
-    def __init__(self, robot: Robot, settings: LabSettings, random: np.random.Generator) -> None:
+    def __init__(self, robot: Robot, settings: LabSettings, random: np.random.Generator, servos: Servo) -> None:
         actuators = [joint.actuator for joint in robot.driven_joints]
-        self.settings, self._random = settings, random
-        self._gain = np.array([a.servo_gain for a in actuators])
+        self.settings, self._random, self._servos = settings, random, servos
+        self._drives = [Drive(*(getattr(a, name) for name in Drive._fields)) for a in actuators]
         self._stall_torque = np.array([a.stall_torque for a in actuators])
         self._no_load_speed = np.array([a.no_load_speed for a in actuators])
         self._stall_current = np.array([a.stall_current for a in actuators])
@@ -69,7 +71,8 @@ class Electronics:
         # The sensor is on the motor's side, which leads by half the play wherever the motor pulls.
         leads = 0.5 * self.settings.nodes.backlash * np.tanh(truth.joint_torque / PLAY_TORQUE)
         self.play = self.play + (leads - self.play) * (1.0 - math.exp(-dt / PLAY_TIME))
-        self.duty = np.where(on, np.clip(self._gain * (reference - truth.joint_angle), -1.0, 1.0), 0.0)
+        motion = zip(truth.joint_angle, truth.joint_rate, reference, self._drives, strict=True)
+        self.duty = np.where(on, [self._servos.duty(*one) for one in motion], 0.0)
         self.current = np.where(on, self._stall_current * (self.duty - truth.joint_rate / self._no_load_speed), 0.0)
         self._heat(dt)
         extra = np.sum((self._voltage * np.maximum(self.duty * self.current, 0.0))[jammed])

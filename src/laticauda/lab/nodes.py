@@ -1,7 +1,7 @@
 """The firmware of one joint module: its states, its answers on the bus, and what its motor does.
 
-P control of the joint is the servo's own (`actuation.laws.servo`); the node says where the servo is to go, whether its
-motor is on, and watches over it.
+Control of the joint is the servo's own (`actuation.Servo` or `SpeedServo`); the node says where the servo is to go,
+whether its motor is on, and watches over it.
 """
 
 import math

@@ -44,7 +44,7 @@ class Tank:
         self.body, self.faults = body, Faults(faults)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
         motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
-        self.electronics = Electronics(body.robot, self.settings, motors)
+        self.electronics = Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
         self.cameras = Cameras(self.settings.mocap, cameras)
         self.meter = Multimeter(self.settings.supply, supply)
         self.nodes = [Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]

@@ -56,13 +56,13 @@ class VirtualRobot:
         depth: Below the surface at which a planar world swims [m].
 
     Raises:
-        ValueError: If the plant is of another robot, or its joints are no servos.
+        ValueError: If the plant is of another robot, or its joints are no servos of either kind.
     """
 
     def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
         joints: object = plant.settings.joints
         if not isinstance(joints, Servo):
-            raise BadArgument("plant", f"must have `servo` joints, got {name_of(type(joints))!r}")
+            raise BadArgument("plant", f"must have `servo` or `speed-servo` joints, got {name_of(type(joints))!r}")
         driven = list(range(robot.n_joints))
         if plant.robot.n_joints != robot.n_joints:
             driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]

@@ -11,6 +11,7 @@ from laticauda.cli.progress import progress
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import aligned, number
 from laticauda.quantities import option, quantity, value
+from laticauda.scenarios import loop_in_words
 
 if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
@@ -123,8 +124,8 @@ def as_text(done: "Reproduction") -> str:
         limit = study.settings.accepted_error
         held = sum(case.run.last_third_rms is not None and case.run.last_third_rms < limit for case in study.cases)
         parts += [
-            f"Path following, {study.how['joints']} joints, offset bandwidth {study.how['offset_bandwidth']:g} rad/s: "
-            f"{held} of {len(study.cases)} trials keep the mean\nerror under {100 * limit:g} cm in their last third. "
+            f"Path following, {study.how['joints']} joints, {loop_in_words(study.how)}: "
+            f"{held} of {len(study.cases)} trials keep\nthe mean error under {100 * limit:g} cm in their last third. "
             "Mean error of the forward velocity over the paper's Table 2 [%]:",
             _table(study, scores(study)),
         ]

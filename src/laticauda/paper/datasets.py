@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 UNITS = {"amplitude": "rad", "frequency": "rad/s", "phase_shift": "rad"}
 CURVES = {name: QUANTITIES[name] for name in ("forward_velocity", "steady_velocity", "mechanical_power")}
-HOW = ("offset_bandwidth", "dt", "ramp")  # the way of a run has them
+HOW = ("offset_bandwidth", "loop_delay", "dt", "ramp")  # the way of a run has them
 SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {
     "time": ("s", "time since the start of the run", lambda trial: trial.time),
     "x": ("m", "center of mass, along the path", lambda trial: trial.center_of_mass[:, 0]),

@@ -19,7 +19,7 @@ from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Model
+from laticauda.scenarios import Model, loop_in_words
 from laticauda.trial import Trial, following
 from laticauda.trial.cycles import TRANSIENT
 
@@ -30,6 +30,7 @@ class FollowingRun:
 
     joints: str = option("How the joints follow the gait")
     offset_bandwidth: float = quantity("rad/s", "Of the reference generator")
+    loop_delay: float = quantity("s", "From heading to joint")
     heading_estimate: str = option("raw or cycle_mean")
     dt: float = quantity("s", "Largest time step")
     ramp: float = quantity("s", "Duration of the smooth start")
@@ -49,9 +50,10 @@ class FollowingRun:
 
     @property
     def name(self) -> str:
-        """Joint law, bandwidth and heading in words."""
+        """Joint law, bandwidth, delay and heading in words."""
         heading = {"raw": "raw", "cycle_mean": "cycle-mean"}[self.heading_estimate]
-        return f"{self.joints} joints, {self.offset_bandwidth:g} rad/s, {heading} heading"
+        loop = loop_in_words(vars(self)).removeprefix("bandwidth ")
+        return f"{self.joints} joints, {loop}, {heading} heading"
 
     @property
     def converged(self) -> bool:
@@ -166,7 +168,8 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
         middle, error = following.mean_error(time, trial.signals["cross_track_error"], period)
         last = error[middle - time[0] >= 2.0 / 3.0 * trial.duration]
         rms, largest = float(np.sqrt(np.mean(last**2))), float(np.max(np.abs(last)))
-    how: dict[str, Any] = {name: trial.settings[name] for name in ("joints", "offset_bandwidth", "dt", "ramp")}
+    names = "joints", "offset_bandwidth", "loop_delay", "dt", "ramp"
+    how: dict[str, Any] = {name: trial.settings[name] for name in names}
     controller: Any = getattr(trial.scenario, "motion", None)  # a measured trial has none
     assert isinstance(controller, PathFollowing)
     progress = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]

@@ -8,6 +8,7 @@ numbers are those of the same robot alone (`PlanarPlant.step`), whatever its nei
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,9 @@ from laticauda.planar.batch import WIDTH, aligned
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Water, has_power_model
 
+CLOSE = 1e-9  # [s]: two moments that are one
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
+COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,9 +103,12 @@ class School:
         self._wanted = _ROWS.copy()
         self._wanted[-1] = (rows.WORK_ELECTRICAL if has_power else rows.WORK_ABSOLUTE) - rows.TIME
         kernel: Any = plant.kernels_of(self._width).run
-        steps = plant.steps_in(self.interval)
         self._kernel, self._shape = kernel, plant.layout.chain
-        self._steps = (plant.is_implicit, steps, self.interval / steps, steps)
+        # What was told last stands last in line; what acts until the delay is over, before what acts from then on.
+        late, part = divmod(plant.settings.loop_delay + CLOSE, self.interval)
+        cut = [part - CLOSE] if part > 2.0 * CLOSE else []
+        self._line = [self._lanes[:, COMMAND].copy() for _ in range(int(late) + 1 + len(cut))]
+        self._parts = [*cut, self.interval - sum(cut)]
         self._seen = self._look()
         self._motion = self._named()
 
@@ -134,6 +140,8 @@ class School:
         """
         block, lane = np.divmod(which, self._width)
         self._lanes[block, :, lane] = self._first
+        for told in self._line:
+            told[block, :, lane] = self._first[COMMAND]
         for row, values in (
             (rows.X, center_of_mass[:, 0]),
             (rows.Y, center_of_mass[:, 1]),
@@ -146,7 +154,7 @@ class School:
         self._keep_seen()
 
     def tell(self, command: Mapping[str, Float[np.ndarray, " n"]]) -> None:
-        """Ask every robot for something else from now on.
+        """Ask every robot for something else from now on, or from when the plant's `loop_delay` is over.
 
         Args:
             command: Any of amplitude [rad], frequency [rad/s], phase_shift [rad] and offset [rad]; the last is the
@@ -155,14 +163,14 @@ class School:
         for name, values in command.items():
             every = np.full(self._lanes.shape[0] * self._width, self._first[_COMMANDS[name]])
             every[: self.n] = values
-            self._lanes[:, _COMMANDS[name]] = every.reshape(-1, self._width)
+            self._line[-1][:, _COMMANDS[name] - COMMAND.start] = every.reshape(-1, self._width)
 
     def march(self) -> None:
         """Let one interval go by."""
-        if self._workers is None:
-            self._swim(self._shares[0])
-        else:
-            list(self._workers.map(self._swim, self._shares))
+        for duration, told in zip(self._parts, self._line, strict=False):
+            self._lanes[:, COMMAND] = told
+            self._swim_for(duration)
+        self._line = [*self._line[1:], self._line[-1].copy()]
         self._well &= self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
         self._keep_seen()
 
@@ -183,11 +191,20 @@ class School:
         if self._workers is not None:
             self._workers.shutdown()
 
-    def _swim(self, blocks: np.ndarray) -> None:
+    def _swim_for(self, duration: float) -> None:
+        """All lanes, for so long [s]."""
+        steps = self.plant.steps_in(duration)
+        how = (self.plant.is_implicit, steps, duration / steps, steps)
+        if self._workers is None:
+            self._swim(self._shares[0], how)
+        else:
+            list(self._workers.map(self._swim, self._shares, repeat(how)))
+
+    def _swim(self, blocks: np.ndarray, how: tuple[bool, int, float, int]) -> None:
         sample = np.empty((2, 1, self._width))  # the kernel's log; the lanes themselves say all that is needed
         for block in blocks:
             lanes = self._lanes[block] if self._width > 1 else self._lanes[block, :, 0]
-            self._kernel(lanes, *self._shape, *self._steps, sample)
+            self._kernel(lanes, *self._shape, *how, sample)
 
     def _keep_seen(self) -> None:
         self._seen = np.where(self._well, self._look(), self._seen)

@@ -3,7 +3,7 @@
     kind = "parameters"
     name = "tank-2025"
     title = "our trials in the tank"
-    joints = "prescribed"      # the joint law that goes with them: prescribed, pd or servo
+    joints = "prescribed"      # the joint law that goes with them: prescribed, pd, servo, speed-servo
 
     [water]                    # for every gait: the fields of `Water` but its name
     tangential_friction = 0.3

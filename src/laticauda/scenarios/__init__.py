@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from laticauda.scenarios.coding import run_to_toml as run_to_toml, unknown_in as unknown_in
     from laticauda.scenarios.scenario import MODELS as MODELS, Experiment as Experiment, Model as Model
     from laticauda.scenarios.scenario import Planar as Planar, Scenario as Scenario, Spatial as Spatial
-    from laticauda.scenarios.scenario import settings_of as settings_of
+    from laticauda.scenarios.scenario import loop_in_words as loop_in_words, settings_of as settings_of
     from laticauda.scenarios.scenario_files import load_scenario as load_scenario, save_scenario as save_scenario
     from laticauda.scenarios.scenario_files import scenario_from_table as scenario_from_table
 

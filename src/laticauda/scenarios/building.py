@@ -40,6 +40,7 @@ class ModelChanges(TypedDict, total=False):
     joints: JointLaw | str
     dt: float | None
     offset_bandwidth: float
+    loop_delay: float
     ramp: float | None
     root: Literal["free", "planar"] | str | None
     gravity: bool | None
@@ -179,7 +180,8 @@ class Choice:
     model: Literal["planar", "spatial"] = option("The closed form in the plane, or MuJoCo in space", default="planar")
     joints: str | None = option(
         "How the joints follow the gait: prescribed (exactly), pd (the published simulations' law), servo (the real "
-        "robot's) or a law of one's own; the parameters' law, or prescribed, if left out",
+        "robot's), speed-servo (one that controls its speed) or a law of one's own; the parameters' law, or "
+        "prescribed, if left out",
         default=None,
     )
 

@@ -14,6 +14,9 @@ from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Ground, Robot
 
+NO_FILTER = 1e6
+"""Bandwidth of a reference generator whose filters let everything through at once [rad/s]."""
+
 
 @value
 class _Model:
@@ -21,10 +24,19 @@ class _Model:
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
     dt: float | None = quantity("s", "Largest time step; a converged one if left out", default=None, ge=1e-7, le=1e3)
-    offset_bandwidth: float = quantity("1/s", "Of the reference generator's filters", default=10.0, gt=0.0)
+    offset_bandwidth: float = quantity(
+        "1/s", "Of the generator's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER
+    )
+    loop_delay: float = quantity("s", "From what a controller sees to its command at the joints", default=0.0, ge=0.0)
     ramp: float | None = quantity(
         "s", "Duration of the smooth start; left out, 1 s for prescribed joints, else none", default=None, ge=0.0
     )
+
+    def __post_init__(self) -> None:
+        """Refuse references that jump for joints that cannot."""
+        if self.offset_bandwidth == NO_FILTER and not (self.joints.takes_jumps or isinstance(self.joints, Unknown)):
+            rule = f"must be < {NO_FILTER:g} 1/s, unless the joint law takes references that jump, as `servo` does"
+            raise BadArgument("offset_bandwidth", f"{rule}, got {self.offset_bandwidth:g}")
 
 
 @value
@@ -66,6 +78,17 @@ class Spatial(_Model):
 Model: TypeAlias = Planar | Spatial
 MODELS: dict[str, type[Planar] | type[Spatial]] = {"planar": Planar, "spatial": Spatial}
 """The models by what texts call them."""
+
+
+def loop_in_words(settings: Mapping[str, Any]) -> str:
+    """What lies between a controller and the joints: bandwidth and delay.
+
+    Args:
+        settings: With `offset_bandwidth`, and `loop_delay` unless an older version wrote them.
+    """
+    bandwidth = settings["offset_bandwidth"]
+    words = "no filter" if bandwidth >= NO_FILTER else f"bandwidth {bandwidth:g} rad/s"
+    return f"{words}, delay {settings.get('loop_delay', 0.0):g} s"
 
 
 def settings_of(model: Model) -> dict[str, str | float | bool | None]:

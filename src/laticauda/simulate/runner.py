@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Unpack, cast
 
@@ -22,6 +23,7 @@ from laticauda.trial import Trial
 Progress = Callable[[float], None]
 Until = Callable[[Observation], bool]
 
+CLOSE = 1e-9  # [s]: two moments that are one
 # Samples between two calls of `progress`: some tens of milliseconds of work.
 CHUNK = 2000
 # A log beyond this many samples would take gigabytes.
@@ -41,6 +43,9 @@ def run(
     progress: Progress | None = None,
 ) -> Trial:
     """Let a controller drive a plant, from straight and at rest.
+
+    A command acts the plant's `loop_delay` after the observation that it was made from, and the controller's gait until
+    the first one does. `OpenLoop` looks at nothing, and acts at once.
 
     Args:
         plant: What swims; see `plant`.
@@ -75,10 +80,11 @@ def run(
     controller.check(plant.robot)
     state = _begun(plant, scenario.start, controller.gait)
     controller_state = controller.init()
+    line = _Line(commands=[(0.0, Command(gait=controller.gait))], delay=_delay(plant, controller, start))
     logs: list[Log] = []
     signals: list[Mapping[str, float]] = []
     failure: str | None = None
-    reached = 0
+    reached, now = 0, 0.0
     for share, count, done in _stretches(duration, sample_interval, controller.interval):
         observation = plant.observe(state)
         if until is not None and logs and until(observation):
@@ -87,11 +93,11 @@ def run(
         controller_state, command = controller.step(controller_state, observation)
         instance("command", command, Command)
         signals.append(controller.signals(controller_state))
-        state, log, failure = plant.march(state, command, share, share / count, link_forces=link_forces)
+        state, log, failure = line.march(plant, state, command, now, share, count, link_forces)
         logs.append(log.at(slice(1, None)) if logs else log)
         if failure is not None:
             break
-        reached += 1
+        reached, now = reached + 1, done
         if progress is not None:
             progress(done)
     if throw and failure is not None:
@@ -105,6 +111,48 @@ def run(
         succeeded=failure is None,
         state=plant.pack(state) if failure is None else {},
     )
+
+
+@dataclass(kw_only=True)
+class _Line:
+    """What lies between a controller and the joints, and keeps commands for a while."""
+
+    commands: list[tuple[float, Command]]
+    """From when on each acts [s]; the first one does."""
+    delay: float
+    """[s]."""
+
+    def march(
+        self, plant: Plant[Any], state: Any, command: Command, now: float, share: float, count: int, link_forces: bool
+    ) -> tuple[Any, Log, str | None]:
+        """Let a stretch of time go by at whose begin a command is given; see `Plant.march`."""
+        self.commands.append((now + self.delay, command))
+        while len(self.commands) > 1 and self.commands[1][0] <= now + CLOSE:
+            del self.commands[0]
+        interval = share / count
+        turns = [due - now for due, _ in self.commands[1:] if due < now + share - CLOSE]
+        if not turns:
+            return plant.march(state, self.commands[0][1], share, interval, link_forces=link_forces)
+        samples = [i * interval for i in range(count + 1)]
+        between = [turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE]
+        logs, failure = list[Log](), None
+        for begin, end in pairwise(sorted([*samples, *between])):
+            acting = sum(turn <= begin + CLOSE for turn in turns)
+            step = end - begin
+            state, log, failure = plant.march(state, self.commands[acting][1], step, step, link_forces=link_forces)
+            logs.append(log.at(slice(1 if logs else 0, None if end in samples else -1)))
+            if failure is not None:
+                break
+        return state, concatenated(logs), failure
+
+
+def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
+    """How late commands act [s]."""
+    delay = 0.0 if isinstance(controller, OpenLoop) else plant.settings.loop_delay
+    if delay and isinstance(start, Resumed):
+        rule = "must be 0 to go on from the end of a trial, which does not keep the commands on their way"
+        raise BadArgument("loop_delay", f"{rule}, got {delay:g}")
+    return delay
 
 
 def check_size(duration: float, sample_interval: float) -> None:
@@ -166,6 +214,9 @@ def resume(
         SimulationFailed: If the run blows up and `throw` is set.
     """
     instance("trial", trial, Trial)
+    steered = getattr(trial.scenario, "motion", None)  # an experiment has none
+    if isinstance(steered, Controller):
+        _delay(plant, cast("Controller[Any]", steered), Resumed(state={}))
     if not trial.succeeded or not trial.state:
         raise ValueError(f"`trial` must have run to its end and hold its final state; it says: {trial.status}")
     if controller is None:

@@ -17,6 +17,7 @@ from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.scores import FinGain, Score, fin_gains, scores
 from laticauda.paper.side_trials import SHALLOW, LinksStudy, SideTrials
 from laticauda.robot import load_robot, load_water
+from laticauda.scenarios import loop_in_words
 from laticauda.trial import following as figures_of_path
 
 PAPERS = ("analytical-set", "vortex-set")
@@ -286,7 +287,7 @@ def following(study: PathFollowingStudy) -> Numbers:
     }
     return {
         "joints": study.how["joints"],
-        "bandwidth": study.how["offset_bandwidth"],
+        "loop": loop_in_words(study.how),
         "coefficients": study.settings.coefficients.name,
         "all": _kept(study, study.cases),
         "fin": _kept(study, [case for case in study.cases if case.group.has_fin]),

@@ -279,6 +279,7 @@ def _runs(study: PathFollowingStudy) -> Iterator[Row]:
             **names,
             "joints": run.joints,
             "bandwidth [rad/s]": run.offset_bandwidth,
+            "delay [s]": run.loop_delay,
             "heading": run.heading_estimate,
             "time step [s]": run.dt,
             "ramp [s]": run.ramp,

@@ -1,0 +1,113 @@
+"""A servo with a speed loop: its joint turns at a limited speed whatever the load, while its motor has the torque."""
+
+from typing import ClassVar
+
+import numpy as np
+
+from laticauda.actuation.laws import SLIDING_RATE, Drive, Servo
+from laticauda.quantities import quantity, value
+from laticauda.scalars import where
+
+TINY = 1e-30  # [(N m)^2], of a motor that is switched off and has nothing to do
+BEYOND = 1.0 + 2.0**0.5
+"""By how much slopes at the motor's limit are steeper than the chord: 1/gamma - 1 of `laticauda.dynamics.stages`."""
+
+
+@value
+class SpeedServo(Servo):
+    """As servos do that control their speed, see `speed_servo`; the actuator's motor limits the torque.
+
+    The defaults are assumptions: no limit below the no-load speed of Mamba's servo, a lag of 0.05 s, and the whole of
+    its torque at an error of some 10 % of that speed.
+    """
+
+    speed_limit: float = quantity("rad/s", "w_max, of the rate that the position loop asks for", gt=0.0, default=7.5)
+    position_gain: float = quantity("1/s", "k_w, rate asked for per angle error", gt=0.0, default=20.0)
+    speed_gain: float = quantity("N m s/rad", "k_u, torque asked for per rate error", gt=0.0, default=4.0)
+
+    remedy: ClassVar[str] = "a smaller `dt`, or a lower `speed_gain` and `friction_torque`"
+
+    def __call__(
+        self,
+        angle: float,
+        rate: float,
+        reference: float,
+        reference_rate: float,
+        reference_acceleration: float,
+        drive: Drive,
+    ) -> tuple[float, float, float]:
+        """See `speed_servo`."""
+        loops = self.position_gain, self.speed_limit, self.speed_gain
+        return speed_servo(angle, rate, reference, *loops, *drive[3:])[:3]
+
+    def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
+        """See `Servo.duty`."""
+        loops = self.position_gain, self.speed_limit, self.speed_gain
+        return speed_servo(angle, rate, reference, *loops, *drive[3:])[3]
+
+    @property
+    def words(self) -> str:
+        """Its name and its numbers."""
+        return super(Servo, self).words
+
+
+def speed_servo(
+    angle: float,
+    rate: float,
+    reference: float,
+    position_gain: float,
+    speed_limit: float,
+    speed_gain: float,
+    stall_torque: float,
+    no_load_speed: float,
+    friction_torque: float,
+    viscous_friction: float,
+) -> tuple[float, float, float, float]:
+    """A position loop around a speed loop around a geared DC motor.
+
+        w_ref = clip(k_w (phi_ref - phi), -w_max, w_max)
+        s = k_u (w_ref - phi') / u_stall + phi'/phi'_0,    d = s / (1 + s^2)^(1/2)
+        u = u_stall (d - phi'/phi'_0) - b phi' - u_c tanh(phi'/eps),    eps = 0.05 rad/s
+
+    s is the duty at which the motor gives what the speed loop asks for; what it has is a smooth limit of it, within
+    -1 and 1. So the torque that drives falls along the motor's line from `stall_torque` at rest to nothing at
+    `no_load_speed`, and beyond that speed, or driven backward, it brakes. With torque to spare, u is
+    k_u (w_ref - phi') less friction: `servo` with a stall torque of k_u w_max, a no-load speed of w_max and a gain of
+    k_w / w_max.
+
+    With torque to spare the slopes are the derivatives. At the limit those, c^3 with c = (1 + s^2)^(-1/2), forget that
+    the loop will turn around: a step along them goes far beyond the rate that is asked for, where the motor brakes
+    with all that it has, and so on. So the slopes are those of the chord from here to where the loop asks for nothing,
+    c, and at the limit steeper, as a step of two stages needs it. The step's order does not depend on its slopes.
+
+    Args:
+        angle: phi [rad].
+        rate: phi' [rad/s].
+        reference: phi_ref [rad].
+        position_gain: k_w [1/s].
+        speed_limit: w_max [rad/s].
+        speed_gain: k_u [N m s/rad].
+        stall_torque: u_stall; 0: the motor is off [N m].
+        no_load_speed: phi'_0 [rad/s].
+        friction_torque: u_c, dry friction of the gear [N m].
+        viscous_friction: b [N m s/rad].
+
+    Returns:
+        u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the rate asked for is at its limit, K_p = 0.
+    """
+    aim = position_gain * (reference - angle)
+    saturated = (aim.real <= -speed_limit.real) | (aim.real >= speed_limit.real)
+    # 0 * aim keeps the number's kind, real or complex, for the compiler.
+    limit = where(aim.real > 0.0, speed_limit, -speed_limit) + 0.0 * aim
+    rate_ref = where(saturated, limit, aim)
+    steepness = where(saturated, 0.0 * position_gain, position_gain + 0.0 * speed_limit)
+    back = stall_torque / no_load_speed
+    asked = speed_gain * (rate_ref - rate) + back * rate  # u_stall s
+    root = np.sqrt(asked * asked + stall_torque * stall_torque + TINY)
+    duty, share = asked / root, stall_torque / root
+    slope = share * speed_gain * (1.0 + BEYOND * (1.0 - share**16))
+    sliding = np.tanh(rate / SLIDING_RATE)
+    torque = stall_torque * duty - back * rate - viscous_friction * rate - friction_torque * sliding
+    stiffness = slope * steepness
+    grip = viscous_friction + friction_torque / SLIDING_RATE * (1.0 - sliding * sliding)
+    return torque, stiffness, slope + (1.0 - share) * back + grip, duty
