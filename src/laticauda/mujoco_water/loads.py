@@ -20,7 +20,7 @@ from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.mujoco_water.element_loads import element_load
-from laticauda.mujoco_water.native import allocate, call_1, call_2, number_at, word_at
+from laticauda.mujoco_water.native import allocate, call_2, factor_inertia, free_stack, mark_stack, number_at, word_at
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import field, integers, numbers
 
@@ -146,8 +146,8 @@ def apply(model, data, table):
     """All loads of one model's water."""
     T = integers(table, TABLE_SIZE)
     n_bodies = T[N_BODIES]
-    call_1(T[MARK_STACK], data)
-    S = numbers(allocate(T[ALLOCATE], data, 33 * n_bodies + 16), 33 * n_bodies + 16)
+    mark_stack(data)
+    S = numbers(allocate(data, 33 * n_bodies + 16), 33 * n_bodies + 16)
     law_io = S[33 * n_bodies :]
     for k in range(6 * n_bodies, 33 * n_bodies):
         S[k] = 0.0
@@ -162,8 +162,8 @@ def apply(model, data, table):
         write_inertia(T, model, data, S)
         if T[HOLD] != 0:
             add_hold(T, data)
-        call_2(T[FACTOR_M], model, data)
-    call_1(T[FREE_STACK], data)
+        factor_inertia(model, data)
+    free_stack(data)
 
 
 @no_type_check

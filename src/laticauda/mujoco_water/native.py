@@ -2,8 +2,8 @@
 
 Compiled callbacks get two bare addresses, of the model and of the data. What they need from the data is found by the
 fields' offsets in the structure, which are the same for all data of one build of MuJoCo; `offsets` measures them on a
-small model instead of trusting a header. Functions are called by their addresses, which come in as numbers, so that
-compiled code can be kept on disk.
+small model instead of trusting a header. MuJoCo's functions are called by their names and others by their addresses,
+which come in as numbers, so that compiled code can be kept on disk.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -30,20 +31,33 @@ _PROBE = """
 _RARE = 0.7310585786300049  # a number that stands nowhere else
 
 
+def _function(name: str, result: Any, *arguments: Any) -> Any:
+    """A function of MuJoCo as compiled code calls it; an address is a 64-bit integer there."""
+    return types.ExternalFunction(name, result(*arguments))
+
+
+_word, _flag = types.int64, types.int32
+factor_inertia = _function("mj_factorM", types.void, _word, _word)
+mark_stack = _function("mj_markStack", types.void, _word)
+free_stack = _function("mj_freeStack", types.void, _word)
+allocate = _function("mj_stackAllocNum", _word, _word, _word)
+forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _flag)
+integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
+_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions)
+
+
 @cache
 def library() -> ctypes.CDLL:
-    """The shared library that the module `mujoco` runs on."""
+    """The shared library that the module `mujoco` runs on; from the first call on, compiled code finds its functions."""
     folder = Path(load_mujoco().__file__).parent
     found = sorted(p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern))
     if not found:
         raise OSError(f"no shared library of MuJoCo in {folder}")
-    return ctypes.CDLL(str(found[0]))
-
-
-@cache
-def address(function: str) -> int:
-    """Where a function of MuJoCo is."""
-    return ctypes.cast(getattr(library(), function), ctypes.c_void_p).value or 0
+    opened = ctypes.CDLL(str(found[0]))
+    for function in _FUNCTIONS:
+        address = ctypes.cast(getattr(opened, function.symbol), ctypes.c_void_p).value
+        llvmlite.binding.add_symbol(function.symbol, address)
+    return opened
 
 
 @cache
@@ -128,61 +142,24 @@ def number_at(typingctx, number):
     return types.float64(types.int64), codegen
 
 
-def _call(result, kinds):
-    """An intrinsic that calls the function at an address; all arguments but floats are 64-bit integers."""
+def _call(where, *arguments):
+    """The type and the code of a call of the function at an address, which takes 64-bit integers and returns nothing."""
 
-    def typer(typingctx, where, *arguments):
-        del typingctx, where, arguments
+    def codegen(context, builder, signature, given):
+        kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))
+        builder.call(builder.inttoptr(given[0], kind.as_pointer()), given[1:])
+        return context.get_dummy_value()
 
-        def codegen(context, builder, signature, given):
-            llvm = [ir.DoubleType() if kind == types.float64 else _INT[kind] for kind in kinds]
-            kind = ir.VoidType() if result == types.void else ir.IntType(64)
-            function = builder.inttoptr(given[0], ir.FunctionType(kind, llvm).as_pointer())
-            narrowed = [
-                builder.trunc(value, _INT[kind]) if kind == types.int32 else value
-                for value, kind in zip(given[1:], kinds, strict=True)
-            ]
-            value = builder.call(function, narrowed)
-            return context.get_dummy_value() if result == types.void else value
-
-        wide = [types.int64 if kind == types.int32 else kind for kind in kinds]
-        return result(types.int64, *wide), codegen
-
-    return typer
-
-
-_INT = {types.int64: ir.IntType(64), types.int32: ir.IntType(32)}
+    return types.void(types.int64, *arguments), codegen
 
 
 @intrinsic
 def call_1(typingctx, where, a):
     """Call the function f(a) at the address `where`."""
-    return _call(types.void, [types.int64])(typingctx, where, a)
+    return _call(where, a)
 
 
 @intrinsic
 def call_2(typingctx, where, a, b):
     """Call the function f(a, b) at the address `where`."""
-    return _call(types.void, [types.int64] * 2)(typingctx, where, a, b)
-
-
-@intrinsic
-def allocate(typingctx, where, data, size):
-    """`mj_stackAllocNum`: the address of `size` numbers on the stack of the data."""
-    return _call(types.int64, [types.int64] * 2)(typingctx, where, data, size)
-
-
-@intrinsic
-def forward_skip(typingctx, where, model, data, stage, sensor):
-    """`mj_forwardSkip`."""
-    return _call(types.void, [types.int64, types.int64, types.int32, types.int32])(
-        typingctx, where, model, data, stage, sensor
-    )
-
-
-@intrinsic
-def integrate_positions(typingctx, where, model, qpos, qvel, dt):
-    """`mj_integratePos`."""
-    return _call(types.void, [types.int64, types.int64, types.int64, types.float64])(
-        typingctx, where, model, qpos, qvel, dt
-    )
+    return _call(where, a, b)

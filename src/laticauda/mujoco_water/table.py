@@ -26,10 +26,6 @@ from laticauda.formulas import MOST_NUMBERS
     CURRENT,  # cfunc: x, y, z, t in, three out behind them; 0: constant
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
-    FACTOR_M,
-    MARK_STACK,
-    FREE_STACK,
-    ALLOCATE,
     # offsets in the model
     AT_GRAVITY,
     AT_TIME_STEP,
@@ -49,7 +45,7 @@ from laticauda.formulas import MOST_NUMBERS
     AT_QFRC_FLUID,
     AT_TIME,
     TABLE_SIZE,
-) = range(41)
+) = range(37)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)

@@ -225,8 +225,6 @@ def _table(
     inside = native.model_offsets()
     names = ("gravity", "timestep", "dof_armature")
     table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
-    names = ("mj_factorM", "mj_markStack", "mj_freeStack", "mj_stackAllocNum")
-    table[rows.FACTOR_M : rows.ALLOCATE + 1] = [native.address(name) for name in names]
     fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
     fields += ("qfrc_passive", "qfrc_fluid", "time")
     table[rows.AT_QVEL : rows.AT_TIME + 1] = native.offsets(*fields)

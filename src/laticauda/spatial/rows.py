@@ -56,8 +56,6 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 (
     MODEL,
     DATA,
-    FORWARD_SKIP,
-    INTEGRATE_POS,
     N_QPOS,
     N_QVEL,
     N_BASE_QPOS,  # of the root, before the joints
@@ -74,7 +72,7 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     AT_SUBTREE_COM,
     AT_CVEL,
     SETUP_SIZE,
-) = range(20)
+) = range(18)
 
 # --- One row of joint parameters: the law, which wave moves it, the gait's envelope, the skin, the motor
 (

@@ -16,14 +16,12 @@ What stands where in the arrays is in `rows`; what moves the joints in `drives`.
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 
-from typing import Any, no_type_check
+from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
-from laticauda.compiling import compiled, in_turn, kernel
-from laticauda.compiling.lanes import OPTIONS
-from laticauda.compiling.templates import bindings, named_after
+from laticauda.compiling import compiled, entry, kernel
+from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.mujoco_water.native import forward_skip, integrate_positions
@@ -44,7 +42,7 @@ HOLD = 1e8  # kg m^2
 @no_type_check
 def evaluate(N):
     """Accelerations at the state in the data."""
-    forward_skip(N[FORWARD_SKIP], N[MODEL], N[DATA], 0, 1)
+    forward_skip(N[MODEL], N[DATA], 0, 1)
 
 
 @kernel
@@ -119,7 +117,7 @@ def move(N, qpos, start, velocity, dt):
     """qpos = start moved with a velocity for dt."""
     for i in range(N[N_QPOS]):
         qpos[i] = start[i]
-    integrate_positions(N[INTEGRATE_POS], N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
+    integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
 
 
 @kernel
@@ -271,8 +269,14 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
         at += 4 * count
 
 
+@entry
 @no_type_check
-def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
+def run(N, state, C, J, mass, order, hold, steps, dt, every, log):
+    """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
+
+    Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the
+    work goes on from the powers at the start of the call.
+    """
     n_q, n_v, n_joints = N[N_QPOS], N[N_QVEL], J.shape[0]
     qpos, qvel = field(N[DATA], N[AT_QPOS], n_q), field(N[DATA], N[AT_QVEL], n_v)
     qacc = field(N[DATA], N[AT_QACC], n_v)
@@ -313,11 +317,3 @@ def _run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     state[STATE_ROWS : STATE_ROWS + n_q] = qpos
     state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v] = qvel
     return written
-
-
-run: Any = in_turn(njit(cache=True, **OPTIONS)(named_after(__name__[__name__.rindex("_") + 1 :], _run)))
-"""Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
-
-Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the work
-goes on from the powers at the start of the call.
-"""

@@ -99,8 +99,6 @@ class Twin:
             [
                 self.model._address,
                 self._data._address,
-                native.address("mj_forwardSkip"),
-                native.address("mj_integratePos"),
                 self.n_qpos,
                 self.n_qvel,
                 *base,
