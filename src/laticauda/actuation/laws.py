@@ -49,6 +49,13 @@ class Drive(NamedTuple):
     """b [N m s/rad]."""
 
 
+_DRIVE = 3
+JOINT = (*range(4), _DRIVE + Drive._fields.index("stall_torque"), *(_DRIVE + len(Drive._fields) + k for k in range(2)))
+"""Where the numbers of a joint stand in the kernels of both models: its envelope g, times the share that a prescribed
+joint does of it; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; V I_stall of that, 0
+if its electrical power is not asked for; how many they are."""
+
+
 class JointLaw(Law, Extensible, group="joint_laws"):
     """Base of how joints follow their references."""
 

@@ -9,11 +9,11 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.actuation.laws import Drive, JointLaw
+from laticauda.actuation.laws import JOINT, Drive, JointLaw
 from laticauda.errors import BadArgument
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
 from laticauda.interfaces import Command, Observation, Start, check_waves, fin_signals
-from laticauda.robot import Environment, Joint, Robot, check_fits, has_power_model
+from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import Model
 from laticauda.series import Log
 
@@ -274,36 +274,37 @@ class Plant(ABC, Generic[ModelType]):
         return values
 
     def _hold(self, joints: np.ndarray, command: Command) -> None:
-        """Put references from outside into the driven joints' numbers (`joint_numbers`), and switch motors off."""
+        """Put references from outside into the driven joints' numbers (`joint_table`), and switch motors off."""
         command.check_held(self.robot, self.joints)
         if command.references is not None:
             joints[: len(command.references), 0] = command.references
         if command.enabled is not None:
             # No gain, no stall torque and no current: what is left of both laws is the friction of the servo's gear.
             off = np.flatnonzero(np.logical_not(command.enabled))
-            joints[off, _DRIVE : _DRIVE + 4] = 0.0
-            joints[off, -1] = 0.0
+            joints[off, _DRIVE : _MOTOR + 1] = 0.0
+            joints[off, _STALL_POWER] = 0.0
 
 
-_DRIVE = 3  # where the drive's gains and stall torque begin
+_, _, _, _DRIVE, _MOTOR, _STALL_POWER, _JOINT_ROWS = JOINT
 
 
-def joint_numbers(joint: Joint, law: JointLaw, *, has_power: bool) -> tuple[float, ...]:
-    """What kernels know of a driven joint: envelope, stiffness, damping, the drive, the power at stall.
+def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_numbers"]:
+    """What kernels know of every joint, see `laticauda.actuation.laws.JOINT`: the body's, then the fin's from its root.
 
     Args:
-        joint: The joint.
-        law: How it follows its reference.
-        has_power: Whether its electrical power counts.
+        robot: Whose joints they are; the passive hinges of its fin have stiffness and damping only.
+        law: How those that are driven follow their references.
     """
-    actuator = joint.actuator
-    return (
-        actuator.tracking if law.prescribed else 1.0,
-        joint.stiffness,
-        joint.damping,
-        *(getattr(actuator, name) for name in Drive._fields),
-        actuator.stall_power if has_power else 0.0,
-    )
+    has_power = has_power_model(robot, law)
+    known: dict[int, tuple[float, ...]] = {}
+    for joint in {id(joint): joint for joint in robot.driven_joints}.values():  # most joints are one and the same
+        motor, power = joint.actuator, joint.actuator.stall_power if has_power else 0.0
+        drive = (getattr(motor, name) for name in Drive._fields)
+        known[id(joint)] = motor.tracking if law.prescribed else 1.0, joint.stiffness, joint.damping, *drive, power
+    found = [known[id(joint)] for joint in robot.driven_joints]
+    for hinge in robot.caudal_fin.hinges if robot.caudal_fin is not None else ():
+        found.append((0.0, hinge.stiffness, hinge.damping, *(0.0,) * (_JOINT_ROWS - 3)))
+    return np.array(found).reshape(-1, _JOINT_ROWS)
 
 
 def has_hinges(robot: Robot) -> bool:

@@ -195,36 +195,20 @@ def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
 @no_type_check
 def add_inertia(S, A, R, arm, m, i):
     """Add an element's inertia about the center of mass, world axes: [[K, B], [B^T, N]], B = [r] N, K = I - B [r]."""
-    n00, n01, n02, n11, n12, n22 = symmetric(R, m)
-    k00, k01, k02, k11, k12, k22 = symmetric(R, i)
-    x, y, z = cross(arm, (n00, n01, n02)), cross(arm, (n01, n11, n12)), cross(arm, (n02, n12, n22))  # columns of B
+    N, k = symmetric(R, m), symmetric(R, i)
+    x, y, z = cross(arm, (N[0], N[1], N[2])), cross(arm, (N[1], N[3], N[4])), cross(arm, (N[2], N[4], N[5]))
     rx, ry, rz = arm
-    for k, value in enumerate(
-        (
-            k00 - y[0] * rz + z[0] * ry,
-            k01 + x[0] * rz - z[0] * rx,
-            k02 - x[0] * ry + y[0] * rx,
-            k11 + x[1] * rz - z[1] * rx,
-            k12 - x[1] * ry + y[1] * rx,
-            k22 - x[2] * ry + y[2] * rx,
-            x[0],
-            y[0],
-            z[0],
-            x[1],
-            y[1],
-            z[1],
-            x[2],
-            y[2],
-            z[2],
-            n00,
-            n01,
-            n02,
-            n11,
-            n12,
-            n22,
-        )
-    ):
-        S[A + k] += value
+    S[A] += k[0] - y[0] * rz + z[0] * ry
+    S[A + 1] += k[1] + x[0] * rz - z[0] * rx
+    S[A + 2] += k[2] - x[0] * ry + y[0] * rx
+    S[A + 3] += k[3] + x[1] * rz - z[1] * rx
+    S[A + 4] += k[4] - x[1] * ry + y[1] * rx
+    S[A + 5] += k[5] - x[2] * ry + y[2] * rx
+    for row in range(3):  # of B, whose columns are x, y and z
+        for column, value in enumerate((x[row], y[row], z[row])):
+            S[A + 6 + 3 * row + column] += value
+    for place, value in enumerate(N):
+        S[A + 15 + place] += value
 
 
 @kernel

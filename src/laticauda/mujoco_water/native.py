@@ -48,7 +48,7 @@ _FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, in
 
 @cache
 def library() -> ctypes.CDLL:
-    """The shared library that the module `mujoco` runs on; from the first call on, compiled code finds its functions."""
+    """The shared library that the module `mujoco` runs on; once it is open, compiled code finds its functions."""
     folder = Path(load_mujoco().__file__).parent
     found = sorted(p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern))
     if not found:
@@ -143,7 +143,7 @@ def number_at(typingctx, number):
 
 
 def _call(where, *arguments):
-    """The type and the code of a call of the function at an address, which takes 64-bit integers and returns nothing."""
+    """The type and the code of a call of the function at an address; it takes 64-bit integers and returns nothing."""
 
     def codegen(context, builder, signature, given):
         kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))

@@ -35,8 +35,8 @@ second_torque = compiled(stages.second_torque)
 joint_powers = compiled(stages.joint_powers)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
-drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
-motor_of = rows_from(STALL_TORQUE, 5)
+drive_of = rows_from(DRIVE, len(laws.Drive._fields))
+motor_of = rows_from(MOTOR, 5)
 law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
@@ -219,11 +219,6 @@ def count_work(S, n, law, dt):
         net += signed
         positive += given
     half = 0.5 * dt
-    S[WORK_ABSOLUTE] += half * (S[POWER_ABSOLUTE] + absolute)
-    S[WORK_NET] += half * (S[POWER_NET] + net)
-    S[WORK_POSITIVE] += half * (S[POWER_POSITIVE] + positive)
-    S[WORK_ELECTRICAL] += half * (S[POWER_ELECTRICAL] + electrical)
-    S[POWER_ABSOLUTE] = absolute
-    S[POWER_NET] = net
-    S[POWER_POSITIVE] = positive
-    S[POWER_ELECTRICAL] = electrical
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        S[WORK_ABSOLUTE + k] += half * (S[POWER_ABSOLUTE + k] + power)
+        S[POWER_ABSOLUTE + k] = power

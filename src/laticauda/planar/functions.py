@@ -5,6 +5,7 @@ Floats, complex steps and lanes go through the same source.
 
 # pyright: basic
 
+import math
 from typing import no_type_check
 
 import numpy as np
@@ -16,6 +17,35 @@ from laticauda.compiling.lanes import INLINED, bit, power_of_two, where
 
 # Added to a number below 2^51 it rounds it to a whole one, which then stands in the last bits of the sum.
 SHIFT = 6755399441055744.0
+# The minimax polynomials of fdlibm's kernels, (sin(x) / x - 1) / x^2 and (cos(x) - 1 + x^2 / 2) / x^4 in powers of x^2,
+# and the power series of (exp(x) - 1) / x; highest power first.
+SINE = (
+    1.58969099521155010221e-10,
+    -2.50507602534068634195e-08,
+    2.75573137070700676789e-06,
+    -1.98412698298579493134e-04,
+    8.33333333332248946124e-03,
+    -1.66666666666666324348e-01,
+)
+COSINE = (
+    -1.13596475577881948265e-11,
+    2.08757232129817482790e-09,
+    -2.75573143513906633035e-07,
+    2.48015872894767294178e-05,
+    -1.38888888888741095749e-03,
+    4.16666666666666019037e-02,
+)
+EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
+
+
+@njit(**INLINED)
+@no_type_check
+def polynomial(x, coefficients):
+    """Its value by Horner's rule."""
+    p = coefficients[0]
+    for coefficient in coefficients[1:]:
+        p = p * x + coefficient
+    return p
 
 
 @njit(**INLINED)
@@ -23,7 +53,7 @@ SHIFT = 6755399441055744.0
 def sincos(x):
     """sin and cos to 2e-16 for |x| < 1e5.
 
-    Reduction by multiples of pi/2 in three parts (Cody and Waite) and the minimax polynomials of fdlibm's kernels.
+    Reduction by multiples of pi/2 in three parts (Cody and Waite), then polynomials.
     """
     shifted = x.real * 0.6366197723675814 + SHIFT
     q = shifted - SHIFT
@@ -31,37 +61,8 @@ def sincos(x):
     y = y - q * 6.077100506303966e-11
     y = y - q * 2.0222662487959506e-21
     z = y * y
-    s = y + y * z * (
-        -1.66666666666666324348e-01
-        + z
-        * (
-            8.33333333332248946124e-03
-            + z
-            * (
-                -1.98412698298579493134e-04
-                + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
-            )
-        )
-    )
-    c = (
-        1.0
-        - 0.5 * z
-        + z
-        * z
-        * (
-            4.16666666666666019037e-02
-            + z
-            * (
-                -1.38888888888741095749e-03
-                + z
-                * (
-                    2.48015872894767294178e-05
-                    + z
-                    * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))
-                )
-            )
-        )
-    )
+    s = y + y * z * polynomial(z, SINE)
+    c = 1.0 - 0.5 * z + z * z * polynomial(z, COSINE)
     odd, low = bit(shifted, 0), bit(shifted, 1)  # the quadrant is q modulo 4
     sine, cosine = where(odd, c, s), where(odd, s, c)
     return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
@@ -79,11 +80,8 @@ def expm1(x):
     q = (x.real * 1.4426950408889634 + SHIFT) - SHIFT
     r = x - q * 0.6931471803691238
     r = r - q * 1.9082149292705877e-10
-    p = 1.0 / 6227020800.0
-    for k in (479001600.0, 39916800.0, 3628800.0, 362880.0, 40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0, 1.0):
-        p = p * r + 1.0 / k
     scale = power_of_two(q + (SHIFT + 1023.0))
-    return scale * (p * r) + (scale - 1.0)
+    return scale * (polynomial(r, EXPONENTIAL) * r) + (scale - 1.0)
 
 
 @njit(**INLINED)

@@ -9,22 +9,19 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.dynamics.plant import joint_numbers
+from laticauda.dynamics.plant import joint_table
 from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
 from laticauda.robot import (
     CaudalFin,
     Environment,
     Ground,
-    Hinge,
-    Joint,
     Module,
     PectoralFin,
     Piece,
     Robot,
     Thruster,
     Water,
-    has_power_model,
     law_of,
 )
 
@@ -76,8 +73,8 @@ class _Body:
     """Positions are those from the body's tail end."""
     law: int = rows.LOCKED
     """Joint law of the hinge at the head end of a piece of the fin."""
-    hinge: Joint | Hinge | None = None
-    """What drives that hinge, or the bending that it stands for."""
+    is_hinged: bool = False
+    """Whether there is one."""
 
 
 def layout(
@@ -179,7 +176,7 @@ def _fin_bodies(fin: CaudalFin, strips: Coefficients, joints: int, *, as_links: 
                 parts=[_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0)],
                 strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
                 law=passive if joint is None else joints,
-                hinge=joint or piece.hinge,
+                is_hinged=joint is not None or piece.hinge is not None,
             )
         )
     return bodies
@@ -300,19 +297,14 @@ def _write_joints(
     records: np.ndarray, robot: Robot, fin: Sequence[_Body], joints: JointLaw
 ) -> Int[np.ndarray, " n_bodies"]:
     """Numbers of the joint at the tail end of every body; returns their laws."""
-    has_power = has_power_model(robot, joints)
-    for joint in _distinct(robot.joints):
-        alike = [len(fin) + 1 + i for i, other in enumerate(robot.joints) if other is joint]
-        records[alike, rows.ENVELOPE : rows.STALL_POWER + 1] = joint_numbers(joint, joints, has_power=has_power)
-    law = np.full(len(records), joints.code)
+    table = joint_table(robot, joints)
+    records[len(fin) + 1 :, : rows.JOINT_ROWS] = table[: robot.n_joints]
+    law, of_fin = np.full(len(records), joints.code), iter(table[robot.n_joints :])
     law[0] = rows.LOCKED
     for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):  # its hinge is at the tail end of the body before it
         law[i] = piece.law
-        if isinstance(piece.hinge, Joint):
-            numbers = joint_numbers(piece.hinge, joints, has_power=has_power)
-            records[i, rows.ENVELOPE : rows.STALL_POWER + 1] = numbers
-        elif piece.hinge is not None:
-            records[i, [rows.STIFFNESS, rows.DAMPING]] = piece.hinge.stiffness, piece.hinge.damping
+        if piece.is_hinged:
+            records[i, : rows.JOINT_ROWS] = next(of_fin)
     return law
 
 

@@ -21,7 +21,7 @@ _names = bindings(__name__)
 law = in_rows(_names["law"], Element, MOTION)
 law_numbers = rows_from(LAW, len(_names["law"].fields))
 plate_law = compiled(plate)
-plate_numbers = rows_from(PLATE_AREA, PLATE_ROWS - PLATE_AREA)
+plate_numbers = rows_from(PLATE_LAW, PLATE_ROWS - PLATE_LAW)
 
 
 @kernel

@@ -130,11 +130,11 @@ class PlanarPlant(Plant[Planar]):
         body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         body[1:, rows.ANGLE], body[1:, rows.RATE] = values[rows.LOG_STATE :].reshape(2, -1)
         driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
-        joints = body[driven, rows.ENVELOPE : rows.STALL_POWER + 1]
+        joints = body[driven, : rows.JOINT_ROWS]
         table = self._recorded(command, joints[: self.robot.n_joints, 0])
         joints[: self.robot.n_joints, 0] *= gait.joint_envelope(self.robot.n_links)
         self._hold(joints, command)
-        body[driven, rows.ENVELOPE : rows.STALL_POWER + 1] = joints
+        body[driven, : rows.JOINT_ROWS] = joints
         if table is None:
             return S
         S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)

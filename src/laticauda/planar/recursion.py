@@ -85,21 +85,11 @@ def inward(S, n, is_free):
         b = HEADER_ROWS + i * BODY_ROWS
         has_child = i < n - 1
         child_is_free = has_child and is_free[i + 1]
-        a00, a01, a02, a11, a12, a22 = own_inertia(S, b)
-        p0, p1, p2 = own_bias(S, b)
+        for k, own in enumerate((*own_inertia(S, b), *own_bias(S, b))):
+            S[b + A00 + k] = own
         if has_child:
-            c00, c01, c02, c11, c12, c22, q0, q1, q2 = through_joint(S, b, child_is_free)
-            a00, a01, a02, a11, a12, a22 = a00 + c00, a01 + c01, a02 + c02, a11 + c11, a12 + c12, a22 + c22
-            p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
-        S[b + A00] = a00
-        S[b + A01] = a01
-        S[b + A02] = a02
-        S[b + A11] = a11
-        S[b + A12] = a12
-        S[b + A22] = a22
-        S[b + P0] = p0
-        S[b + P1] = p1
-        S[b + P2] = p2
+            for k, carried in enumerate(through_joint(S, b, child_is_free)):
+                S[b + A00 + k] += carried
 
 
 @kernel

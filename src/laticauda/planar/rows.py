@@ -6,10 +6,12 @@ record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per p
 """
 
 from laticauda.actuation.laws import FIRST_FREE as FIRST_FREE
+from laticauda.actuation.laws import JOINT
 from laticauda.actuation.laws import LOCKED as LOCKED
 from laticauda.actuation.laws import PASSIVE as PASSIVE
 from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
 from laticauda.formulas import MOST_NUMBERS
+from laticauda.gaits.reference import WaveState
 
 # --- Header: parameters -------------------------------------------------------------------------------------------
 (
@@ -45,22 +47,12 @@ from laticauda.formulas import MOST_NUMBERS
     HEADING_RATE,  # [rad/s]
     VX,  # velocity of the center of mass [m/s]
     VY,
-    PHASE,  # integral of the frequency [rad]
-    AMPLITUDE_NOW,  # filtered values and their rates, in the order of gaits.reference.WaveState
-    AMPLITUDE_RATE,
-    FREQUENCY_NOW,
-    FREQUENCY_RATE,
-    PHASE_SHIFT_NOW,
-    PHASE_SHIFT_RATE,
-    OFFSET_NOW,
-    OFFSET_RATE,
-    FIN_PHASE,  # the same of a driven fin
-    FIN_AMPLITUDE_NOW,
-    FIN_AMPLITUDE_RATE,
-    FIN_FREQUENCY_NOW,
-    FIN_FREQUENCY_RATE,
-    FIN_OFFSET_NOW,
-    FIN_OFFSET_RATE,
+    PHASE,  # of the wave of the body's joints [rad], and the other numbers of gaits.reference.WaveState
+) = range(31)
+AMPLITUDE_NOW, FREQUENCY_NOW, PHASE_SHIFT_NOW, OFFSET_NOW, OFFSET_RATE = (PHASE + k for k in (1, 3, 5, 7, 8))
+FIN_PHASE = PHASE + len(WaveState._fields)  # the same of a driven fin, which has no phase shift
+FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (FIN_PHASE + k for k in (1, 3, 5, 6))
+(
     WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
     WORK_NET,  # integral of sum u phi' [J]
     WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
@@ -82,7 +74,7 @@ from laticauda.formulas import MOST_NUMBERS
     WELL,  # 1 until the lane's numbers leave the finite range, then 0
     SAMPLES,  # logged until then
     SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
-) = range(66)
+) = range(FIN_OFFSET_RATE + 1, FIN_OFFSET_RATE + 21)
 SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
 LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own
@@ -91,7 +83,8 @@ HEADER_ROWS = JOINT_LAW + MOST_NUMBERS
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
 
-# --- One record per body; the joint of a record is the one at the body's tail end -----------------------------------
+# --- One record per body, which begins with the joint at the body's tail end -----------------------------------------
+ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
 (
     LENGTH,  # 2l [m]
     INERTIA,  # I00, rigid plus added, about the tail end [kg m^2]
@@ -114,17 +107,6 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     THRUST_N,
     THRUST_MOMENT,  # about the tail end [N m]
     HEADING_SHARE,  # share of the body's links on the head side of the joint
-    ENVELOPE,  # g, times the share that a prescribed joint does of it
-    STIFFNESS,  # skin or hinge [N m/rad]
-    DAMPING,  # [N m s/rad]
-    PROPORTIONAL_GAIN,  # the drive, in the order of actuation.laws.Drive: k_p [N m/rad]
-    DERIVATIVE_GAIN,  # k_d [N m s/rad]
-    SERVO_GAIN,  # duty per angle error [1/rad]
-    STALL_TORQUE,  # of the motor [N m]
-    NO_LOAD_SPEED,  # [rad/s]
-    FRICTION_TORQUE,  # [N m]
-    VISCOUS_FRICTION,  # [N m s/rad]
-    STALL_POWER,  # V I_stall [W]; 0: its electrical power is not asked for
     # --- state
     ANGLE,  # phi
     RATE,  # phi'
@@ -167,20 +149,10 @@ LOG_STATE = HEADING_ACCELERATION - TIME
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(72)
+) = range(JOINT_ROWS, 72)
 
 # --- One record per fin strip -----------------------------------------------------------------------------------------
 (STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)
 
-# --- One record per pectoral fin (fluid.laws.plate) ------------------------------------------------------------
-(
-    PLATE_X,  # from the tail end of its body [m]
-    PLATE_Y,
-    PLATE_ANGLE,
-    PLATE_AREA,  # rho S / 2 [kg/m]
-    PLATE_LIFT_SLOPE,
-    PLATE_STALL_ANGLE,
-    PLATE_SHARPNESS,
-    PLATE_DRAG,
-    PLATE_ROWS,
-) = range(9)
+# --- One record per pectoral fin: its place from the tail end of its body [m], and five numbers of fluid.laws.plate
+(PLATE_X, PLATE_Y, PLATE_ANGLE, PLATE_LAW, PLATE_ROWS) = (*range(4), 8)

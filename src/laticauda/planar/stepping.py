@@ -229,10 +229,8 @@ def write_sample(S, n, sample, n_rows):
         sample[r] = S[TIME + r]
     for i in range(joints if n_rows > LOG_STATE else 0):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
-        sample[LOG_STATE + i] = S[b + ANGLE]
-        sample[LOG_STATE + joints + i] = S[b + RATE]
-        sample[LOG_STATE + 2 * joints + i] = S[b + REFERENCE]
-        sample[LOG_STATE + 3 * joints + i] = S[b + TORQUE]
+        for k, row in enumerate((ANGLE, RATE, REFERENCE, TORQUE)):
+            sample[LOG_STATE + k * joints + i] = S[b + row]
 
 
 @kernel

@@ -32,8 +32,8 @@ joint_powers = compiled(stages.joint_powers)
 motor_power = compiled(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
-drive_of = rows_from(PROPORTIONAL_GAIN, len(laws.Drive._fields))
-motor_of = rows_from(STALL_TORQUE, 5)
+drive_of = rows_from(DRIVE, len(laws.Drive._fields))
+motor_of = rows_from(MOTOR, 5)
 law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 

@@ -39,7 +39,7 @@ class SpatialPlant(Plant[Spatial]):
     name: ClassVar[str] = "spatial"
     usual_dt: ClassVar[float] = 0.01
     generator: ClassVar[tuple[slice, ...]] = (
-        slice(rows.PHASE, rows.OFFSET_RATE + 1),
+        slice(rows.PHASE, rows.WORK_ABSOLUTE),
         slice(rows.PITCH, rows.FIN),
         slice(rows.FIN, rows.STATE_ROWS),
     )
@@ -81,7 +81,7 @@ class SpatialPlant(Plant[Spatial]):
         self._check(command)
         values = np.zeros(self._size)
         yaw, pitch, fin = self._first_waves(command)
-        values[rows.PHASE : rows.OFFSET_RATE + 1] = yaw
+        values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
         c, s = math.cos(start.heading), math.sin(start.heading)
@@ -138,7 +138,7 @@ class SpatialPlant(Plant[Spatial]):
         turned = joints[:, rows.WAVE] == rows.YAW_WAVE
         table = self._recorded(command, joints[turned, rows.ENVELOPE])
         joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
-        self._hold(joints[: len(self.robot.driven_joints), rows.ENVELOPE :], command)
+        self._hold(joints, command)
         if table is not None:
             given[rows.N_KNOTS] = len(table)
             given = np.concatenate((given, table.ravel()))
@@ -215,7 +215,7 @@ class SpatialPlant(Plant[Spatial]):
             reference=samples[:, first : first + n - 1],
             offset=samples[:, [wave + rows.OFFSET_NOW for wave in waves]],
             torque=samples[:, first + n - 1 : first + 2 * n - 2],
-            work=samples[:, rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1],
+            work=samples[:, rows.WORK_ABSOLUTE : rows.PITCH],
             fin=tuple(np.moveaxis(samples[:, first + 2 * n - 2 :].reshape(len(samples), 4, -1), 1, 0)),
             signals={name: samples[:, o + rows.ORIENTATION + k] for k, name in enumerate((*ORIENTATION, "pitch"))},
         )

@@ -3,39 +3,24 @@
 A state is one flat array: the rows below, then qpos, qvel and the links' angles.
 """
 
+from laticauda.actuation.laws import JOINT
 from laticauda.actuation.laws import PASSIVE as PASSIVE
 from laticauda.actuation.laws import PRESCRIBED as PRESCRIBED
 from laticauda.formulas import MOST_NUMBERS
+from laticauda.gaits.reference import WaveState
 
 # --- Rows of a state
-(
-    TIME,
-    TIME_REST,
-    PHASE,
-    AMPLITUDE_NOW,
-    AMPLITUDE_RATE,
-    FREQUENCY_NOW,
-    FREQUENCY_RATE,
-    PHASE_SHIFT_NOW,
-    PHASE_SHIFT_RATE,
-    OFFSET_NOW,
-    OFFSET_RATE,
-    WORK_ABSOLUTE,
-    WORK_NET,
-    WORK_POSITIVE,
-    WORK_ELECTRICAL,
-    PITCH,  # the second wave's PHASE to OFFSET_RATE
-) = range(16)
-FIN = PITCH + OFFSET_RATE + 1 - PHASE  # those of the third, of a driven fin
-SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - PHASE
+TIME, TIME_REST, PHASE = range(3)  # of the yaw joints' wave, and the other numbers of gaits.reference.WaveState
+PHASE_SHIFT_NOW, OFFSET_NOW = PHASE + 5, PHASE + 7
+WORK_ABSOLUTE = PHASE + len(WaveState._fields)  # the net, the positive and the electrical work come next
+PITCH = WORK_ABSOLUTE + 4  # the wave of the pitch joints
+FIN = PITCH + len(WaveState._fields)  # that of a driven fin
+SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + len(WaveState._fields)
 
 # --- The command and the generator's settings
 (
-    AMPLITUDE,
-    FREQUENCY,
-    PHASE_SHIFT,
-    OFFSET,
-    AHEAD,
+    AMPLITUDE,  # of the yaw joints, the first number of gaits.reference.WaveTarget
+    AHEAD,  # the last
     PITCH_COMMAND,
     FIN_COMMAND,
     BANDWIDTH,
@@ -45,11 +30,7 @@ SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + OFFSET_RATE + 1 - 
     N_KNOTS,  # of a recording, which stands behind all rows: time, then angle and rate of every yaw joint; 0: none
     KNOT,  # the last one before now
     JOINT_LAW,  # the numbers of the joint law, if it is one of somebody's own
-) = (
-    *range(6),
-    10,
-    *range(15, 22),
-)
+) = (0, 4, 5, 10, *range(15, 22))
 COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 
 # --- Whole numbers that the kernels need
@@ -74,23 +55,9 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     SETUP_SIZE,
 ) = range(18)
 
-# --- One row of joint parameters: the law, which wave moves it, the gait's envelope, the skin, the motor
-(
-    LAW,
-    WAVE,
-    ENVELOPE,  # g, times the share that a prescribed joint does of it; from here on as in `planar.rows`
-    STIFFNESS,
-    DAMPING,
-    PROPORTIONAL_GAIN,
-    DERIVATIVE_GAIN,
-    SERVO_GAIN,
-    STALL_TORQUE,
-    NO_LOAD_SPEED,
-    FRICTION_TORQUE,
-    VISCOUS_FRICTION,
-    STALL_POWER,
-    JOINT_SIZE,
-) = range(14)
+# --- One row of joint parameters: the joint's numbers, its law, and which wave moves it
+ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
+WAVE = LAW + 1
 YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the

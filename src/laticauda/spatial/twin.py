@@ -9,10 +9,10 @@ import numpy as np
 from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import specialized
-from laticauda.dynamics.plant import FORCES, has_hinges, joint_numbers
+from laticauda.dynamics.plant import FORCES, has_hinges, joint_table
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
-from laticauda.robot import Environment, Ground, Robot, has_power_model
+from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass
@@ -56,7 +56,7 @@ class Twin:
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = center_of_mass(robot)
-        self.joints = np.array(_joint_rows(robot, setup.joints)).reshape(-1, rows.JOINT_SIZE)
+        self.joints = _joint_rows(robot, setup.joints)
         self.water = self._attach(robot, environment, setup)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
         self._hold = np.zeros(2 * int(self.model.nv))
@@ -160,17 +160,9 @@ def land_of(environment: Environment, setup: Spatial) -> Ground | None:
     return setup.shore
 
 
-def _joint_rows(robot: Robot, law: JointLaw) -> list[np.ndarray]:
+def _joint_rows(robot: Robot, law: JointLaw) -> np.ndarray:
     """What the kernels know of every joint, in MuJoCo's order: the body's, then the fin's from its root on."""
-    waves = [rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE for joint in robot.joints] + [rows.FIN_WAVE]
-    has_power = has_power_model(robot, law)
-    found = [
-        np.array([law.code, wave, *joint_numbers(joint, law, has_power=has_power)])
-        for joint, wave in zip(robot.driven_joints, waves, strict=False)
-    ]
-    for hinge in robot.caudal_fin.hinges if robot.caudal_fin is not None else ():
-        row = np.zeros(rows.JOINT_SIZE)
-        row[[rows.LAW, rows.WAVE]] = rows.PASSIVE, rows.NO_WAVE
-        row[[rows.STIFFNESS, rows.DAMPING]] = hinge.stiffness, hinge.damping
-        found.append(row)
-    return found
+    waves = [rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE for joint in robot.joints]
+    waves += [rows.NO_WAVE if k else rows.FIN_WAVE for k in robot.fin_joints]
+    laws = [rows.PASSIVE if wave == rows.NO_WAVE else law.code for wave in waves]
+    return np.column_stack((joint_table(robot, law), laws, waves))
