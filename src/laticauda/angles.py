@@ -1,9 +1,10 @@
-"""Angles on the circle; nothing here knows about robots."""
+"""Angles on the circle and rotations in space; nothing here knows about robots."""
 
 import math
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
+from jaxtyping import Float
 from numpy.typing import NDArray
 
 
@@ -34,3 +35,44 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
     rest = np.fmod(angle, turn)
     wrapped = np.where(rest >= np.pi, rest - turn, np.where(rest < -np.pi, rest + turn, rest))
     return wrapped if wrapped.ndim else float(wrapped)
+
+
+def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..."]:
+    """The rotation that a unit quaternion says; of arrays of numbers, those of all samples along the last axes.
+
+    Args:
+        w: Its real part [-].
+        x: Its first imaginary part [-].
+        y: Its second [-].
+        z: Its third [-].
+    """
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def to_quaternion(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float, float]:
+    """The unit quaternion (w, x, y, z) of a rotation; no rotation for numbers that are not finite.
+
+    Args:
+        rotation: A rotation matrix [-].
+    """
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    outer = np.array(  # q q', of which the column with the largest diagonal loses no digits
+        [
+            [1.0 + a + e + i, h - f, c - g, d - b],
+            [h - f, 1.0 + a - e - i, b + d, c + g],
+            [c - g, b + d, 1.0 - a + e - i, f + h],
+            [d - b, c + g, f + h, 1.0 - a - e + i],
+        ]
+    )
+    column = outer[int(np.argmax(outer.diagonal()))]
+    size = float(np.linalg.norm(column))
+    if not np.isfinite(size) or size == 0.0:
+        return 1.0, 0.0, 0.0, 0.0
+    w, x, y, z = (column / size).tolist()
+    return w, x, y, z

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.angles import from_quaternion as from_quaternion, to_quaternion as to_quaternion
     from laticauda.kinematics.poses import center_of_mass as center_of_mass, fin_line as fin_line, heading as heading
     from laticauda.kinematics.poses import center_of_mass_velocity as center_of_mass_velocity
     from laticauda.kinematics.poses import joint_angles as joint_angles
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from laticauda.kinematics.poses import trailing_edge as trailing_edge
     from laticauda.kinematics.poses import trailing_edge_velocity as trailing_edge_velocity
     from laticauda.kinematics.space import ModulePoses as ModulePoses, module_poses as module_poses
-    from laticauda.kinematics.space import from_quaternion as from_quaternion, to_quaternion as to_quaternion
     from laticauda.kinematics.space import turned_about_vertical as turned_about_vertical
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from laticauda.angles import from_quaternion
 from laticauda.errors import BadArgument, positive
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
@@ -90,14 +91,7 @@ class Element:
     @property
     def rotation(self) -> np.ndarray:
         """From its axes to the body's, (3, 3)."""
-        w, x, y, z = self.orientation
-        return np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
+        return from_quaternion(*self.orientation)
 
 
 _ROUND = math.pi / 4.0  # share of a circle in the square around it

@@ -9,8 +9,6 @@ numbers of a joint law of one's own. Units are those of the fields: SI and radia
 import difflib
 import functools
 import re
-import types
-import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, cast
@@ -42,6 +40,7 @@ _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "p
 _PLURAL = {one: several for several, one in _SINGULAR.items()}
 _ENDS = ("_x", "_y")
 _ONE = re.compile(r"(\w+)\[(\d+)\]")  # one of several: module[3]
+_WHOLE, _NUMBER, _PAIR = ((kind, kind | None) for kind in (int, float, tuple[float, float]))  # types of fields
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,14 +173,14 @@ def _place(thing: Any, step: str) -> tuple[str, slice | None]:
 def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
     """The numbers in a dataclass, and in what it holds."""
     kind = cast("type[object]", type(thing))
-    hints, texts, numbers = _hints(kind), texts_of(kind), quantities_of(kind)
+    hints, texts, numbers = hints_of(kind), texts_of(kind), quantities_of(kind)
     for field in fields(thing):
         value = getattr(thing, field.name)
         name, title = f"{prefix}.{field.name}", texts[field.name]
         unit = numbers[field.name].unit if field.name in numbers else ""
-        if hints[field.name] in (float, int):
-            yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] is int)
-        elif hints[field.name] == tuple[float, float]:
+        if hints[field.name] in (*_WHOLE, *_NUMBER):
+            yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] in _WHOLE)
+        elif hints[field.name] in _PAIR:
             for end in _ENDS:
                 yield Parameter(name=name + end, unit=unit, title=f"{title}: {end[1]}")
         elif is_dataclass(value):
@@ -191,21 +190,8 @@ def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
 
 
 @functools.cache
-def _hints(kind: type) -> dict[str, Any]:
-    """The types of a dataclass's fields; a number that may be None is a number."""
-    return {name: _without_none(hint) for name, hint in hints_of(kind).items()}
-
-
-def _without_none(hint: Any) -> Any:
-    if typing.get_origin(hint) not in (types.UnionType, typing.Union):
-        return hint
-    parts = [part for part in typing.get_args(hint) if part is not types.NoneType]
-    return parts[0] if len(parts) == 1 else hint
-
-
-@functools.cache
 def _whole_fields(kind: type) -> frozenset[str]:
-    return frozenset(name for name, hint in _hints(kind).items() if hint is int)
+    return frozenset(name for name, hint in hints_of(kind).items() if hint in _WHOLE)
 
 
 def check_whole(parameter: Parameter, values: Any) -> None:
