@@ -8,11 +8,13 @@ python campaigns/amphibot.py
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import laticauda as lc
+from laticauda.robot import textbook_of
 from laticauda.robot.files import PRESETS
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
@@ -39,18 +41,8 @@ memory of fish, and not read."""
 
 
 def textbook(**changes: Any) -> lc.Water:
-    """Coefficients from tables, none of them fitted to this robot; `changes` are fields of the water."""
-    usual: dict[str, Any] = {
-        "name": "textbook",
-        "tangential_friction": 0.027,  # ITTC-57 skin friction, .4 of the frontal area and gaps, over pi L (a + b) / 2
-        "normal_drag": 1.5,
-        "added_mass": 1.0,
-        "drag": lc.TotalSpeedDrag(),
-        "added_mass_form": "kirchhoff",
-        "rotational": "strip",
-        "trailing_edge": "elongated",
-    }
-    return lc.Water(**usual | changes)
+    """Coefficients from tables for its shape, none of them fitted to this robot; `changes` are fields of the water."""
+    return replace(textbook_of(lc.load_robot("amphibot")), **changes)
 
 
 def swum(water: lc.Water, **changes: Any) -> lc.Trial:

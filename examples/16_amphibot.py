@@ -12,18 +12,9 @@ import laticauda as lc
 from laticauda.robot.files import PRESETS
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
-# Coefficients from tables: friction of skin, nose and gaps, drag and added mass of an elliptic section.
-water = lc.Water(
-    tangential_friction=0.027,
-    normal_drag=1.5,
-    added_mass=1.0,
-    drag=lc.TotalSpeedDrag(beta=0.5),
-    added_mass_form="kirchhoff",
-    rotational="strip",
-    trailing_edge="elongated",
-)
+# The water is the textbook's: friction of skin, nose and gaps, drag and added mass of an elliptic section.
 gait = lc.recorded_gait(lc.load_joint_angles("amphibot-1"))
-trial = lc.swim("amphibot", gait, 13.0, environment=water, dt=0.005, sample_interval=0.02)
+trial = lc.swim("amphibot", gait, 13.0, dt=0.005, sample_interval=0.02)
 
 # 13 LEDs from head to tail, by their distance from the tail end along the straight body.
 link = 0.0965

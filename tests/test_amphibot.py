@@ -4,6 +4,8 @@ import campaign_scripts
 import numpy as np
 import pytest
 
+from laticauda.simulate import spread, stated
+
 amphibot = campaign_scripts.campaign("amphibot")
 BOUNDS = {"swim 1": 0.1, "swim 2": 0.1, "glide 1": 0.2, "glide 2": 0.2, "start": 0.3}
 
@@ -26,6 +28,19 @@ def test_the_textbook_predicts_swims_glides_and_the_start(trial):
     assert trial.succeeded
     for name, bound in BOUNDS.items():
         assert abs(found[name] / real[name] - 1.0) < bound, name
+
+
+KINDS = {"swim": "swimming", "glide": "gliding", "start": "starting"}
+
+
+def test_what_was_measured_lies_in_the_stated_interval(trial):
+    found, of_coefficients, real = amphibot.figures(trial), spread(trial, figures=amphibot.figures), amphibot.measured()
+    for name, interval in of_coefficients.items():
+        low, high = stated(interval, KINDS[name.split()[0]])
+        assert low < real[name] < high
+        if name.startswith("swim"):
+            assert interval[0] < real[name] < interval[1]  # even without what the model itself has missed
+            assert (high - low) / 2.0 < 0.25 * found[name]
 
 
 def test_the_leds_stay_near_those_that_were_seen(trial):

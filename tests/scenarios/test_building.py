@@ -1,13 +1,16 @@
 """Scenarios from a robot, a gait and a few words, or from names."""
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import tomli_w
 
 import laticauda as lc
 from laticauda.actuation.laws import PD, Servo
-from laticauda.scenarios import Choice, named_after
+from laticauda.robot import textbook_of
+from laticauda.scenarios import Choice, default_water, named_after
 
 GAIT = EEL = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 LATERAL = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
@@ -121,3 +124,46 @@ def test_a_changed_water_says_in_what_it_differs():
     changed = replace(before, normal_drag=0.0, current=(0.1, 0.0), depth=0.5)
     assert named_after(changed, before).name == "paper-eel with normal_drag 0, current (0.1, 0), depth 0.5"
     assert named_after(before, before) is before
+
+
+def named(robot, name):
+    return replace(lc.load_robot(robot), name=name)
+
+
+def test_a_robot_that_is_not_mamba_takes_the_textbooks_water():
+    robot = lc.load_robot("chain")
+    water = textbook_of(robot)
+    assert lc.scenario("chain", LATERAL).environment is water
+    assert lc.scenario("mamba", LATERAL, environment="textbook").environment == textbook_of(lc.load_robot("mamba"))
+    assert lc.scenario(named("mamba-fin", "mine"), GAIT).environment.name == "textbook"
+    assert Choice(robot="chain", n_links=5).resolved(EEL).environment == textbook_of(robot.with_links(5))
+    chosen = Choice(robot="mamba", water="textbook").resolved(EEL)
+    assert (chosen.environment.name, chosen.origin[:11]) == ("textbook", "from tables")
+    many = lc.swim_many([lc.load_robot("mamba"), robot], LATERAL, 4.0)
+    alone = [lc.swim(one, LATERAL, 4.0).forward_velocity for one in ("mamba", "chain")]
+    np.testing.assert_allclose(many.forward_velocity, alone, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin"])
+def test_mamba_keeps_the_papers_water_of_its_gait(name):
+    assert default_water(lc.load_robot(name), EEL) == lc.load_water("paper-eel")
+    assert default_water(lc.load_robot(name), LATERAL) == lc.load_water("paper-lateral")
+    assert default_water(lc.load_robot(name)) == lc.load_water("paper-lateral")
+
+
+def test_a_scenario_file_with_a_robot_of_its_own_has_the_textbooks_water(tmp_path):
+    robot = named("chain", "mine")
+    lc.save_scenario(lc.scenario(robot, GAIT), tmp_path / "whole.toml")
+    table = tomllib.loads((tmp_path / "whole.toml").read_text())
+    del table["environment"]
+    (tmp_path / "short.toml").write_text(tomli_w.dumps(table))
+    assert lc.load_scenario(tmp_path / "short.toml") == lc.load_scenario(tmp_path / "whole.toml")
+
+
+def test_a_stored_trial_keeps_the_water_that_it_swam_in(tmp_path):
+    before = lc.swim("chain", GAIT, 2.0, environment="paper-eel")
+    before.save(tmp_path / "before.nc")
+    assert lc.load_trial(tmp_path / "before.nc").scenario.environment == lc.load_water("paper-eel")
+    of_tables = lc.swim("chain", GAIT, 2.0)
+    of_tables.save(tmp_path / "tables.nc")
+    assert lc.load_trial(tmp_path / "tables.nc").scenario == of_tables.scenario

@@ -16,8 +16,8 @@ from laticauda.lab import Lab, LabAddresses, LabSettings, Tank, VirtualRobot, as
 from laticauda.packaging import __version__
 from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Water, load_robot, load_water
-from laticauda.scenarios import named_after
+from laticauda.robot import Water, load_robot
+from laticauda.scenarios import named_after, water_for
 
 
 @value
@@ -28,9 +28,14 @@ class Body:
         "A preset (`laticauda robots` lists them) or a TOML file, of at most 18 joints, with or without a fin",
         default="mamba-modules",
     )
-    water: str = option("A preset or a TOML file", default="paper-lateral")
+    water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
     joints: str = option("Its servos: servo, or speed-servo, which control their speed", default="servo")
+
+    @property
+    def pool(self) -> Water:
+        """The water, as it was found."""
+        return water_for(load_robot(self.robot), self.water)
 
 
 @value
@@ -82,8 +87,8 @@ class LabCommand(Command):
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
         """The command that was typed; see `Command.read`."""
         body: Body = read(Body, words, prog, first=True)
-        law, water = JointLaw.of(body.joints), load_water(body.water)
-        return read(cls, words, prog, cls(body=body, coefficients=water, servos=law))
+        law = JointLaw.of(body.joints)
+        return read(cls, words, prog, cls(body=body, coefficients=body.pool, servos=law))
 
     def run(self) -> None:
         """Serve until Ctrl-C, or as long as is asked for."""
@@ -105,7 +110,7 @@ class LabCommand(Command):
     def _tank(self) -> Tank:
         """The tank that is asked for, its kernels compiled."""
         robot = load_robot(self.body.robot)
-        water = named_after(self.coefficients, load_water(self.body.water))
+        water = named_after(self.coefficients, self.body.pool)
         faults = () if self.time.faults is None else load_faults(self.time.faults)
         settings = LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)

@@ -3,13 +3,13 @@
 import dataclasses
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.gaits import Custom, Gait, Wave
 from laticauda.quantities import quantities_of
-from laticauda.robot import Ground, Robot, Water
+from laticauda.robot import SEEN, TEXTBOOK, Ground, Robot, Water
 from laticauda.scenarios import loop_in_words
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
@@ -31,6 +31,7 @@ def facts_of(trial: Trial) -> dict[str, Any]:
         if measured is None
         else {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
         "gait_parameters": None if trial.gait is None else dataclasses.asdict(trial.gait),
+        "certainty": SEEN if _is_of_textbook(trial) else None,
         "coefficients": {name: value for name, value in environment.items() if name != "name"},
         "settings": {name: None if one == math.inf else one for name, one in trial.settings.items()},  # no limit
         "version": trial.version,
@@ -109,12 +110,36 @@ def _notes(trial: Trial) -> str:
         notes.append(_about(measured, trial))
     if not trial.succeeded:  # its status says more
         return _filled(notes)
+    if _is_of_textbook(trial):
+        seen = ", ".join(f"{kind} {100.0 * low:+.0f} to {100.0 * high:+.0f} %" for kind, (low, high) in SEEN.items())
+        notes.append(
+            f"Textbook water, nothing fitted. On the one robot it was compared with, AmphiBot, it was off by: {seen}. "
+            "What this robot's coefficients leave open: laticauda swim --interval."
+        )
     by_reason: dict[str, list[str]] = {}
     missing: Any = trial.summary()["not_available"]
     for name, reason in missing.items():
         by_reason.setdefault(reason, []).append(name)
     notes += [f"Not available: {', '.join(names)}. {reason}" for reason, names in by_reason.items()]
     return _filled(notes)
+
+
+def _is_of_textbook(trial: Trial) -> bool:
+    return trial.settings.get("model") != "measured" and trial.environment.name.startswith(TEXTBOOK)
+
+
+def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]]) -> str:
+    """Between what the figures lie as far as the coefficients are known, a figure a line.
+
+    Args:
+        trial: The run.
+        intervals: Of `laticauda.simulate.spread`.
+    """
+    rows = [("if the coefficients lie in their intervals", "from", "to", "")]
+    for figure in (one for one in FIGURES if one.name in intervals and one.name not in LEFT_OUT):
+        (low, unit), (high, _) = (read_in(one, figure.unit) for one in intervals[figure.name])
+        rows.append((figure.title, low, high, unit))
+    return aligned(rows, right=(1, 2))
 
 
 def _filled(notes: Sequence[str]) -> str:

@@ -70,9 +70,10 @@ def _all() -> dict[str, Any]:
 
 def _lists() -> str:
     titles = [{"parameters": name, "title": robot.load_parameters(name).title} for name in robot.parameter_names()]
+    book = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
     return "\n\n".join([
         _robots(_summaries()),
-        table(_rows("water", WATER_FACTS)),
+        table([*_rows("water", WATER_FACTS), book]),
         table(_rows("ground", GROUND_FACTS)),
         table(titles),
     ])  # fmt: skip

@@ -27,7 +27,9 @@ Kind = TypeVar("Kind", bound=Extensible)
 class Names(Choice):
     """What swims, how and where, by name. The other flags change single numbers of it."""
 
-    water: str | None = option("A preset or a TOML file; if left out the paper's for the gait", default=None)
+    water: str | None = option(
+        "A preset, a TOML file or textbook, which is the default; for Mamba the paper's for the gait", default=None
+    )
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
         "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of one's own",

@@ -1,16 +1,16 @@
 """`laticauda swim`: one run of one robot, its figures, its file and its picture."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import laticauda as lc
-from laticauda import figures
+from laticauda import figures, simulate
 from laticauda.cli import flags
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import BadFlag, File, Film, NetCdf, Picture, ScenarioFile, Toml
 from laticauda.cli.progress import run_bar
-from laticauda.cli.report import as_text, facts_of
+from laticauda.cli.report import as_text, facts_of, interval_table
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.cli.view import write_film
 from laticauda.quantities import option, quantity, value
@@ -26,13 +26,14 @@ class Recording(Command):
     video: Film = option("Show the run in 3D in this film (.mp4)", default=None)
     sheet: ClassVar[str] = "swim_sheet"
 
-    def outcome(self, trial: lc.Trial, origin: str, more: str = "") -> Outcome:
+    def outcome(self, trial: lc.Trial, origin: str, more: str = "", facts: Mapping[str, Any] | None = None) -> Outcome:
         """Write what is asked for, and say what came out.
 
         Args:
             trial: The run.
             origin: Where its coefficients are from, in words.
             more: What is printed below the table.
+            facts: What is known besides, for JSON.
         """
         if self.save is not None:
             trial.save(self.save)
@@ -41,7 +42,7 @@ class Recording(Command):
         if self.video is not None:
             write_film(trial, self.video)
         return Outcome(
-            facts=facts_of(trial),
+            facts={**facts_of(trial), **(facts or {})},
             text=as_text(trial, origin) + more,
             problem="" if trial.succeeded else trial.status,
             succeeded=trial.succeeded,
@@ -77,6 +78,10 @@ class Swim(Run):
     """
 
     resume: File = option("Go on from the end of this stored trial, with its robot, gait and water", default=None)
+    interval: bool = option(
+        "Say between what the figures lie if the textbook's coefficients lie in their intervals, by 8 more runs",
+        default=False,
+    )
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
@@ -85,7 +90,11 @@ class Swim(Run):
 
     def run(self) -> Outcome:
         """Run and write."""
-        return self.outcome(self.swum(self.chosen), self.origin)
+        trial = self.swum(self.chosen)
+        if not self.interval:
+            return self.outcome(trial, self.origin)
+        found = simulate.spread(trial)
+        return self.outcome(trial, self.origin, f"\n\n{interval_table(trial, found)}", {"interval": found})
 
 
 @value

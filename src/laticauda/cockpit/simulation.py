@@ -13,7 +13,7 @@ from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Robot, Water, load_robot
-from laticauda.scenarios import Model, Scenario, default_water, model_of, preset_water
+from laticauda.scenarios import Model, Scenario, default_water, model_of
 from laticauda.series import Log
 from laticauda.simulate import plant
 from laticauda.trial.measured import MeasuredTrial, measured_setting
@@ -209,7 +209,7 @@ class Changes(TypedDict, total=False):
 
 
 def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
-    """Another scenario; the paper's water goes along with the gait, as it has one for each kind.
+    """Another scenario; the default water goes along with robot and gait.
 
     Args:
         scenario: As it is.
@@ -234,8 +234,8 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     robot, water = changes.get("robot", scenario.robot), changes.get("environment", scenario.environment)
     assert isinstance(water, Water)
     current = changes.get("current", water.current)
-    if replace(water, current=STILL) == preset_water(default_water(scenario.gait)) and gait.kind != scenario.gait.kind:
-        water = preset_water(default_water(gait))
+    if replace(water, current=STILL) == default_water(scenario.robot, scenario.gait):
+        water = default_water(robot, gait)
     water = water if water.current == current else replace(water, current=current)
     return replace(scenario, robot=robot, motion=motion, environment=water, model=model)
 

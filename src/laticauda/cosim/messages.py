@@ -14,7 +14,7 @@ from laticauda.gaits import Gait
 from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, Water, ground_names, load_robot, parameter_names, robot_names, water_names
+from laticauda.robot import TEXTBOOK, Robot, Water, ground_names, load_robot, parameter_names, robot_names, water_names
 from laticauda.scenarios import Choice, Scenario
 
 PROTOCOL_VERSION = 1
@@ -120,7 +120,7 @@ def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: f
     else:
         model.pop("joints", None)
     start, choice = _given(message, START), decode(Choice, names)
-    presets = {"water": water_names(), "ground": ground_names(), "parameters": parameter_names()}
+    presets = {"water": (*water_names(), TEXTBOOK), "ground": ground_names(), "parameters": parameter_names()}
     for name, there in {"robot": (*robot_names(), *own_robots), **presets}.items():
         if getattr(choice, name) is not None:
             one_of(name, getattr(choice, name), there)

@@ -27,6 +27,7 @@ They are read strictly: what is unknown, missing or out of range is refused with
 import math
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -319,8 +320,9 @@ def _column_map(table: Table, folder: Path) -> ColumnMap:
     if "ground" in table:
         environment = _loaded("ground", load_ground, table.pop("ground"), folder)
     else:
-        standard = default_water(gait) if gait is not None else "paper-lateral"
-        environment = _loaded("water", load_water, table.pop("water", standard), folder)
+        environment = default_water(robot, gait)
+        if "water" in table:
+            environment = _loaded("water", partial(load_water, robot=robot), table.pop("water"), folder)
     return decode(ColumnMap, {**table, "robot": robot, "environment": environment, "gait": gait})
 
 

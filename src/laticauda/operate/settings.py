@@ -18,7 +18,8 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, check_waves
 from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, Water, load_robot, load_water
+from laticauda.robot import Robot, Water, load_robot
+from laticauda.scenarios import water_for
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three axes
 LEAST_RATE, MOST_RATE = 10.0, 500.0  # below, references time out in the modules; above, the bus is full [1/s]
@@ -176,7 +177,7 @@ class Operation:
 
     name: str = option("what its files are called")
     robot: str = option("a preset or a TOML file; CAN node k drives its joint k - 1, tail first", default="mamba")
-    water: str = option("a preset or a TOML file, for the record", default="paper-lateral")
+    water: str | None = option("a preset, a TOML file or textbook, for the record; None: usual", default=None)
     gait: Gait = option("what the joints do")
     following: Following | None = option("path following; None: open loop", default=None)
     start: Placement | None = option("where the robot is put; None: anywhere", default=None)
@@ -219,7 +220,7 @@ class Operation:
 
     def pool(self) -> Water:
         """The water."""
-        return load_water(self.water)
+        return water_for(load_robot(self.robot), self.water)
 
     def controller(self) -> Controller[Any]:
         """What decides: the same object as in simulation."""

@@ -14,5 +14,8 @@ from laticauda.robot.files import robot_names as robot_names, to_toml as to_toml
 from laticauda.robot.parameters import Parameters as Parameters, load_parameters as load_parameters
 from laticauda.robot.parameters import parameter_names as parameter_names
 from laticauda.robot.robot import Robot as Robot, has_power_model as has_power_model
+from laticauda.robot.textbook import SEEN as SEEN, TEXTBOOK as TEXTBOOK, Textbook as Textbook
+from laticauda.robot.textbook import tether_drag as tether_drag, textbook_of as textbook_of
+from laticauda.robot.textbook import textbook_water as textbook_water
 
 __getattr__, __dir__, __all__ = lazy_exports()

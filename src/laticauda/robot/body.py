@@ -75,15 +75,24 @@ class Joint:
 
 @value
 class Section:
-    """Elliptic cross-section of a module."""
+    """Cross-section of a module, an ellipse unless it is a box."""
 
     half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0)
     half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0)
+    shape: Literal["ellipse", "box"] = option("What has these half-axes, for volume and textbook", default="ellipse")
 
     @property
     def area(self) -> float:
-        """Area pi a b [m^2]."""
-        return math.pi * self.half_height * self.half_width
+        """Area pi a b, of a box 4 a b [m^2]."""
+        return (math.pi if self.shape == "ellipse" else 4.0) * self.half_height * self.half_width
+
+    @property
+    def perimeter(self) -> float:
+        """Circumference, of an ellipse by Ramanujan's first approximation [m]."""
+        a, b = self.half_height, self.half_width
+        if self.shape == "box":
+            return 4.0 * (a + b)
+        return math.pi * (3.0 * (a + b) - math.sqrt((3.0 * a + b) * (a + 3.0 * b)))
 
 
 @value
@@ -126,7 +135,7 @@ class Module:
 
     @property
     def volume(self) -> float:
-        """Displaced volume pi a b 2l [m^3]."""
+        """Displaced volume, area times length [m^3]."""
         return self.section.area * self.length
 
 

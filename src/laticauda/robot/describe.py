@@ -4,12 +4,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
+from operator import attrgetter
 from typing import TypeVar
 
 from laticauda.robot.body import Actuator, Joint, Module
 from laticauda.robot.effectors import CaudalFin
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
+from laticauda.robot.textbook import textbook_water
 
 Row = tuple[str, str]
 T = TypeVar("T")
@@ -70,6 +72,12 @@ def _robot_rows(robot: Robot) -> list[Row]:
     tether = robot.tether
     if tether.drag or any(tether.force):
         rows.append(("tether", f"drag {tether.drag:g} kg/m, force ({tether.force[0]:g}, {tether.force[1]:g}) N"))
+    book = textbook_water(robot)
+    rows.append(("surface, ends", f"{robot.surface}, {robot.nose}"))
+    for name, (low, high) in book.intervals.items():
+        number = attrgetter(name.removeprefix("water."))(book.water)
+        text = f"{name.rpartition('.')[2]} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"
+        rows.append(("textbook water", text))
     if robot.idle_power:
         rows.append(("power at rest", f"{robot.idle_power:g} W"))
     if robot.active_power is not None:
@@ -81,7 +89,7 @@ def _module(module: Module) -> str:
     section = module.section
     parts = [
         f"{module.length:g} m, {module.mass:g} kg",
-        f"section {2.0 * section.half_height:g} m high, {2.0 * section.half_width:g} m wide",
+        f"{section.shape} {2.0 * section.half_height:g} m high, {2.0 * section.half_width:g} m wide",
     ]
     if module.center:
         parts.append(f"center of mass at {module.center:g} m")

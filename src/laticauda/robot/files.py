@@ -21,6 +21,7 @@ from laticauda.files import parse_toml, read_toml
 from laticauda.gaits import JointAngles
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
+from laticauda.robot.textbook import TEXTBOOK, textbook_of
 
 Described: TypeAlias = Robot | Water | Ground
 Kind = TypeVar("Kind", Robot, Water, Ground)
@@ -200,11 +201,12 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
     return robot if n_links is None else robot.with_links(n_links)
 
 
-def load_water(name_or_path: str | Path) -> Water:
+def load_water(name_or_path: str | Path, robot: Robot | None = None) -> Water:
     """Load water.
 
     Args:
-        name_or_path: A preset's name (`water_names` lists them), or the path of a TOML file.
+        name_or_path: A preset's name (`water_names` lists them), or the path of a TOML file, or ``textbook``.
+        robot: What swims, from whose shape the textbook's water is made.
 
     Raises:
         RobotFileError: If there is no such water (`RobotNotFound`), or its file is wrong.
@@ -213,6 +215,8 @@ def load_water(name_or_path: str | Path) -> Water:
         >>> load_water("paper-lateral").normal_drag
         1.75
     """
+    if name_or_path == TEXTBOOK and robot is not None:
+        return textbook_of(robot)
     return _load(name_or_path, "water")
 
 

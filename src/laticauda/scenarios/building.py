@@ -12,6 +12,7 @@ from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import (
+    TEXTBOOK,
     Environment,
     Ground,
     Parameters,
@@ -23,6 +24,7 @@ from laticauda.robot import (
     load_parameters,
     load_robot,
     load_water,
+    textbook_of,
     water_names,
 )
 from laticauda.robot.files import find
@@ -53,7 +55,7 @@ class Changes(ModelChanges, total=False):
     """What a scenario may differ in from its defaults: its fields and those of its model, see `ModelChanges`.
 
     An environment may be a preset's name or a path, a model ``"planar"`` or ``"spatial"``. The environment's default is
-    the paper's water for the gait.
+    `default_water` of robot and gait.
     """
 
     environment: Environment | str | Path | None
@@ -85,10 +87,11 @@ def scenario(robot: Robot | str | Path, motion: Motion, duration: float = 30.0, 
     environment, kind = given.pop("environment", None), cast(Any, given.pop("model", "planar"))
     instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
+    body = load_robot(robot) if isinstance(robot, str | Path) else robot
     return Scenario(
-        robot=load_robot(robot) if isinstance(robot, str | Path) else robot,
+        robot=body,
         motion=motion,
-        environment=preset_water(default_water(gait)) if environment is None else _environment(environment),
+        environment=default_water(body, gait) if environment is None else _environment(environment, body),
         model=model_of(kind, **given),
         duration=duration,
         **own,
@@ -121,23 +124,48 @@ def model_of(model: Model | str, **changes: Any) -> Model:
     return replace(base, **changes) if changes else base
 
 
-def default_water(gait: Gait) -> str:
-    """Name of the paper's coefficient set for `gait`: it identified one for each kind."""
-    return "paper-eel" if isinstance(gait.envelope, EelLike) else "paper-lateral"
+def default_water(robot: Robot, gait: Gait | None = None) -> Water:
+    """The water that nobody has named: the textbook's for a robot's shape, and for Mamba the paper's for the gait.
+
+    Args:
+        robot: What swims; it is Mamba by its name, one of `MAMBA`.
+        gait: What its joints do; the paper identified coefficients for each kind, and None has those of lateral
+            undulation.
+    """
+    instance("robot", robot, Robot)
+    if robot.name not in MAMBA:
+        return textbook_of(robot)
+    return preset_water("paper-eel" if gait is not None and isinstance(gait.envelope, EelLike) else "paper-lateral")
+
+
+def water_for(robot: Robot, name: str | None, gait: Gait | None = None) -> Water:
+    """The water of a name, or the default.
+
+    Args:
+        robot: What swims.
+        name: Of a preset or a file, or ``textbook``; None: `default_water`.
+        gait: See `default_water`.
+
+    Raises:
+        RobotFileError: If there is none of that name, or its file is wrong.
+    """
+    return default_water(robot, gait) if name is None else load_water(name, robot)
 
 
 preset_water = functools.cache(load_water)
 
 
-def _environment(given: object) -> Any:
+def _environment(given: object, robot: Robot) -> Any:
     """A water or ground by its name or path; anything else as it is, for the scenario to check."""
     if not isinstance(given, str | Path):
         return given
     if str(given) in ground_names():
         return load_ground(given)
-    return load_water(given) if str(given) in water_names() else from_toml(find(given, "water"))
+    return load_water(given, robot) if str(given) in (*water_names(), TEXTBOOK) else from_toml(find(given, "water"))
 
 
+MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
+"""The robots on whose trials the paper's waters were identified."""
 ORIGINS = {
     "lateral_undulation": "the paper's for lateral undulation",
     "eel_like": "the paper's for eel-like motion",
@@ -170,7 +198,7 @@ class Choice:
     n_links: int | None = quantity(
         "", "Number of links to have instead, for robots whose links are all alike", ge=1, default=None
     )
-    water: str | None = option("A preset or a TOML file; None: the paper's for the gait", default=None)
+    water: str | None = option("A preset, a TOML file or textbook; None: see `default_water`", default=None)
     ground: str | None = option("A preset or a TOML file: crawl on land instead", default=None)
     parameters: str | None = option(
         "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
@@ -207,20 +235,21 @@ class Choice:
         robot = find_robot(self.robot, self.n_links)
         parameters = None if self.parameters is None else load_parameters(self.parameters)
         joints = self.joints or (None if parameters is None else parameters.joints) or "prescribed"
-        environment, origin = self._environment(gait, parameters)
+        environment, origin = self._environment(robot, gait, parameters)
         if parameters is not None:
             robot = parameters.robot(robot, gait.kind)
         return Chosen(robot, environment, model_of(self.model, joints=joints), origin)
 
-    def _environment(self, gait: Gait, parameters: Parameters | None) -> tuple[Environment, str]:
+    def _environment(self, robot: Robot, gait: Gait, parameters: Parameters | None) -> tuple[Environment, str]:
         if self.ground is not None:
             return load_ground(self.ground), "as asked for"
         if parameters is not None:
             return parameters.water(gait.kind), f"as {self.parameters} says"
-        if self.water is not None:
-            return load_water(self.water), "as asked for"
+        water = water_for(robot, self.water, gait)
+        if water.name == TEXTBOOK:
+            return water, "from tables, for this robot's shape; nothing fitted"
         otherwise = f"{ORIGINS['lateral_undulation']}, in want of others for this gait"
-        return load_water(default_water(gait)), ORIGINS.get(gait.kind, otherwise)
+        return water, ORIGINS.get(gait.kind, otherwise) if self.water is None else "as asked for"
 
 
 def named_after(changed: Water, before: Water) -> Water:

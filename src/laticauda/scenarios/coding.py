@@ -79,7 +79,7 @@ def run_from_table(table: Table) -> Scenario | Experiment:
         values: Table = {"motion": motion_of(table)} if motion else {}
         for name, given in table.items():
             if name in ("robot", "environment"):
-                values[name] = _described(given)
+                values[name] = described(given)
             elif name not in motion:
                 values[name] = decode(hints[name], given, name, kind.__dataclass_fields__[name].default)
         return kind(**values)
@@ -128,7 +128,15 @@ def motion_of(table: Mapping[str, Any]) -> Gait | Controller[Any]:
     return cast("Controller[Any]", controller)
 
 
-def _described(given: Any) -> Any:
+def described(given: Any) -> Any:
+    """The robot, water or ground that a table says; anything else as it is.
+
+    Args:
+        given: The table, with its kind.
+
+    Raises:
+        ValueError: If anything in it is wrong.
+    """
     import tomli_w
 
     if is_dataclass(given):

@@ -2,7 +2,7 @@
 
     kind = "scenario"
     robot = "mamba"              # a preset or a file, or a table; `n_links` beside it
-    water = "paper-lateral"      # likewise; or `ground`, or `parameters`; left out: the paper's for the gait
+    water = "paper-lateral"      # likewise; or `ground`, or `parameters`; left out: the textbook's or Mamba's
     duration = 20.0
 
     [gait]                       # or [controller]
@@ -26,9 +26,9 @@ from laticauda import files
 from laticauda.codec import BadKey, Table, arguments_of, decode, keys_of
 from laticauda.errors import RobotFileError
 from laticauda.gaits import Gait, JointAngles
-from laticauda.robot import load_joint_angles, load_robot
+from laticauda.robot import Robot, load_joint_angles, load_robot
 from laticauda.scenarios.building import Choice
-from laticauda.scenarios.coding import motion_of, run_from_table, run_to_toml
+from laticauda.scenarios.coding import described, motion_of, run_from_table, run_to_toml
 from laticauda.scenarios.scenario import Scenario
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
@@ -81,9 +81,11 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
         if isinstance(one, str) and one.endswith(".toml") and folder is not None:
             named[name] = str(folder / one)
     with arguments_of(""):
-        chosen = Choice(**named).resolved(gait, load_robot)
-    if not isinstance(table.get("robot"), Mapping):
-        table["robot"] = chosen.robot
+        if isinstance(table.get("robot"), Mapping):
+            table["robot"] = described(table["robot"])
+        own: Robot | None = None if "robot" in named else table.get("robot")
+        chosen = Choice(**named).resolved(gait, lambda name, n: own or load_robot(name, n))
+    table["robot"] = own or chosen.robot
     places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
     if len(places) > 1:
         raise BadKey(places[1], f"must not be given beside `{places[0]}`")

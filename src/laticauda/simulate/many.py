@@ -16,7 +16,7 @@ from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
-from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, preset_water, scenario
+from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, scenario
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, check_size
@@ -90,7 +90,7 @@ def swim_many(
         robots: The scenarios, all of one duration and sample interval; or what swims, with their gaits.
         gaits: What the joints are asked for.
         duration: Of every trial [s].
-        environments: Waters or grounds; None takes the paper's coefficients for each gait.
+        environments: Waters or grounds; None takes `default_water` of each robot and gait.
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
@@ -139,7 +139,7 @@ def batch_of(
     every_gait = _each("gaits", gaits, n, Gait)
     every_start = _each("starts", Start() if starts is None else starts, n, Start)
     if environments is None:
-        every_environment: Sequence[Environment] = [preset_water(default_water(gait)) for gait in every_gait]
+        every_environment: Sequence[Environment] = list(map(default_water, every_robot, every_gait))
     else:
         every_environment = _each("environments", environments, n, Water, Ground)
     base = scenario(every_robot[0], every_gait[0], duration, sample_interval=sample_interval, **changes)

@@ -94,12 +94,12 @@ def swimmer(
         robot: What swims, or a preset's name, or the path of a file.
         gait: What it swims with, apart from the actions.
         duration: Of an episode [s].
-        changes: See `laticauda.scenarios.Changes`; the environment's default is the water `paper-lateral`.
+        changes: See `laticauda.scenarios.Changes`.
 
     Raises:
         ValueError: If something is out of its range.
     """
-    return scenario(robot, gait, duration, **{"environment": "paper-lateral", **changes})
+    return scenario(robot, gait, duration, **changes)
 
 
 @value

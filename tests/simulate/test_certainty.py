@@ -1,0 +1,43 @@
+"""How far a run's figures go as far as its coefficients may."""
+
+from dataclasses import replace
+
+import pytest
+
+import laticauda as lc
+from laticauda.robot import textbook_water
+from laticauda.simulate import intervals_of, spread
+
+GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+TRIAL = lc.swim(lc.load_robot("chain", n_links=5), GAIT, 6.0)
+
+
+def test_the_figures_lie_in_their_interval():
+    low, high = spread(TRIAL)["forward_velocity"]
+    assert low < TRIAL.forward_velocity < high
+    assert high - low < 0.5 * TRIAL.forward_velocity
+
+
+def test_each_number_adds_to_it_in_quadrature():
+    every = intervals_of(TRIAL.scenario)
+    alone = [spread(TRIAL, {name: pair})["forward_velocity"] for name, pair in every.items()]
+    low, high = spread(TRIAL, every)["forward_velocity"]
+    v = TRIAL.forward_velocity
+    assert (v - low) ** 2 == pytest.approx(sum((v - one) ** 2 for one, _ in alone))
+    assert (high - v) ** 2 == pytest.approx(sum((one - v) ** 2 for _, one in alone))
+
+
+def test_without_an_interval_there_is_none():
+    number = TRIAL.environment.normal_drag
+    assert spread(TRIAL, {"water.normal_drag": (number, number)})["forward_velocity"] == (TRIAL.forward_velocity,) * 2
+
+
+def test_a_number_that_somebody_has_changed_is_known():
+    measured = replace(TRIAL.environment, tangential_friction=0.05)
+    assert "water.tangential_friction" not in intervals_of(replace(TRIAL.scenario, environment=measured))
+    assert intervals_of(TRIAL.scenario) == textbook_water(TRIAL.robot).intervals
+
+
+def test_water_that_is_not_the_textbooks_has_no_intervals():
+    with pytest.raises(ValueError, match=r"`water` must be the textbook's, .* got 'paper-lateral'"):
+        intervals_of(lc.scenario("mamba", GAIT))
