@@ -132,7 +132,7 @@ def test_runs_that_end_off_the_path_have_not_converged(following):
         figures = {**case.run.figures, "convergence_time": None, "convergence_distance": None, "last_third_error": 0.5}
         return replace(case, run=replace(case.run, figures=figures, last_third_rms=0.5))
 
-    judged = by_key(claims(following=replace(following, cases=tuple(map(lost, following.cases)))))
+    judged = by_key(claims(replace(following, cases=tuple(map(lost, following.cases)))))
     assert judged["path-converges"].verdict == "does not hold"
     assert judged["path-same-controller"].verdict == "does not hold"
     assert judged["path-about-zero"].verdict == "does not hold"
@@ -147,7 +147,7 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
         return replace(case, run=kept, band=(lost, *(kept,) * (len(case.band) - 1)))
 
     n = len(following.cases[0].band)
-    judged = by_key(claims(following=replace(following, cases=tuple(map(first_way_lost, following.cases)))))
+    judged = by_key(claims(replace(following, cases=tuple(map(first_way_lost, following.cases)))))
     for key in ("path-converges", "path-same-controller", "path-about-zero"):
         assert judged[key].verdict == "holds"
         assert judged[key].found.endswith(
@@ -155,7 +155,7 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
         )
     assert "ways to run" not in judged["path-heading"].found
     alone = [replace(case, band=case.band[:1]) for case in following.cases]
-    assert "ways to run" not in by_key(claims(following=replace(following, cases=tuple(alone))))["path-converges"].found
+    assert "ways to run" not in by_key(claims(replace(following, cases=tuple(alone))))["path-converges"].found
 
 
 def test_a_maximum_at_the_end_of_its_range_is_not_one_of_the_papers_that_was_met(study):
@@ -170,7 +170,7 @@ def test_a_limit_cycle_does_not_pass_as_following_the_path(following):
         came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5}
         return replace(case, run=replace(case.run, figures=came, last_third_rms=0.3))
 
-    judged = by_key(claims(following=replace(following, cases=tuple(map(swaying, following.cases)))))
+    judged = by_key(claims(replace(following, cases=tuple(map(swaying, following.cases)))))
     assert judged["path-converges"].verdict == "holds in part"
 
 
@@ -181,7 +181,7 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
 
     def with_times(bare, fin):
         cases = tuple(within(case, fin if case.group.has_fin else bare) for case in following.cases)
-        return by_key(claims(following=replace(following, cases=cases)))["path-faster-with-fin"]
+        return by_key(claims(replace(following, cases=cases)))["path-faster-with-fin"]
 
     assert with_times(2.0, 1.0).verdict == "holds"
     assert with_times(1.0, 2.0).verdict == "does not hold"
@@ -201,7 +201,7 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
 
     def with_links(speed, power):
         changed = [grown(one, speed, power) if one.kept == "phase shift" else one for one in links.doublings]
-        return by_key(claims(links=replace(links, doublings=tuple(changed))))
+        return by_key(claims(replace(links, doublings=tuple(changed))))
 
     assert with_links(1.1, 10.0)["links-speed"].verdict == "holds"
     assert with_links(1.1, 10.0)["links-power"].verdict == "holds"

@@ -4,7 +4,6 @@ from dataclasses import replace
 from paper.reading import cells, said
 
 from laticauda.paper.claims import claims, misprints
-from laticauda.paper.report.experiments import Results
 from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, summary_chapter
 from laticauda.paper.scores import scores
 
@@ -37,8 +36,8 @@ def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(
 
 
 def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physics(study, following):
-    results = Results(efficiency=study, path_following=following)
-    chapter = summary_chapter(results, results.claims)
+    judged = claims(study, following)
+    chapter = summary_chapter({"efficiency": study, "path_following": following}, judged)
     ((name, caption, figure),) = chapter.figures()
     assert name == "speeds"
     shown = [len(line.get_xdata()) for line in figure.axes[0].lines if line.get_marker() != "None"]
@@ -49,14 +48,14 @@ def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physic
         null = min((one for one in scores(done) if one.n_fitted is not None), key=lambda one: one.overall)
         assert f"{table}: {first.name} misses the measured speeds by {first.overall:.1f} %" in text
         assert f"({null.name}, {null.n_fitted} numbers fitted to Table 1) by {null.overall:.1f} %" in text
-    assert f"{len(results.claims)} claims of the paper" in text
+    assert f"{len(judged)} claims of the paper" in text
 
 
 def test_the_first_screen_says_whether_the_simulation_beats_the_model_without_physics(study):
     cases = [replace(case, forward_velocity=(case.measured.forward_velocity or 1.0,) * 2) for case in study.cases]
-    perfect = Results(efficiency=replace(study, cases=tuple(cases)))
-    for results, sentence in ((perfect, "tells more than that does"), (Results(efficiency=study), "do not bear")):
-        assert sentence in said(summary_chapter(results, ()))
+    perfect = replace(study, cases=tuple(cases))
+    for one, sentence in ((perfect, "tells more than that does"), (study, "do not bear")):
+        assert sentence in said(summary_chapter({"efficiency": one}, ()))
 
 
 def test_long_texts_break_into_lines_on_the_page_and_verdicts_do_not(study):

@@ -104,9 +104,8 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(module, "CHAPTERS", {})
     for name in ("claims_chapter", "summary_chapter"):
         monkeypatch.setattr(module, name, lambda *found: module.paper_chapter("words", {}, values={}))
-    monkeypatch.setattr(module, "Results", lambda **found: type("Found", (), {"claims": (), "found": found}))
     done = reproduce(tmp_path, small, only="path-following")
-    assert set(done.results.found) == {"path_following", "stability", "beyond"}
+    assert set(done.results) == {"path_following", "stability", "beyond"}
 
 
 def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):

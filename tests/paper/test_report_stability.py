@@ -37,8 +37,8 @@ def test_the_section_says_what_was_run_and_by_which_rule(study):
 def test_the_findings_are_computed(study):
     text = said(stability_chapter(study))
     without = study.maps[0]
-    error = 100.0 * without.cycle_mean.rms[0, 1]
-    assert without.cycle_mean.behaviors[0][1] == "limit cycle"
+    error = 100.0 * without.rms[0, 1]
+    assert without.behaviors[0][1] == "limit cycle"
     assert (
         f"At the paper's gains (0.18 m, 0.4) with the mean heading: {without.swimmer.name}: limit cycle, {error:.1f} cm"
         in text
@@ -52,7 +52,7 @@ def test_the_findings_are_computed(study):
         "The shortest that settles with the mean heading at a gain of 0.4: lateral undulation, without fin 1.62 m"
         in text
     )
-    lost = without.cycle_mean.forward_velocity[0, 1]
+    lost = without.forward_velocity[0, 1]
     assert f"those in a limit cycle {lost:.3f} to {lost:.3f} m/s" in text
 
 
@@ -60,11 +60,11 @@ def test_the_tables_hold_every_point(study):
     tables = stability_chapter(study).tables
     points = tables["stability"]
     assert len(points) == study.settings.n_runs
-    found = study.maps[1]
+    found = study.maps[2]
     keys = ["swimmer", "heading", "look-ahead distance [m]", "gain [-]"]
     row = points.set_index(keys).loc[(found.swimmer.name, "mean heading", 1.62, 0.4)]
-    assert row["behavior"] == found.cycle_mean.behaviors[1][1]
-    assert row["rms of the mean error, last third [m]"] == found.cycle_mean.rms[1, 1]
+    assert row["behavior"] == found.behaviors[1][1]
+    assert row["rms of the mean error, last third [m]"] == found.rms[1, 1]
     boundary = tables["stability-boundary"].set_index(["swimmer", "heading", "gain [-]"])
     assert tuple(boundary.loc[(found.swimmer.name, "mean heading", 0.4)]) == (1.62, pytest.approx(1.62 / 2.12))
 
@@ -86,4 +86,4 @@ def test_maps_without_the_papers_point_say_nothing_about_it(study):
     text = said(stability_chapter(shifted))
     assert "At the paper's gains" not in text
     assert "Rule of thumb" in text
-    assert np.isfinite(study.maps[0].cycle_mean.rms).all()
+    assert np.isfinite(study.maps[0].rms).all()

@@ -30,10 +30,11 @@ def test_a_loop_has_settled_swings_or_is_still_coming():
 
 
 def test_the_papers_gains_swing_with_the_mean_heading_and_settle_with_the_raw_one(study):
-    (found,) = study.maps
-    assert found.cycle_mean.behaviors[0][1] == "limit cycle"
-    assert found.raw.behaviors[0][0] == "settled"
-    assert found.cycle_mean.behaviors[1].tolist() == ["settled", "settled"]
+    mean, raw = study.maps
+    assert (mean.heading, raw.heading) == ("cycle_mean", "raw")
+    assert mean.behaviors[0][1] == "limit cycle"
+    assert raw.behaviors[0][0] == "settled"
+    assert mean.behaviors[1].tolist() == ["settled", "settled"]
 
 
 def test_a_point_is_what_a_run_of_its_own_gives(study):
@@ -50,7 +51,7 @@ def test_a_point_is_what_a_run_of_its_own_gives(study):
     trial = lc.run(plant, controller, 120.0, start=lc.Start(center_of_mass=(0.0, 0.5)), sample_interval=0.2)
     time, error = mean_error(trial.time, trial.signals["cross_track_error"], 4.0)
     rms = [np.sqrt(np.mean(error[(time >= begin) & (time < end)] ** 2)) for begin, end in ((80, 121), (40, 80))]
-    loops = study.maps[0].cycle_mean
+    loops = study.maps[0]
     assert (loops.rms[1, 0], loops.rms_before[1, 0]) == pytest.approx(rms, rel=1e-6)
     assert loops.forward_velocity[1, 0] == trial.forward_velocity
 
@@ -59,8 +60,8 @@ def test_a_start_on_the_other_side_of_the_path_gives_the_same_map():
     # A long look-ahead distance; the gait itself starts to one side, which a mirrored start does not mirror.
     one = replace(SMALL, look_ahead_distances=(1.62,), raw_gains=())
     left, right = (run_stability(replace(one, initial_cross_track_error=side)).maps[0] for side in (0.5, -0.5))
-    assert np.array_equal(left.cycle_mean.behaviors, right.cycle_mean.behaviors)
-    assert left.cycle_mean.rms_before == pytest.approx(right.cycle_mean.rms_before, abs=0.01)
+    assert np.array_equal(left.behaviors, right.behaviors)
+    assert left.rms_before == pytest.approx(right.rms_before, abs=0.01)
 
 
 def test_the_shortest_distance_is_beyond_all_that_swing():
@@ -68,6 +69,8 @@ def test_the_shortest_distance_is_beyond_all_that_swing():
         rms = {"settled": 0.01, "limit cycle": 0.1, "still coming": 0.1}
         before = {"settled": 0.01, "limit cycle": 0.1, "still coming": 0.2}
         loops = Loops(
+            swimmer=SMALL.swimmers[0],
+            heading="cycle_mean",
             look_ahead_distances=np.array([0.1, 0.2, 0.3, 0.4])[: len(column)],
             gains=np.array([0.4]),
             rms=np.array([[rms[one]] for one in column]),
@@ -125,13 +128,11 @@ def test_the_file_holds_the_maps(study, tmp_path):
         stored.load()
     assert stored.equals(to_dataset(study))
     name = "lateral undulation, without fin"
-    assert np.array_equal(stored.rms_cycle_mean.sel(swimmer=name), study.maps[0].cycle_mean.rms)
-    assert (
-        float(stored.rms_raw.sel(swimmer=name, look_ahead_distance=1.62, gain_raw=0.4)) == study.maps[0].raw.rms[1, 0]
-    )
+    assert np.array_equal(stored.rms_cycle_mean.sel(swimmer=name), study.maps[0].rms)
+    assert float(stored.rms_raw.sel(swimmer=name, look_ahead_distance=1.62, gain_raw=0.4)) == study.maps[1].rms[1, 0]
     words = stored.attrs["behaviors"].split(", ")
     codes = stored.behavior_cycle_mean.sel(swimmer=name).values
-    assert [[words[code] for code in row] for row in codes] == study.maps[0].cycle_mean.behaviors.tolist()
+    assert [[words[code] for code in row] for row in codes] == study.maps[0].behaviors.tolist()
     assert stored.attrs["joints"] == "prescribed"
     assert set(stored.variables) - {"swimmer"} == {
         name for name, one in stored.variables.items() if "units" in one.attrs

@@ -10,9 +10,9 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.paper.beyond import BeyondSettings as BeyondSettings, run_beyond as run_beyond
     from laticauda.paper.claims.judge import Claim as Claim
-    from laticauda.paper.steered import CurvedSettings as CurvedSettings
+    from laticauda.paper.beyond import CurvedSettings as CurvedSettings
     from laticauda.paper.datasets import to_dataset as to_dataset
-    from laticauda.paper.steered import DriftSettings as DriftSettings
+    from laticauda.paper.beyond import DriftSettings as DriftSettings
     from laticauda.paper.efficiency import (
         EfficiencyStudy as EfficiencyStudy,
         maxima as maxima,

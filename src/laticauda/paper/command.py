@@ -90,14 +90,14 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}
-    if (study := results.efficiency) is not None:
+    if (study := results.get("efficiency")) is not None:
         errors = _errors(study, scores(study), "numbers_fitted", "leave_one_out", "leave_one_group_out")
         found["efficiency"] = {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
-    if (study := results.path_following) is not None:
+    if (study := results.get("path_following")) is not None:
         errors = _errors(study, scores(study), "numbers_fitted_to_table1")
         found["path_following"] = {"settings": study.how, "errors": errors, "trials": _trials(study)}
     return found | {
-        "claims": Counter(claim.verdict for claim in results.claims),
+        "claims": Counter(claim.verdict for claim in done.claims),
         "output": str(done.folder),
         "files": done.files,
         "version": __version__,
@@ -114,13 +114,13 @@ def as_text(done: "Reproduction") -> str:
 
     results = done.results
     parts: list[str] = []
-    if (study := results.efficiency) is not None:
+    if (study := results.get("efficiency")) is not None:
         parts += [
             f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
             "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:",
             _table(study, scores(study), "leave_one_out"),
         ]
-    if (study := results.path_following) is not None:
+    if (study := results.get("path_following")) is not None:
         limit = study.settings.accepted_error
         held = sum(case.run.last_third_rms is not None and case.run.last_third_rms < limit for case in study.cases)
         parts += [
@@ -129,7 +129,7 @@ def as_text(done: "Reproduction") -> str:
             "Mean error of the forward velocity over the paper's Table 2 [%]:",
             _table(study, scores(study)),
         ]
-    verdicts = Counter(claim.verdict for claim in results.claims)
+    verdicts = Counter(claim.verdict for claim in done.claims)
     parts.append(f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}.")
     parts.append(f"{len(done.files)} files in {done.folder}; open {done.folder / 'report.html'}")
     return "\n\n".join(parts)

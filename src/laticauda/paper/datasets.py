@@ -124,14 +124,14 @@ def _stability(study: StabilityStudy) -> xarray.Dataset:
     settings = study.settings
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {
-        "swimmer": [found.swimmer.name for found in study.maps],
-        "robot_length": _variable("swimmer", [found.swimmer.length for found in study.maps], "m"),
+        "swimmer": [one.name for one in settings.swimmers],
+        "robot_length": _variable("swimmer", [one.length for one in settings.swimmers], "m"),
         "look_ahead_distance": _variable("look_ahead_distance", np.array(settings.look_ahead_distances), "m"),
     }
     for kind, gains in (("cycle_mean", settings.gains), ("raw", settings.raw_gains)):
         axes = ("swimmer", "look_ahead_distance", f"gain_{kind}")
         coordinates[axes[2]] = _variable(axes[2], np.array(gains, dtype=float), "1")
-        loops = [getattr(found, kind) for found in study.maps]
+        loops = [found for found in study.maps if found.heading == kind]
         for name, words in LOOPS.items():
             variables[f"{name}_{kind}"] = _variable(axes, np.array([getattr(loop, name) for loop in loops]), *words)
         codes = [sum(i * (loop.behaviors == one) for i, one in enumerate(BEHAVIORS)) for loop in loops]
@@ -158,7 +158,7 @@ def _beyond(study: BeyondStudy) -> xarray.Dataset:
         coordinates[f"{part}_time"] = _variable(f"{part}_time", time, "s")
         errors = _padded([run.error.value for run in runs])
         variables[f"{part}_error"] = _variable((axis, f"{part}_time"), errors, "m", "cycle-mean cross-track error")
-    along, words = _padded([run.along for run in study.curved]), "cycle mean of the distance along the curve"
+    along, words = _padded([run.along.value for run in study.curved]), "cycle mean of the distance along the curve"
     variables["curved_along"] = _variable(("curved_swimmer", "curved_time"), along, "m", words)
     for name, unit in (("turning_rate", "rad/s"), ("radius", "m"), ("path_speed", "m/s"), ("mechanical_power", "W")):
         values = np.array([getattr(curve, name) for curve in study.turning])

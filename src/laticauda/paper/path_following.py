@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.actuation import JointLaw
-from laticauda.control import PathFollowing, StraightLine
+from laticauda.control import PathFollowing
 from laticauda.extensions import name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
@@ -247,10 +247,11 @@ class _Pool:
         name = f"{name} {way.offset_bandwidth:g} rad/s"
         if start is None:
             return self.runs.swim(name, swimmer)
-        controller = settings.steering(heading).controller(gait, StraightLine(), settings.control_interval)
-        end = start.center_of_mass[0] + settings.distance
-        steered = replace(swimmer, motion=controller, start=start)
-        return self.runs.swim(name, steered, until=lambda seen: bool(seen.center_of_mass[0] >= end))
+        law, interval = settings.steering(heading), settings.control_interval
+        there, end = replace(swimmer, start=start), start.center_of_mass[0] + settings.distance
+        return self.runs.follow(
+            name, there, law, interval, until=lambda seen: bool(seen.center_of_mass[0] >= end)
+        ).trial
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:

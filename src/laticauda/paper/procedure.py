@@ -1,6 +1,6 @@
 """The paper's own procedure, as a method: fit one gait without the fin, predict everything else."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,44 +13,25 @@ from laticauda.identify.model import predict
 from laticauda.identify.problem import make_problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import Unknown
-from laticauda.robot import load_water
+from laticauda.paper.settings import efficiency_settings
 from laticauda.robot.parameters import GAITS
 from laticauda.trial.null_models import mape
 
-MODELS = ("analytical-set", "vortex-set")
-"""Linear and quadratic drag, as in the paper's closed form; quadratic drag only, as in its Vortex model."""
 SPEED = "forward_velocity"
-_PRESETS = {"lateral_undulation": "paper-lateral", "eel_like": "paper-eel"}
 COEFFICIENTS = ("water.tangential_friction", "water.normal_drag", "water.added_mass")
 """What the paper identifies."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class GroupError:
-    """How well the speeds of one group are described."""
-
-    group: str
-    """Its name."""
-    was_fitted: bool
-    """Whether the coefficients were fitted to it."""
-    n_measurements: int
-    """How many speeds it has [-]."""
-    error: float
-    """Mean of |predicted - measured| / measured [%]."""
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PaperResult:
     """What the procedure gave."""
 
-    model: str
-    """One of `MODELS`."""
     fit: Fit
     """The coefficients, from one gait without fin."""
-    groups: tuple[GroupError, ...]
-    """Errors by group."""
+    errors: Mapping[str, float]
+    """By group, the mean of |predicted - measured| / measured; those of `fit.problem.groups` were fitted [%]."""
     error_of_the_rest: float
-    """Mean error over everything that was not fitted [%]."""
+    """The same over everything that was not fitted [%]."""
 
 
 def paper_procedure(
@@ -66,47 +47,39 @@ def paper_procedure(
     Args:
         measurements: With and without fin; only their forward velocities count, and their waters become the model's.
         gait_kind: Which gait the coefficients are fitted to.
-        model: Which drag.
+        model: Which drag: linear and quadratic, as in the paper's closed form (analytical-set), or quadratic only, as
+            in its Vortex model (vortex-set).
         parameters: What is fitted.
         **options: As for `fit`.
 
     Raises:
         ValueError: If there is no such gait without fin, or nothing else to predict.
     """
-    one_of("model", model, MODELS)
-    water = load_water("paper-vortex" if model == "vortex-set" else _PRESETS[one_of("gait_kind", gait_kind, GAITS)])
-    placed = [
+    models = {one.name: one for one in efficiency_settings().models}
+    water = models[one_of("model", model, tuple(models))].water(one_of("gait_kind", gait_kind, GAITS))
+    speeds = [
         replace(
-            m,
-            scenario=replace(m.scenario, environment=water),
-            figures={SPEED: m.figures[SPEED]},
-            time=None,
-            series={},
+            m, scenario=replace(m.scenario, environment=water), figures={SPEED: m.figures[SPEED]}, time=None, series={}
         )
         for m in measurements
         if SPEED in m.figures
     ]
-    fitted = [m.scenario.gait.kind == gait_kind and m.scenario.robot.caudal_fin is None for m in placed]
-    if not any(fitted) or all(fitted):
+    own = [m for m in speeds if m.scenario.gait.kind == gait_kind and m.scenario.robot.caudal_fin is None]
+    if not 0 < len(own) < len(speeds):
         raise BadArgument(
             "measurements",
             f"must hold speeds of gait `{gait_kind}` without fin, and others to predict, got "
-            f"{sum(fitted)} of {len(fitted)}",
+            f"{len(own)} of {len(speeds)}",
         )
-    found = fit([m for m, mine in zip(placed, fitted, strict=True) if mine], parameters=parameters, **options)
-    rest = make_problem(placed, parameters, model=found.problem.model)
-    predicted = predict(rest, found.best).values
-    members = {name: [i for i, other in enumerate(rest.groups) if other == name] for name in rest.groups}
-    groups = [
-        GroupError(
-            group=name,
-            was_fitted=fitted[at[0]],
-            n_measurements=len(at),
-            error=mape(rest.observed[at], predicted[at]),
-        )
-        for name, at in members.items()
-    ]
-    out = ~np.array(fitted)
+    found = fit(own, parameters=parameters, **options)
+    whole = make_problem(speeds, parameters, model=found.problem.model)
+    predicted, groups = predict(whole, found.best).values, np.array(whole.groups)
+
+    def error(shown: Any) -> float:
+        return mape(whole.observed[shown], predicted[shown])
+
     return PaperResult(
-        model=model, fit=found, groups=tuple(groups), error_of_the_rest=mape(rest.observed[out], predicted[out])
+        fit=found,
+        errors={name: error(groups == name) for name in dict.fromkeys(whole.groups)},
+        error_of_the_rest=error(np.array([m not in own for m in speeds])),
     )

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
 
-from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing
+from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing, StraightLine
 from laticauda.control import Path as FollowedPath
 from laticauda.errors import SimulationFailed, within
 from laticauda.gaits import Gait
@@ -16,11 +16,13 @@ from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, setting
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
 from laticauda.studies.trials import Progress
-from laticauda.trial import Trial
+from laticauda.trial import Trial, following
 from laticauda.trial.contents import Setting
+from laticauda.trial.cycles import CycleMean
 from laticauda.trial.null_models import group_name
 
 Settings = TypeVar("Settings")
+X_AXIS = StraightLine()
 _robot = cache(load_robot)
 
 
@@ -111,6 +113,59 @@ class Steering:
         )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteeredRun:
+    """What a swimmer did along a path; errors are cycle means of its distance from it, positive to the left [m]."""
+
+    swimmer: Swimmer
+    """Who swam: its motion is the controller, its duration the longest that there could be."""
+    law: Steering
+    """How it was steered."""
+    trial: Trial
+    """The run."""
+
+    @property
+    def error(self) -> CycleMean:
+        """The error over time [s], [m]."""
+        return following.mean_error(*self._measured)
+
+    @property
+    def along(self) -> CycleMean:
+        """Cycle mean over time of how far along the path it was [s], [m]."""
+        time, _, period = self._measured
+        return following.mean_error(time, self.trial.signals["along_track_distance"], period)
+
+    @property
+    def mean_error(self) -> float:
+        """Its mean over the last third of the run [m]."""
+        return following.last_third_error(*self._measured)
+
+    @property
+    def largest(self) -> float:
+        """The largest of it on the way, with its sign [m]."""
+        return float(max(self.error.value, key=abs))
+
+    @property
+    def is_cut_short(self) -> bool:
+        """Whether something else than the time ended the run."""
+        return self.trial.duration < self.swimmer.duration - 0.5 * self.swimmer.controller.interval
+
+    def rms(self, begin: float = 0.0, end: float = math.inf) -> float:
+        """Root mean square of the error: a swing about the path has little mean, and shows in this [m].
+
+        Args:
+            begin: Of the part of the run that counts, in thirds of it.
+            end: Of that part, likewise.
+        """
+        third = self.trial.duration / 3.0
+        return following.steady_error(*self._measured, begin * third, end * third)
+
+    @property
+    def _measured(self) -> tuple[Any, Any, float]:
+        assert self.trial.period is not None  # every gait of the paper's moves
+        return self.trial.time, self.trial.signals["cross_track_error"], self.trial.period
+
+
 @dataclass(kw_only=True)
 class Runs:
     """Swims one scenario after the other: counts them, and keeps how they were made."""
@@ -148,6 +203,32 @@ class Runs:
         if self.progress is not None:
             self.progress(self.n_done, self.n_runs)
         return trial
+
+    def follow(
+        self,
+        name: str,
+        swimmer: Swimmer,
+        law: Steering,
+        interval: float,
+        path: FollowedPath[Any] = X_AXIS,
+        *,
+        until: Until | None = None,
+    ) -> SteeredRun:
+        """A swimmer along a path.
+
+        Args:
+            name: Which run it is.
+            swimmer: Who swims, from where and for how long at most.
+            law: How it is steered.
+            interval: Between two control instants [s].
+            path: What is followed; the x axis if left out.
+            until: As for `swim`.
+
+        Raises:
+            SimulationFailed: If the run blows up; the message says which.
+        """
+        steered = replace(swimmer, motion=law.controller(swimmer.gait, path, interval))
+        return SteeredRun(swimmer=steered, law=law, trial=self.swim(name, steered, until=until))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

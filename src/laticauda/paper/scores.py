@@ -30,8 +30,10 @@ class Score:
     """The predictor: a null model, a set of coefficients, or joint law, bandwidth and heading of a simulation."""
     n_fitted: int | None
     """How many numbers are fitted to Table 1; None for a simulation [-]."""
+    measured: tuple[float, ...]
+    """By case that was measured, how fast the robot was [m/s]."""
     speeds: tuple[float, ...]
-    """By case that was measured [m/s]."""
+    """The same as predicted [m/s]."""
     overall: float
     """Over all of them [%]."""
     by_group: tuple[float, ...]
@@ -162,6 +164,7 @@ def _scored(
     return Score(
         name=name,
         n_fitted=n_fitted,
+        measured=tuple(measured.tolist()),
         speeds=tuple(map(float, speeds)),
         overall=mape(measured, speeds),
         by_group=tuple(mape(measured[group == i], speeds[group == i]) for i in np.unique(group)),

@@ -12,14 +12,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.control import LineOfSight, StraightLine
+from laticauda.control import LineOfSight
 from laticauda.errors import BadArgument
 from laticauda.interfaces import Start
 from laticauda.paper.runs import Runs, Steering, Study, Swimmer, long_enough
 from laticauda.paper.settings import at_least_one, swimmers
 from laticauda.quantities import option, quantity, value
-from laticauda.trial import Trial
-from laticauda.trial.following import mean_error
 
 Grid = Float[np.ndarray, "n_distances n_gains"]
 Some = Float[np.ndarray, "*loops"]
@@ -72,8 +70,12 @@ class StabilitySettings:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Loops:
-    """What loops of all look-ahead distances and some gains did."""
+    """The map of one swimmer with one heading: what its loops of all look-ahead distances and gains did."""
 
+    swimmer: Swimmer
+    """Who swam."""
+    heading: str
+    """Which one was used: cycle_mean or raw."""
     look_ahead_distances: Float[np.ndarray, " n_distances"]
     """Delta, rising [m]."""
     gains: Float[np.ndarray, " n_gains"]
@@ -104,38 +106,11 @@ class Loops:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StabilityMap:
-    """The map of one swimmer."""
-
-    swimmer: Swimmer
-    """Who swam."""
-    cycle_mean: Loops
-    """With the mean heading over the gait cycle."""
-    raw: Loops
-    """With the raw heading, at its gains."""
-
-    @property
-    def gains(self) -> Float[np.ndarray, " n_columns"]:
-        """k of all loops, those with the raw heading last, as in the other tables [-]."""
-        return np.concatenate((self.cycle_mean.gains, self.raw.gains))
-
-    @property
-    def rms(self) -> Float[np.ndarray, "n_distances n_columns"]:
-        """Root mean square of the cycle-mean error over the last third, by distance and gain [m]."""
-        return np.hstack((self.cycle_mean.rms, self.raw.rms))
-
-    @property
-    def behaviors(self) -> Behaviors:
-        """By distance and gain, one of `BEHAVIORS`."""
-        return np.hstack((self.cycle_mean.behaviors, self.raw.behaviors))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class StabilityStudy(Study[StabilitySettings]):
     """What was run for the stability maps, and what came out."""
 
-    maps: tuple[StabilityMap, ...]
-    """One per swimmer of the settings."""
+    maps: tuple[Loops, ...]
+    """Two per swimmer of the settings: with the mean heading over the gait cycle, and with the raw one."""
 
     usual = StabilitySettings
 
@@ -143,14 +118,8 @@ class StabilityStudy(Study[StabilitySettings]):
     def by_runs(cls, settings: StabilitySettings, runs: Runs) -> "StabilityStudy":
         """What comes out of `settings`, swum by `runs`."""
         runs.n_runs = settings.n_runs
-        maps = [
-            StabilityMap(
-                swimmer=one,
-                cycle_mean=_loops(settings, one, "cycle_mean", settings.gains, runs),
-                raw=_loops(settings, one, "raw", settings.raw_gains, runs),
-            )
-            for one in settings.swimmers
-        ]
+        gains = {"cycle_mean": settings.gains, "raw": settings.raw_gains}
+        maps = [_loops(settings, one, *each, runs) for one in settings.swimmers for each in gains.items()]
         return StabilityStudy(settings=settings, how=runs.how, maps=tuple(maps))
 
 
@@ -178,7 +147,7 @@ def behavior(rms: Some, rms_before: Some, tolerance: float) -> Shaped[np.ndarray
     return np.where(rms < tolerance, SETTLED, np.where(rms * rms <= 0.5 * rms_before * rms_before, COMING, SWINGS))
 
 
-def _loops(settings: StabilitySettings, swimmer: Swimmer, estimate: str, gains: tuple[float, ...], runs: Runs) -> Loops:
+def _loops(settings: StabilitySettings, swimmer: Swimmer, heading: str, gains: tuple[float, ...], runs: Runs) -> Loops:
     """Every look-ahead distance with every gain."""
     interval = settings.control_interval
     start = Start(center_of_mass=(0.0, settings.initial_cross_track_error))
@@ -186,15 +155,15 @@ def _loops(settings: StabilitySettings, swimmer: Swimmer, estimate: str, gains: 
     found = np.zeros((3, len(settings.look_ahead_distances), len(gains)))
     for i, distance in enumerate(settings.look_ahead_distances):
         for j, gain in enumerate(gains):
-            name = f"{swimmer.name}, look-ahead distance {distance:g} m, gain {gain:g}, {estimate} heading"
+            name = f"{swimmer.name}, look-ahead distance {distance:g} m, gain {gain:g}, {heading} heading"
             guidance = LineOfSight(look_ahead_distance=distance)
-            limits: dict[str, Any] = {"max_offset": settings.max_offset, "heading_estimate": estimate}
-            steering = Steering(name=name, guidance=guidance, gain=gain, **limits)
-            controller = steering.controller(swimmer.gait, StraightLine(), interval)
-            trial = runs.swim(name, replace(alike, motion=controller))
-            found[:, i, j] = *_errors(trial), trial.forward_velocity
+            limits: dict[str, Any] = {"max_offset": settings.max_offset, "heading_estimate": heading}
+            run = runs.follow(name, alike, Steering(name=name, guidance=guidance, gain=gain, **limits), interval)
+            found[:, i, j] = run.rms(2.0), run.rms(1.0, 2.0), run.trial.forward_velocity
     rms, rms_before, velocity = found
     return Loops(
+        swimmer=swimmer,
+        heading=heading,
         look_ahead_distances=np.array(settings.look_ahead_distances),
         gains=np.array(gains),
         rms=rms,
@@ -202,13 +171,3 @@ def _loops(settings: StabilitySettings, swimmer: Swimmer, estimate: str, gains: 
         forward_velocity=velocity,
         tolerance=settings.tolerance,
     )
-
-
-def _errors(trial: Trial) -> tuple[float, float]:
-    """Root mean square of the cycle-mean error over the last third of the run, and over the second [m]."""
-    assert trial.period is not None
-    time, error = mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
-    third = trial.duration / 3.0
-    last, second = time >= 2.0 * third, (time >= third) & (time < 2.0 * third)
-    squared = error * error
-    return math.sqrt(float(np.mean(squared[last]))), math.sqrt(float(np.mean(squared[second])))

@@ -4,8 +4,8 @@
 # pyright: reportUnknownMemberType=false
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from laticauda.studies import Front
 from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import MeasuredTrial, all_measured
 
-Values = Float[np.ndarray, " n_points"]
+Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]
 Points = Float[np.ndarray, "n_corners 2"]
 
 N_MARKS = 5
@@ -45,41 +45,8 @@ ROOM = 1.06  # beyond the farthest point
 GAP = 0.12  # between two bodies, in lengths of the longest
 THICK = 0.15  # of a body and the room around it, likewise
 TEXT = 0.1  # height of a line of text, likewise
+LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 _TEXT: Any = {"fontsize": style.TICK - 1.0, "ha": "left"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mark:
-    """A point of the front whose gait is drawn."""
-
-    x: float
-    """Where it is."""
-    y: float
-    """Where it is."""
-    text: str
-    """What stands below the body: its numbers."""
-    robot: Robot
-    """What swims."""
-    gait: Gait
-    """Its gait."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FrontLine:
-    """A front, some of whose gaits are drawn, and other gaits to compare it with."""
-
-    label: str
-    """What the legend says."""
-    x: Values
-    """One objective of every point, in rising order."""
-    y: Values
-    """The other one."""
-    marks: tuple[Mark, ...]
-    """Points whose gaits are drawn."""
-    others: Points
-    """Points that were not sought."""
-    others_label: str
-    """What the legend says about them."""
 
 
 def write_front(front: Front, folder: str | Path) -> list[Path]:
@@ -123,40 +90,36 @@ def front_figure(fronts: Sequence[Front]) -> Figure:
         fronts: One or two with the same two objectives.
     """
     sought = fronts[0].optimization
-    first, last = sought.objectives
+    first, last = map(_words, sought.objectives)
     trials = sum(front.n_trials for front in fronts)
-    return front_sheet(
-        [_line(front) for front in fronts],
-        f"{_words(first).capitalize()} against {_words(last)}: robot {sought.scenario.robot.name}",
-        f"{len(sought.names)} parameters free, {trials} trials of {sought.scenario.duration:g} s, {_waters(fronts)}",
-        xlabel=_label(last),
-        ylabel=_label(first),
-    )
+    texts = [[_numbers(one, i) for i in marked(one)] for one in fronts]
+    more = max(sum(text.count("\n") for text in column) for column in texts)
+    figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT + LINE_HEIGHT * more)
+    widths = (style.DOUBLE_COLUMN - COLUMN * len(fronts), *[COLUMN] * len(fronts))
+    left, *columns = figure.add_gridspec(1, 1 + len(fronts), width_ratios=widths)
+    front(fronts, figure.add_subplot(left))
+    letters = iter(LETTERS)
+    for one, words, (color, _), column in zip(fronts, texts, KINDS, columns, strict=False):
+        bodies(one, words, letters, color, figure.add_subplot(column))
+    title = f"{first.capitalize()} against {last}: robot {sought.scenario.robot.name}"
+    note = f"{len(sought.names)} parameters free, {trials} trials of {sought.scenario.duration:g} s, {_waters(fronts)}"
+    style.head(figure, title, note)
+    return figure
+
+
+def marked(front: Front) -> list[int]:
+    """The points whose gaits are drawn, without the slowest end: nobody swims there, and all fronts meet there.
+
+    Args:
+        front: What `optimize` returned.
+    """
+    return front.spread(N_MARKS + 1)[1:]
 
 
 def _waters(fronts: Sequence[Front]) -> str:
     names = list(dict.fromkeys(front.optimization.scenario.environment.name for front in fronts))
     word = place(fronts[0].optimization.scenario.environment)
     return f"{word} {names[0]}" if len(names) == 1 else f"each gait with its own {word}: {' and '.join(names)}"
-
-
-def _line(front: Front) -> FrontLine:
-    y, x = (front.figures[name] for name in front.optimization.objectives)
-    marks: list[Mark] = []
-    # The slowest end is left out: nobody swims there, and all fronts meet there.
-    for i in front.spread(N_MARKS + 1)[1:]:
-        swims, text = front.scenario(i), _numbers(front, i)
-        marks.append(Mark(x=float(x[i]), y=float(y[i]), text=text, robot=swims.robot, gait=swims.gait))
-    words = front.optimization.scenario.gait.words
-    sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(front)))
-    return FrontLine(
-        label=words,
-        x=x,
-        y=y,
-        marks=tuple(marks),
-        others=measured_points(front),
-        others_label=f"{sources}'s gaits, simulated alike",
-    )
 
 
 def measured_points(front: Front) -> np.ndarray:
@@ -214,98 +177,86 @@ def _label(name: str) -> str:
 # ---- the figure ----------------------------------------------------------------------------------------------------
 
 
-def front(lines: Sequence[FrontLine], ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
-    """One front or two, with letters at the marked points.
+def front(fronts: Sequence[Front], ax: Axes) -> Axes:
+    """One front or two, with letters at the marked points, and the measured gaits beside them.
 
     Args:
-        lines: The data.
+        fronts: With the same two objectives.
         ax: Where to draw.
-        xlabel: With the unit.
-        ylabel: With the unit.
     """
-    letters = iter("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
-    for line, (color, shape) in zip(lines, KINDS, strict=False):
-        ax.plot(line.x, line.y, color=color, linewidth=1.6, label=line.label, zorder=3)
-        ax.plot(*line.others.T, color=color, **OTHER, zorder=4)
-        side = _side(line, lines)
+    letters, curves, others = iter(LETTERS), [_curve(one) for one in fronts], [measured_points(one) for one in fronts]
+    for one, (x, y), points, (color, shape) in zip(fronts, curves, others, KINDS, strict=False):
+        ax.plot(x, y, color=color, linewidth=1.6, label=one.optimization.scenario.gait.words, zorder=3)
+        ax.plot(*points.T, color=color, **OTHER, zorder=4)
+        side = _side((x, y), curves)
         shift = side[0] * AWAY, side[1] * AWAY
         badge = {"boxstyle": "circle,pad=0.25", "facecolor": color, "edgecolor": "white", "linewidth": 0.5}
-        for mark in line.marks:
-            ax.plot(mark.x, mark.y, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
-            style.note(ax, next(letters), (mark.x, mark.y), shift, bbox=badge, zorder=6, **LETTER)
-    if any(len(line.others) for line in lines):
-        ax.plot([], [], color=style.GRAY, **OTHER, label=lines[0].others_label)
-    xs = np.concatenate([np.append(line.x, line.others[:, 0]) for line in lines])
-    ys = np.concatenate([np.append(line.y, line.others[:, 1]) for line in lines])
+        for at in zip(x[marked(one)].tolist(), y[marked(one)].tolist(), strict=True):
+            ax.plot(*at, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
+            style.note(ax, next(letters), at, shift, bbox=badge, zorder=6, **LETTER)
+    if any(map(len, others)):
+        sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(fronts[0])))
+        ax.plot([], [], color=style.GRAY, **OTHER, label=f"{sources}'s gaits, simulated alike")
+    xs, ys = np.concatenate([*(np.stack(curve) for curve in curves), *(points.T for points in others)], axis=1)
     ax.set_xlim(min(0.0, float(xs.min())) - LEFT * float(np.ptp(xs)), ROOM * float(xs.max()))
     ax.set_ylim(min(0.0, float(ys.min())), ROOM * float(ys.max()))
     ax.xaxis.set_major_locator(MaxNLocator(6))
     ax.yaxis.set_major_locator(MaxNLocator(6))
     style.legend(ax, loc="lower right")
+    ylabel, xlabel = map(_label, fronts[0].optimization.objectives)
     return style.dress(ax, xlabel=xlabel, ylabel=ylabel)
 
 
-def _side(line: FrontLine, lines: Sequence[FrontLine]) -> tuple[int, int]:
+def _curve(front: Front) -> Curve:
+    """The last objective of every point, in rising order, and the first one."""
+    y, x = (front.figures[name] for name in front.optimization.objectives)
+    return x, y
+
+
+def _side(curve: Curve, curves: Sequence[Curve]) -> tuple[int, int]:
     """The direction off a front: where better points would be, or worse ones if another front lies there."""
-    rises = (float(line.y[-1]) - float(line.y[0])) >= 0.0
+    x, y = curve
+    rises = (float(y[-1]) - float(y[0])) >= 0.0
     better = (-1, 1) if rises else (-1, -1)
-    for other in lines:
-        there = float(np.interp(float(np.median(line.x)), other.x, other.y))
-        here = float(np.interp(float(np.median(line.x)), line.x, line.y))
-        if other is not line and (there > here if rises else there < here):
+    middle = float(np.median(x))
+    here = float(np.interp(middle, x, y))
+    for other in curves:
+        there = float(np.interp(middle, *other))
+        if other is not curve and (there > here if rises else there < here):
             return -better[0], -better[1]
     return better
 
 
-def bodies(marks: Sequence[Mark], letters: str, color: str, ax: Axes) -> Axes:
+def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: str, ax: Axes) -> Axes:
     """The marked bodies one below the other on one scale, each in the middle of its wave, with its numbers.
 
     Args:
-        marks: What to draw.
-        letters: One per mark.
+        front: Whose marked points are drawn.
+        texts: What stands below each body.
+        letters: Those of the points come next.
         color: Of the letters.
         ax: Where to draw.
     """
-    shapes = [_shape(mark.robot, mark.gait) for mark in marks]
+    swims = [front.scenario(i) for i in marked(front)]
+    shapes = [_shape(one.robot, one.gait) for one in swims]
     longest = max(float(np.ptp(shape[:, 0])) for shape in shapes)
     top = 0.0
-    for mark, letter, shape in zip(marks, letters, shapes, strict=True):
+    for one, text, shape in zip(swims, texts, shapes, strict=True):
         low, high = shape.min(axis=0), shape.max(axis=0)
         middle = 0.5 * (low + high)
         height = float(high[1] - low[1]) + THICK * longest
-        draw_posture(ax, mark.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
-        lines = mark.text.count("\n") + 1
-        ax.text(-0.66 * longest, top - 0.5 * height, letter, color=color, fontweight="bold", **_TEXT, va="center")
-        ax.text(-0.56 * longest, top - height, mark.text, color=style.INK, **_TEXT, va="top", linespacing=1.05)
+        draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
+        lines = text.count("\n") + 1
+        ax.text(
+            -0.66 * longest, top - 0.5 * height, next(letters), color=color, fontweight="bold", **_TEXT, va="center"
+        )
+        ax.text(-0.56 * longest, top - height, text, color=style.INK, **_TEXT, va="top", linespacing=1.05)
         top -= height + (TEXT * lines + GAP) * longest
     ax.set_xlim(-0.68 * longest, 0.6 * longest)
     ax.set_ylim(top, 0.02 * longest)
     ax.set_aspect("equal")
     ax.axis("off")
     return ax
-
-
-def front_sheet(lines: Sequence[FrontLine], title: str, note: str, *, xlabel: str, ylabel: str) -> Figure:
-    """The front at the left, the bodies that swim its gaits at the right, a column per line.
-
-    Args:
-        lines: One or two.
-        title: Above all.
-        note: The line below.
-        xlabel: With the unit.
-        ylabel: With the unit.
-    """
-    more = max(sum(mark.text.count("\n") for mark in line.marks) for line in lines)
-    figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT + LINE_HEIGHT * more)
-    widths = (style.DOUBLE_COLUMN - COLUMN * len(lines), *[COLUMN] * len(lines))
-    grid = figure.add_gridspec(1, 1 + len(lines), width_ratios=widths)
-    front(lines, figure.add_subplot(grid[0]), xlabel=xlabel, ylabel=ylabel)
-    letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-    for i, (line, (color, _)) in enumerate(zip(lines, KINDS, strict=False)):
-        bodies(line.marks, letters[: len(line.marks)], color, figure.add_subplot(grid[1 + i]))
-        letters = letters[len(line.marks) :]
-    style.head(figure, title, note)
-    return figure
 
 
 def _shape(robot: Robot, gait: Gait) -> Points:

@@ -20,17 +20,19 @@ from laticauda.paper.measured import PRINTED_TO, efficiency_trials, path_followi
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import paper_templates
+from laticauda.paper.runs import Study
 from laticauda.paper.side_trials import LinksStudy, SideTrials
 from laticauda.reports.texts import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
-STUDIES = {
-    "efficiency": "the efficiency study",
-    "following": "the path-following study",
-    "links": "the links study",
-    "side": "the side trials",
-    "parity": "the comparison with the 3D model (reproduce with the model spatial)",
+STUDIES: Mapping[str, tuple[type[Study[Any]], str]] = {
+    "efficiency": (EfficiencyStudy, "the efficiency study"),
+    "following": (PathFollowingStudy, "the path-following study"),
+    "links": (LinksStudy, "the links study"),
+    "side": (SideTrials, "the side trials"),
+    "parity": (ParityStudy, "the comparison with the 3D model (reproduce with the model spatial)"),
 }
+"""What the table of claims needs, by its name there."""
 
 RULES: Mapping[str, Callable[[Any, Any], Any]] = {
     "at_most": lambda values, limit: np.all(values <= limit),
@@ -66,30 +68,20 @@ class Claim:
     """What follows from the rule and the numbers."""
 
 
-def claims(
-    efficiency: EfficiencyStudy | None = None,
-    following: PathFollowingStudy | None = None,
-    links: LinksStudy | None = None,
-    side: SideTrials | None = None,
-    parity: ParityStudy | None = None,
-) -> tuple[Claim, ...]:
+def claims(*studies: Study[Any]) -> tuple[Claim, ...]:
     """What the paper's results, remarks and conclusions claim, and what the studies say to it.
 
-    The studies are those of the paper's settings: all its groups, cases and sweeps.
-
     Args:
-        efficiency: What `run_efficiency` returned; None leaves the claims that need it untested, as for the others.
-        following: What `run_path_following` returned.
-        links: What `run_links` returned.
-        side: What `run_side_trials` returned.
-        parity: What `run_parity` returned.
+        studies: What `run_efficiency`, `run_path_following`, `run_links`, `run_side_trials` and `run_parity` returned,
+            with the paper's settings: all its groups, cases and sweeps. Claims about those that are missing are not
+            tested; others say nothing to any claim.
     """
-    studies = {"efficiency": efficiency, "following": following, "links": links, "side": side, "parity": parity}
+    given = {name: study for study in studies for name, (kind, _) in STUDIES.items() if isinstance(study, kind)}
     known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots()}
-    known |= {name: getattr(quantities, name)(study) for name, study in studies.items() if study is not None}
-    if following is not None:
+    known |= {name: getattr(quantities, name)(study) for name, study in given.items()}
+    if isinstance(following := given.get("following"), PathFollowingStudy):
         known["ways"] = [{**known, "following": quantities.following(way)} for way in following.ways]
-    if side is not None and efficiency is not None:
+    if {"side", "efficiency"} <= given.keys():
         known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
     return tuple(_judged(entry, known) for entry in table()["claims"])
 
@@ -120,7 +112,7 @@ def table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
 
 
 def _judged(entry: Mapping[str, Any], known: Mapping[str, Any]) -> Claim:
-    missing = [STUDIES[name] for name in entry["needs"] if name not in known]
+    missing = [STUDIES[name][1] for name in entry["needs"] if name not in known]
     if missing:
         found, parts = f"Not run: {', '.join(missing)}.", []
     else:

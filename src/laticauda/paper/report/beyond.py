@@ -77,7 +77,7 @@ def beyond_figures(study: BeyondStudy) -> Iterator[tuple[str, str, Figure]]:
     yield DRIFT, f"{title}: {way}", sheet
     title = f"A curved path, line of sight with {law.name}"
     shown = [(run.swimmer.name, run.trial) for run in study.curved]
-    lines = [(run.swimmer.name, CycleMean(run.along, run.error.value)) for run in study.curved]
+    lines = [(run.swimmer.name, CycleMean(run.along.value, run.error.value)) for run in study.curved]
     yield CURVED, f"{title}: {way}", runs_sheet(shown[:2], lines, title, xlabel="distance along the path [m]")
     title = "Turning with a constant offset of all joints"
     yield (
@@ -99,13 +99,13 @@ def _drift(study: BeyondStudy) -> list[dict[str, Any]]:
             "gain [-]": run.law.gain,
             "integral gain [m/s]": getattr(run.law.guidance, "integral_gain", None),
             "mean e, last third [m]": run.mean_error,
-            "rms of e, last third [m]": run.rms_error,
-            "largest e [m]": run.largest_error,
-            "e at the end [m]": run.final_error,
+            "rms of e, last third [m]": run.rms(2.0),
+            "largest e [m]": run.largest,
+            "e at the end [m]": float(run.error.value[-1]),
             "sideslip [deg]": math.degrees(run.trial.sideslip),
-            "Delta tan(sideslip) [m]": run.geometric_error,
+            "Delta tan(sideslip) [m]": run.law.guidance.look_ahead_distance * math.tan(run.trial.sideslip),
             "v [m/s]": run.trial.forward_velocity,
-            "holds the path": run.holds,
+            "holds the path": study.settings.drift.holds(run),
         }
         for run in study.drift
     ]
@@ -117,11 +117,11 @@ def _curved(study: BeyondStudy) -> list[dict[str, Any]]:
     return [
         {
             "swimmer": run.swimmer.name,
-            "rms of the mean error [m]": run.rms,
-            "largest mean error [m]": run.largest,
-            "reached the end": run.reached_end,
+            "rms of the mean error [m]": run.rms(),
+            "largest mean error [m]": abs(run.largest),
+            "reached the end": run.is_cut_short,
             "after [s]": run.trial.duration,
-            "progress [m/s]": length / run.trial.duration if run.reached_end else None,
+            "progress [m/s]": length / run.trial.duration if run.is_cut_short else None,
             "path speed [m/s]": run.trial.path_speed,
             "mechanical power [W]": run.trial.mechanical_power,
         }

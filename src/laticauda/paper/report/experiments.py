@@ -1,15 +1,20 @@
-"""What a reproduction runs: the settings of all its studies, and their results together."""
+"""What a reproduction runs: its studies, and the settings of all of them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.beyond import BeyondSettings, BeyondStudy, TurningSettings, run_beyond
-from laticauda.paper.claims.judge import Claim, claims
-from laticauda.paper.efficiency import EfficiencyStudy, run_efficiency
-from laticauda.paper.parity import ParitySettings, ParityStudy, run_parity
-from laticauda.paper.path_following import PathFollowingStudy, run_path_following
+from laticauda.paper.beyond import (
+    BeyondSettings,
+    CurvedSettings,
+    DriftSettings,
+    TurningSettings,
+    run_beyond,
+)
+from laticauda.paper.efficiency import run_efficiency
+from laticauda.paper.parity import ParitySettings, run_parity
+from laticauda.paper.path_following import run_path_following
 from laticauda.paper.runs import Coefficients
 from laticauda.paper.settings import (
     EfficiencySettings,
@@ -18,9 +23,8 @@ from laticauda.paper.settings import (
     path_following_settings,
     swimmers,
 )
-from laticauda.paper.side_trials import LinksSettings, LinksStudy, SideSettings, SideTrials, run_links, run_side_trials
-from laticauda.paper.stability import StabilitySettings, StabilityStudy, run_stability
-from laticauda.paper.steered import CurvedSettings, DriftSettings
+from laticauda.paper.side_trials import LinksSettings, SideSettings, run_links, run_side_trials
+from laticauda.paper.stability import StabilitySettings, run_stability
 from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {
@@ -32,7 +36,7 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "links": run_links,
     "parity": run_parity,
 }
-"""What runs each study, by its name in `Experiments` and `Results`; the longest first, which fills workers best."""
+"""What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {
     "efficiency": ("efficiency", "links", "side", "parity"),
     "path-following": ("path_following", "stability", "beyond"),
@@ -58,31 +62,6 @@ class Experiments:
     """What the paper did not try."""
     parity: ParitySettings = field(default_factory=ParitySettings)
     """Whether both models agree; only with the model spatial."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Results:
-    """What the studies found, under the names of `Experiments`; None for a study that was not run."""
-
-    efficiency: EfficiencyStudy | None = None
-    """Figs. 4 to 11 and Table 1."""
-    links: LinksStudy | None = None
-    """Twice the links."""
-    side: SideTrials | None = None
-    """Single facts that claims of the paper rest on."""
-    path_following: PathFollowingStudy | None = None
-    """Figs. 12 to 23 and Table 2."""
-    stability: StabilityStudy | None = None
-    """The loop with the mean heading, over look-ahead distance and gain."""
-    beyond: BeyondStudy | None = None
-    """What the paper did not try."""
-    parity: ParityStudy | None = None
-    """Whether both models agree."""
-
-    @property
-    def claims(self) -> tuple[Claim, ...]:
-        """The paper's claims, judged by what was run."""
-        return claims(self.efficiency, self.path_following, self.links, self.side, self.parity)
 
 
 def paper_experiments(parameters: Parameters | None = None) -> Experiments:

@@ -15,16 +15,16 @@ import numpy as np
 from laticauda.errors import one_of, whole
 from laticauda.files import write
 from laticauda.packaging import __version__
-from laticauda.paper.claims import Claim, misprints
+from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.report.efficiency import efficiency_chapter
-from laticauda.paper.report.experiments import HALVES, RUNS, Experiments, Results
+from laticauda.paper.report.experiments import HALVES, RUNS, Experiments
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.paper.report.stability import stability_chapter
-from laticauda.paper.scores import Score, scores
+from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 from laticauda.scenarios import Model, ModelChanges, model_of, settings_of
 
@@ -59,8 +59,10 @@ class Reproduction:
     """Where everything is."""
     files: tuple[str, ...]
     """Names of the files in it."""
-    results: Results
-    """What the studies found."""
+    results: Mapping[str, Any]
+    """What the studies found that were run, by their names in `Experiments`."""
+    claims: tuple[Claim, ...]
+    """The paper's claims, judged by them."""
 
 
 class _Done(NamedTuple):
@@ -114,8 +116,8 @@ def reproduce(
     names = [name for name in RUNS if only is None or name in HALVES[only]]
     do = partial(_do, settings, by, folder, repeats)
     done = _run(do, [name for name in names if name != "parity" or how["model"] == "spatial"], workers, progress)
-    results = Results(**{name: part.study for name, part in done.items()})
-    judged = results.claims
+    results = {name: part.study for name, part in done.items()}
+    judged = claims(*results.values())
     written, first = write_chapter(summary_chapter(results, judged), folder)
     files, listed = write_chapter(claims_chapter(judged), folder)
     found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
@@ -130,30 +132,28 @@ def reproduce(
     )
     write(folder / "report.html", text)
     written += [file for part in done.values() for file in part.files]
-    return Reproduction(folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results)
+    return Reproduction(
+        folder=folder, files=(*sorted([*written, *files]), "report.html"), results=results, claims=judged
+    )
 
 
-def summary_chapter(results: Results, judged: Sequence[Claim]) -> Chapter:
+def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chapter:
     """What the first screen of the report shows.
 
     Args:
-        results: Of all studies.
+        results: Of the studies, by their names in `Experiments`.
         judged: Their claims.
     """
-    tables: dict[str, tuple[Sequence[Score], list[float]]] = {}
-    if (study := results.efficiency) is not None:
-        tables["Table 1"] = scores(study), [case.measured.forward_velocity or 0.0 for case in study.measured]
-    if (study := results.path_following) is not None:
-        tables["Table 2"] = scores(study), [case.measured.forward_velocity for case in study.cases]
+    studies = {"Table 1": results.get("efficiency"), "Table 2": results.get("path_following")}
+    predictors = {name: scores(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
         from laticauda.paper.figures.parity import parity_sheet
 
-        points = {f"{name}: {found[0].name}": np.array([v, found[0].speeds]) for name, (found, v) in tables.items()}
+        points = {f"{name}: {one.name}": np.array([one.measured, one.speeds]) for name, (one, *_) in predictors.items()}
         sheet = parity_sheet({"forward velocity [m/s]": points}, "measured")
         yield "speeds", "Speeds of the robot against those simulated.", sheet
 
-    predictors = {name: found for name, (found, _) in tables.items()}
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
     return paper_chapter("summary", {}, values=values, n_figures=1, figures=figures)
 

@@ -21,7 +21,7 @@ from matplotlib.patheffects import withStroke
 from laticauda.figures import style
 from laticauda.paper.datasets import to_dataset
 from laticauda.paper.report.chapter import paper_chapter
-from laticauda.paper.stability import COMING, SETTLED, SWINGS, Loops, StabilityMap, StabilityStudy
+from laticauda.paper.stability import COMING, SETTLED, SWINGS, Loops, StabilityStudy
 from laticauda.reports.chapter import Chapter
 
 HEADINGS = {"cycle_mean": "mean heading", "raw": "raw heading"}
@@ -85,13 +85,13 @@ def _boundary(study: StabilityStudy) -> list[dict[str, Any]]:
     """How long a look-ahead distance each gain takes."""
     return [
         {
-            "swimmer": found.swimmer.name,
-            "heading": HEADINGS[kind],
+            "swimmer": loops.swimmer.name,
+            "heading": HEADINGS[loops.heading],
             "gain [-]": gain,
             "shortest look-ahead distance [m]": distance,
-            "in robot lengths [-]": None if distance is None else distance / found.swimmer.length,
+            "in robot lengths [-]": None if distance is None else distance / loops.swimmer.length,
         }
-        for found, kind, loops in _all_loops(study)
+        for loops in study.maps
         for gain, distance in zip(loops.gains.tolist(), loops.shortest, strict=True)
     ]
 
@@ -100,8 +100,8 @@ def _points(study: StabilityStudy) -> list[dict[str, Any]]:
     """Every point of every map."""
     return [
         {
-            "swimmer": found.swimmer.name,
-            "heading": HEADINGS[kind],
+            "swimmer": loops.swimmer.name,
+            "heading": HEADINGS[loops.heading],
             "look-ahead distance [m]": distance,
             "gain [-]": gain,
             "behavior": str(loops.behaviors[i, j]),
@@ -109,16 +109,10 @@ def _points(study: StabilityStudy) -> list[dict[str, Any]]:
             "rms of the mean error, second third [m]": loops.rms_before[i, j],
             "v [m/s]": loops.forward_velocity[i, j],
         }
-        for found, kind, loops in _all_loops(study)
+        for loops in study.maps
         for i, distance in enumerate(study.settings.look_ahead_distances)
         for j, gain in enumerate(loops.gains.tolist())
     ]
-
-
-def _all_loops(study: StabilityStudy) -> Iterator[tuple[StabilityMap, str, Loops]]:
-    for found in study.maps:
-        yield found, "cycle_mean", found.cycle_mean
-        yield found, "raw", found.raw
 
 
 # ---- findings ------------------------------------------------------------------------------------------------------
@@ -128,19 +122,19 @@ def _at_the_papers_gains(study: StabilityStudy) -> dict[str, list[tuple[str, str
     """By heading, what the loop of each swimmer does with the paper's pair, and its error [m]."""
     distance, gain = study.settings.paper
     said: dict[str, list[tuple[str, str, float]]] = {words: [] for words in HEADINGS.values()}
-    for found, kind, loops in _all_loops(study):
+    for loops in study.maps:
         here = np.ix_(loops.look_ahead_distances == distance, np.isclose(loops.gains, gain))
         for name, rms in zip(loops.behaviors[here].flat, loops.rms[here].flat, strict=True):
-            said[HEADINGS[kind]].append((found.swimmer.name, str(name), float(rms)))
+            said[HEADINGS[loops.heading]].append((loops.swimmer.name, str(name), float(rms)))
     return {words: loops for words, loops in said.items() if loops}
 
 
 def _rule_of_thumb(study: StabilityStudy) -> dict[str, int]:
     """Whether two robot lengths are enough, and whether they are needed: loops with the mean heading, counted."""
     counts: dict[str, int] = dict.fromkeys(("n_above", "swinging_above", "n_below", "settled_below"), 0)
-    for found in study.maps:
-        loops, behaviors = found.cycle_mean, found.cycle_mean.behaviors
-        above = loops.look_ahead_distances >= 2.0 * found.swimmer.length * (1.0 - 1e-9)
+    for loops in _with_mean_heading(study):
+        behaviors = loops.behaviors
+        above = loops.look_ahead_distances >= 2.0 * loops.swimmer.length * (1.0 - 1e-9)
         counts["n_above"] += behaviors[above].size
         counts["n_below"] += behaviors[~above].size
         counts["swinging_above"] += int(np.sum(behaviors[above] == SWINGS))
@@ -151,52 +145,50 @@ def _rule_of_thumb(study: StabilityStudy) -> dict[str, int]:
 def _shortest(study: StabilityStudy) -> list[tuple[str, float | None]]:
     """By swimmer, the shortest look-ahead distance that settles at the paper's gain with the mean heading [m]."""
     at = [j for j, gain in enumerate(study.settings.gains) if math.isclose(gain, study.settings.paper[1])]
-    return [(found.swimmer.name, found.cycle_mean.shortest[j]) for j in at for found in study.maps]
+    return [(loops.swimmer.name, loops.shortest[j]) for j in at for loops in _with_mean_heading(study)]
 
 
 def _speeds(study: StabilityStudy) -> list[tuple[str, list[float], list[float]]]:
     """By swimmer that has both, the speeds of loops that settle and of those in a limit cycle [m/s]."""
     found: list[tuple[str, list[float], list[float]]] = []
-    for one in study.maps:
-        behaviors, speeds = one.cycle_mean.behaviors, one.cycle_mean.forward_velocity
-        settled, swinging = (speeds[behaviors == which].tolist() for which in (SETTLED, SWINGS))
+    for loops in _with_mean_heading(study):
+        settled, swinging = (loops.forward_velocity[loops.behaviors == one].tolist() for one in (SETTLED, SWINGS))
         if settled and swinging:
-            found.append((one.swimmer.name, settled, swinging))
+            found.append((loops.swimmer.name, settled, swinging))
     return found
+
+
+def _with_mean_heading(study: StabilityStudy) -> list[Loops]:
+    return [loops for loops in study.maps if loops.heading == "cycle_mean"]
 
 
 # ---- figure --------------------------------------------------------------------------------------------------------
 
 
-def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> Axes:
+def stability_map(mean: Loops, raw: Loops, ax: Axes, paper: tuple[float, float]) -> Axes:
     """One map: color and number are the error, a thick line parts the loops that settle from those that do not.
 
     The first columns are for the mean heading, those behind the gap for the raw one.
 
     Args:
-        panel: The map of one swimmer.
+        mean: The map of one swimmer with the mean heading.
+        raw: The same with the raw one; it may be empty.
         ax: Where to draw.
         paper: Look-ahead distance [m] and gain [-] to be marked.
     """
-    n, gains, distances = panel.cycle_mean.gains.size, panel.gains, panel.cycle_mean.look_ahead_distances
-    columns = [j + (GAP if j >= n else 0.0) for j in range(gains.size)]
-    for row, (errors, behaviors) in enumerate(zip(panel.rms.tolist(), panel.behaviors.tolist(), strict=True)):
-        for at, error, behavior in zip(columns, errors, behaviors, strict=True):
-            _draw_cell(ax, at, row, error, behavior)
-    _draw_boundary(panel, ax, columns)
-    above = np.flatnonzero(distances >= 2.0 * panel.swimmer.length * (1.0 - 1e-9))
+    distances, n, beside = mean.look_ahead_distances, mean.gains.size, mean.gains.size + GAP
+    columns = [*range(n), *(beside + j for j in range(raw.gains.size))]
+    for loops, begin in ((mean, 0.0), (raw, beside)):
+        _draw_loops(loops, begin, ax, paper)
+    above = np.flatnonzero(distances >= 2.0 * mean.swimmer.length * (1.0 - 1e-9))
     if above.size:  # the rule of thumb, a line under the first distance that keeps it
         at, ends = float(above[0]) - 0.5, (-0.5, columns[-1] + 0.5)
         ax.plot(ends, (at, at), color=style.ORANGE, linewidth=1.4, linestyle=(0, (4, 2)), zorder=4, clip_on=False)
-    rows, places = np.flatnonzero(np.isclose(distances, paper[0])), np.flatnonzero(np.isclose(gains, paper[1]))
-    corners = [(columns[j] - 0.42, row - 0.4) for row in rows.tolist() for j in places.tolist()]
-    frames = [Rectangle(corner, 0.84, 0.8) for corner in corners]
-    ax.add_collection(PatchCollection(frames, facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, zorder=5))
     ax.set_xlim(-0.5, columns[-1] + 0.5)
     ax.set_ylim(-0.5, distances.size - 0.5)
-    ax.set_xticks(columns, [f"{gain:g}" for gain in gains])
+    ax.set_xticks(columns, [f"{gain:g}" for gain in (*mean.gains, *raw.gains)])
     ax.set_yticks(range(distances.size), [f"{value:g}" for value in distances])
-    if gains.size > n:
+    if raw.gains.size:
         for at, words in ((np.mean(columns[:n]), "mean heading"), (np.mean(columns[n:]), "raw")):
             above_panel: Any = {"xycoords": ("data", "axes fraction"), "annotation_clip": False}
             style.note(ax, words, (float(at), 1.0), (0.0, 3.0), ha="center", color=style.INK, **above_panel)
@@ -207,22 +199,23 @@ def stability_map(panel: StabilityMap, ax: Axes, paper: tuple[float, float]) -> 
     return ax
 
 
-def stability_sheet(panels: Sequence[StabilityMap], title: str, paper: tuple[float, float], note: str = "") -> Figure:
+def stability_sheet(maps: Sequence[Loops], title: str, paper: tuple[float, float], note: str = "") -> Figure:
     """All maps, two in a row, with their scale and what the marks mean.
 
     Args:
-        panels: One per swimmer.
+        maps: Two per swimmer: with the mean heading, and with the raw one.
         title: Above all panels.
         paper: Look-ahead distance [m] and gain [-] to be marked.
         note: A second line under the title; "" for none.
     """
+    panels = [*zip(maps[::2], maps[1::2], strict=True)]
     n_rows = -(-len(panels) // 2)
-    height = n_rows * (panels[0].cycle_mean.look_ahead_distances.size * CELL[1] + 0.85) + 1.1
+    height = n_rows * (maps[0].look_ahead_distances.size * CELL[1] + 0.85) + 1.1
     figure = style.new_figure(style.DOUBLE_COLUMN, height)
     grid = figure.subplots(n_rows, 2, squeeze=False)
     axes: list[Axes] = [ax for row in grid for ax in row]
     for place, (panel, ax) in enumerate(zip(panels, axes, strict=False)):
-        style.letter(stability_map(panel, ax, paper), place, panel.swimmer.name, pad=16)
+        style.letter(stability_map(*panel, ax, paper), place, panel[0].swimmer.name, pad=16)
     for ax in axes[len(panels) :]:
         ax.set_visible(False)
     used = axes[: len(panels)]
@@ -235,6 +228,22 @@ def stability_sheet(panels: Sequence[StabilityMap], title: str, paper: tuple[flo
     style.head(figure, title, note)
     style.legend_below(figure, _handles(), ncols=4, handlelength=1.9, columnspacing=1.4)
     return figure
+
+
+def _draw_loops(loops: Loops, begin: float, ax: Axes, paper: tuple[float, float]) -> None:
+    """The cells from a column on, lines between those that settle and those that do not, and the paper's in a frame."""
+    behaviors, settled = loops.behaviors, loops.behaviors == SETTLED
+    for (row, j), error in np.ndenumerate(loops.rms):
+        _draw_cell(ax, begin + j, row, float(error), str(behaviors[row, j]))
+    above, beside = (
+        np.argwhere(change).tolist() for change in (settled[1:] != settled[:-1], settled[:, 1:] != settled[:, :-1])
+    )
+    edges: list[Edge] = [((begin + j - 0.5, row + 0.5), (begin + j + 0.5, row + 0.5)) for row, j in above]
+    edges += [((begin + j + 0.5, row - 0.5), (begin + j + 0.5, row + 0.5)) for row, j in beside]
+    ax.add_collection(LineCollection(edges, colors=style.INK, linewidths=BOUNDARY, capstyle="projecting", zorder=3))
+    is_papers = np.outer(np.isclose(loops.look_ahead_distances, paper[0]), np.isclose(loops.gains, paper[1]))
+    frames = [Rectangle((begin + j - 0.42, row - 0.4), 0.84, 0.8) for row, j in np.argwhere(is_papers).tolist()]
+    ax.add_collection(PatchCollection(frames, facecolor="none", edgecolor=style.ORANGE, linewidth=1.5, zorder=5))
 
 
 def _draw_cell(ax: Axes, at: float, row: int, error: float, behavior: str) -> None:
@@ -263,20 +272,6 @@ def _centimeters(error: float) -> str:
     if error < SMALLEST:
         return f"<{100.0 * SMALLEST:g}"
     return f"{100.0 * error:.1f}" if error < 0.0995 else f"{100.0 * error:.0f}"
-
-
-def _draw_boundary(panel: StabilityMap, ax: Axes, columns: Sequence[float]) -> None:
-    """Lines between cells that settle and cells that do not."""
-    edges: list[Edge] = []
-    n_rows, n_mean = panel.cycle_mean.look_ahead_distances.size, panel.cycle_mean.gains.size
-    settled = panel.behaviors == SETTLED
-    for row in range(n_rows):
-        for j, at in enumerate(columns):
-            if row + 1 < n_rows and settled[row, j] != settled[row + 1, j]:
-                edges.append(((at - 0.5, row + 0.5), (at + 0.5, row + 0.5)))
-            if j + 1 < len(columns) and j + 1 != n_mean and settled[row, j] != settled[row, j + 1]:
-                edges.append(((at + 0.5, row - 0.5), (at + 0.5, row + 0.5)))
-    ax.add_collection(LineCollection(edges, colors=style.INK, linewidths=BOUNDARY, capstyle="projecting", zorder=3))
 
 
 def _handles() -> list[Line2D | Patch]:
