@@ -87,7 +87,7 @@ from laticauda.estimation import (
     ReferenceSample,
     Sample,
 )
-from laticauda.kinematics import link_centers
+from laticauda.kinematics import Posture
 from laticauda.robot import load_water
 
 INTERVAL = 0.01  # between two samples of everything [s]
@@ -163,7 +163,7 @@ def sensed(trial: lc.Trial, sensors: Sensors, seed: int) -> tuple[list[tuple[flo
     """What the sensors make of it: samples with the time of their arrival, in that order, and which times drop out."""
     chance = np.random.default_rng(seed)
     n, chain = trial.time.size, trial.robot.planar()
-    marker = link_centers(chain, trial.center_of_mass, trial.link_angle)[:, 0]
+    marker = Posture(chain, trial.center_of_mass, trial.link_angle).link_centers[:, 0]
     marker = marker + chance.normal(0.0, sensors.position, marker.shape)
     yaw = trial.link_angle[:, 0] + chance.normal(0.0, sensors.yaw, n)
     leads = 0.5 * sensors.backlash * np.tanh(trial.joint_torque / 0.2)

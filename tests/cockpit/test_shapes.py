@@ -7,7 +7,7 @@ import laticauda as lc
 from laticauda.cockpit import Live
 from laticauda.cockpit.shapes import poses, shapes
 from laticauda.cockpit.simulation import with_fin
-from laticauda.kinematics import fin_line, link_ends
+from laticauda.kinematics import Posture
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 
@@ -22,9 +22,9 @@ def test_modules_and_fin_are_where_kinematics_has_them(rigidity):
     found = poses(robot, sample, height=0.3)
     angles = None if rigidity is None else np.array([sample.signals[f"fin_angle_{k}"] for k in (1, 2, 3)])
     place = sample.center_of_mass, sample.link_angle
-    ends = link_ends(robot, *place, fin_angle=angles)
+    ends = Posture(robot, *place, fin_angle=angles).link_ends
     np.testing.assert_allclose(found.position[:9, :2], ends[:-1], atol=1e-12)
-    line = fin_line(robot, *place, fin_angle=angles)
+    line = Posture(robot, *place, fin_angle=angles).fin_line
     np.testing.assert_allclose(found.position[9:, :2], line[:0:-1], atol=1e-12)
     np.testing.assert_allclose(found.position[:, 2], 0.3)
     assert max(shape.part for shape in shapes(robot)) == len(found.position) - 1

@@ -6,7 +6,7 @@ from matplotlib.collections import PolyCollection
 
 from laticauda.figures import new_figure, path_strip
 from laticauda.figures import path as postures
-from laticauda.kinematics import trailing_edge
+from laticauda.kinematics import Posture
 
 
 @pytest.fixture
@@ -77,7 +77,8 @@ def test_a_fin_ends_at_the_trailing_edge(ax: Axes):
     trial = run("fin")
     robot = postures.planar_body(trial)
     points = postures.outline(robot, trial, 200)
-    np.testing.assert_allclose(points[0], trailing_edge(robot, trial.center_of_mass[200], trial.link_angle[200]))
+    expected = Posture(robot, trial.center_of_mass[200], trial.link_angle[200]).trailing_edge
+    np.testing.assert_allclose(points[0], expected)
     postures.draw_posture(ax, robot, points, 0.0)
     fin = next(found for found in ax.collections if not isinstance(found, PolyCollection))
     opening, plate = (path.vertices for path in fin.get_paths())

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from laticauda import kinematics
+from laticauda.kinematics import Posture
 from laticauda.robot import CaudalFin, Module, Robot, Section, load_robot
 
 
@@ -56,14 +57,13 @@ def tangents(link_angle):
 @given(poses())
 def test_masses_at_their_places_have_the_center_of_mass_that_was_given(pose):
     robot, center_of_mass, _, link_angle, _ = pose
+    posture = Posture(robot, center_of_mass, link_angle)
     offset = np.array([module.center for module in robot.modules])
     mass = np.array([module.mass for module in robot.modules])
-    place = kinematics.link_centers(robot, center_of_mass, link_angle) + offset[:, np.newaxis] * tangents(link_angle)
+    place = posture.link_centers + offset[:, np.newaxis] * tangents(link_angle)
     moment, total = np.einsum("i,tij->tj", mass, place), np.sum(mass)
     if robot.caudal_fin is not None:
-        tail_end = kinematics.link_ends(robot, center_of_mass, link_angle)[:, 0]
-        edge = kinematics.trailing_edge(robot, center_of_mass, link_angle)
-        moment += robot.caudal_fin.mass * 0.5 * (tail_end + edge)
+        moment += robot.caudal_fin.mass * 0.5 * (posture.link_ends[:, 0] + posture.trailing_edge)
         total += robot.caudal_fin.mass
     assert total == pytest.approx(robot.mass)
     np.testing.assert_allclose(moment / total, center_of_mass, atol=1e-12)
@@ -72,36 +72,35 @@ def test_masses_at_their_places_have_the_center_of_mass_that_was_given(pose):
 @given(poses())
 def test_every_link_lies_between_its_ends_along_its_angle(pose):
     robot, center_of_mass, _, link_angle, _ = pose
-    ends = kinematics.link_ends(robot, center_of_mass, link_angle)
+    posture = Posture(robot, center_of_mass, link_angle)
+    ends = posture.link_ends
     length = np.array([module.length for module in robot.modules])[:, np.newaxis]
     np.testing.assert_allclose(np.diff(ends, axis=1), length * tangents(link_angle), atol=1e-12)
-    centers = kinematics.link_centers(robot, center_of_mass, link_angle)
-    np.testing.assert_allclose(centers, 0.5 * (ends[:, :-1] + ends[:, 1:]), atol=1e-12)
+    np.testing.assert_allclose(posture.link_centers, 0.5 * (ends[:, :-1] + ends[:, 1:]), atol=1e-12)
 
 
 @given(poses())
 def test_the_fin_extends_the_tail_link_backward_by_its_length(pose):
     robot, center_of_mass, _, link_angle, _ = pose
+    posture = Posture(robot, center_of_mass, link_angle)
     length = robot.caudal_fin.length if robot.caudal_fin is not None else 0.0
-    tail_end = kinematics.link_ends(robot, center_of_mass, link_angle)[:, 0]
-    edge = kinematics.trailing_edge(robot, center_of_mass, link_angle)
-    np.testing.assert_allclose(tail_end - edge, length * tangents(link_angle)[:, 0], atol=1e-12)
+    gap = posture.link_ends[:, 0] - posture.trailing_edge
+    np.testing.assert_allclose(gap, length * tangents(link_angle)[:, 0], atol=1e-12)
 
 
 @given(poses(), st.data())
 def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
     robot, center_of_mass, velocity, link_angle, link_rate = pose
+    posture = Posture(robot, center_of_mass, link_angle)
     link = data.draw(st.integers(0, robot.n_links - 1))
     offset = data.draw(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)))
 
     # What motion capture sees of that link, and what the joints report.
     across = np.stack((-np.sin(link_angle[:, link]), np.cos(link_angle[:, link])), axis=-1)
     along = tangents(link_angle)[:, link]
-    marker = (
-        kinematics.link_centers(robot, center_of_mass, link_angle)[:, link] + offset[0] * along + offset[1] * across
-    )
+    marker = posture.link_centers[:, link] + offset[0] * along + offset[1] * across
     drift = link_rate[:, link, np.newaxis] * (offset[0] * across - offset[1] * along)
-    seen = kinematics.link_velocities(robot, velocity, link_angle, link_rate)[:, link] + drift
+    seen = posture.link_velocities(velocity, link_rate)[:, link] + drift
     joint_angle, joint_rate = kinematics.joint_angles(link_angle), kinematics.joint_angles(link_rate)
 
     theta = kinematics.link_angles(joint_angle, angle=link_angle[:, link], link=link)
@@ -117,37 +116,34 @@ def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
 @given(poses())
 def test_velocities_are_the_rates_of_the_positions(pose):
     robot, center_of_mass, velocity, link_angle, link_rate = pose
-
-    def rate(place):
-        h = 1e-6
-        after = place(robot, center_of_mass + h * velocity, link_angle + h * link_rate)
-        return (after - place(robot, center_of_mass - h * velocity, link_angle - h * link_rate)) / (2.0 * h)
-
-    states = robot, velocity, link_angle, link_rate
-    np.testing.assert_allclose(kinematics.link_velocities(*states), rate(kinematics.link_centers), atol=1e-7)
-    np.testing.assert_allclose(kinematics.trailing_edge_velocity(*states), rate(kinematics.trailing_edge), atol=1e-7)
+    h = 1e-6
+    now = Posture(robot, center_of_mass, link_angle)
+    before, after = (Posture(robot, center_of_mass + d * velocity, link_angle + d * link_rate) for d in (-h, h))
+    links, edge = now.link_velocities(velocity, link_rate), now.trailing_edge_velocity(velocity, link_rate)
+    np.testing.assert_allclose(links, (after.link_centers - before.link_centers) / (2.0 * h), atol=1e-7)
+    np.testing.assert_allclose(edge, (after.trailing_edge - before.trailing_edge) / (2.0 * h), atol=1e-7)
 
 
 @given(poses(), ANGLES, st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)))
 def test_a_pose_that_is_turned_and_moved_has_its_parts_turned_and_moved(pose, angle, shift):
     robot, center_of_mass, _, link_angle, _ = pose
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    for place in (kinematics.link_ends, kinematics.link_centers, kinematics.trailing_edge):
-        here = place(robot, center_of_mass, link_angle)
-        there = place(robot, center_of_mass @ rotation.T + shift, link_angle + angle)
-        np.testing.assert_allclose(there, here @ rotation.T + shift, atol=1e-11)
+    here = Posture(robot, center_of_mass, link_angle)
+    there = Posture(robot, center_of_mass @ rotation.T + shift, link_angle + angle)
+    for part in ("link_ends", "link_centers", "trailing_edge"):
+        np.testing.assert_allclose(getattr(there, part), getattr(here, part) @ rotation.T + shift, atol=1e-11)
 
 
 @given(poses(batch=(2, 4)))
 def test_any_leading_axes_give_what_each_pose_gives_alone(pose):
     robot, center_of_mass, velocity, link_angle, link_rate = pose
-    ends = kinematics.link_ends(robot, center_of_mass, link_angle)
-    velocities = kinematics.link_velocities(robot, velocity, link_angle, link_rate)
+    every = Posture(robot, center_of_mass, link_angle)
+    ends, velocities = every.link_ends, every.link_velocities(velocity, link_rate)
     back = kinematics.center_of_mass(robot, ends[..., 0, :], link_angle)
     assert ends.shape == (2, 4, robot.n_links + 1, 2)
-    alone = center_of_mass[1, 2], link_angle[1, 2]
-    np.testing.assert_allclose(kinematics.link_ends(robot, *alone), ends[1, 2], atol=1e-13)
-    one = kinematics.link_velocities(robot, velocity[1, 2], link_angle[1, 2], link_rate[1, 2])
+    alone = Posture(robot, center_of_mass[1, 2], link_angle[1, 2])
+    np.testing.assert_allclose(alone.link_ends, ends[1, 2], atol=1e-13)
+    one = alone.link_velocities(velocity[1, 2], link_rate[1, 2])
     np.testing.assert_allclose(one, velocities[1, 2], atol=1e-13)
     np.testing.assert_allclose(
         kinematics.center_of_mass(robot, ends[1, 2, 0], link_angle[1, 2]), back[1, 2], atol=1e-13
@@ -165,16 +161,16 @@ def test_link_angles_from_the_heading_have_that_heading_and_those_joint_angles(j
 def test_a_positive_joint_angle_bends_the_head_side_to_the_left():
     robot = load_robot("chain", n_links=2)
     link_angle = kinematics.link_angles(np.array([0.5]), angle=0.0, link=0)
-    ends = kinematics.link_ends(robot, np.zeros(2), link_angle)
+    ends = Posture(robot, np.zeros(2), link_angle).link_ends
     assert ends[2, 1] > ends[1, 1] == pytest.approx(ends[0, 1])
 
 
 def test_the_fins_mass_moves_the_center_of_mass_of_straight_mamba_back():
     robot = load_robot("mamba-fin")
-    ends = kinematics.link_ends(robot, np.zeros(2), np.zeros(9))
+    ends = Posture(robot, np.zeros(2), np.zeros(9)).link_ends
     # 7.2 kg at mid-length, 0.81 m before the tail end, and 0.225 kg 0.25 m behind it.
     assert -ends[0, 0] == pytest.approx((7.2 * 0.81 - 0.225 * 0.25) / 7.425)
-    bare = kinematics.link_ends(dataclasses.replace(robot, caudal_fin=None), np.zeros(2), np.zeros(9))
+    bare = Posture(dataclasses.replace(robot, caudal_fin=None), np.zeros(2), np.zeros(9)).link_ends
     assert -bare[0, 0] == pytest.approx(0.81)
 
 
@@ -184,7 +180,7 @@ def test_a_robot_with_pitch_joints_and_its_planar_reduction_are_in_the_same_plac
     link_angle = np.linspace(-0.5, 0.5, planar.n_links)
     place = np.array([0.3, -0.2])
     module_angle = np.repeat(link_angle, [round(module.length / 0.09) for module in planar.modules])
-    here, there = kinematics.link_ends(planar, place, link_angle), kinematics.link_ends(robot, place, module_angle)
+    here, there = Posture(planar, place, link_angle).link_ends, Posture(robot, place, module_angle).link_ends
     np.testing.assert_allclose(here[0], there[0], atol=1e-12)
     np.testing.assert_allclose(here[-1], there[-1], atol=1e-12)
 
@@ -198,21 +194,31 @@ def test_a_lost_marker_loses_one_pose_only():
 
 
 @pytest.mark.parametrize(
-    ("function", "arguments", "message"),
+    ("call", "message"),
     [
-        ("link_centers", (np.zeros(2), np.zeros(8)), "`link_angle` must have 9 columns, one per link of the robot"),
-        ("link_ends", (np.zeros((5, 2)), np.zeros((5, 1))), "`link_angle` must have 9 columns"),
-        ("trailing_edge", (np.zeros(3), np.zeros(9)), "`center_of_mass` must have 2 columns, x and y, got shape (3,)."),
-        ("link_velocities", (np.zeros(2), np.zeros(9), np.zeros(1)), "`link_rate` must have 9 columns"),
-        ("link_velocities", (0.0, np.zeros(9), np.zeros(9)), "`center_of_mass_velocity` must have 2 columns"),
-        ("center_of_mass", (np.zeros(1), np.zeros(9)), "`position` must have 2 columns"),
-        ("center_of_mass_velocity", (np.zeros(3), np.zeros(9), np.zeros(9)), "`velocity` must have 2 columns"),
+        (lambda r: Posture(r, np.zeros(2), np.zeros(8)), "`link_angle` must have 9 columns, one per link of the robot"),
+        (lambda r: Posture(r, np.zeros((5, 2)), np.zeros((5, 1))), "`link_angle` must have 9 columns"),
+        (
+            lambda r: Posture(r, np.zeros(3), np.zeros(9)),
+            "`center_of_mass` must have 2 columns, x and y, got shape (3,).",
+        ),
+        (lambda r: straight(r).link_velocities(np.zeros(2), np.zeros(1)), "`link_rate` must have 9 columns"),
+        (lambda r: straight(r).trailing_edge_velocity(0.0, np.zeros(9)), "`velocity` must have 2 columns"),
+        (lambda r: kinematics.center_of_mass(r, np.zeros(1), np.zeros(9)), "`position` must have 2 columns"),
+        (
+            lambda r: kinematics.center_of_mass_velocity(r, np.zeros(3), np.zeros(9), np.zeros(9)),
+            "`velocity` must have 2 columns",
+        ),
     ],
 )
-def test_an_array_that_does_not_fit_the_robot_is_refused(function, arguments, message):
+def test_an_array_that_does_not_fit_the_robot_is_refused(call, message):
     # Without the tests' own check of shapes, which would speak first.
     with jaxtyping_disabled(), pytest.raises(ValueError, match=re.escape(message)):
-        getattr(kinematics, function)(load_robot("mamba"), *arguments)
+        call(load_robot("mamba"))
+
+
+def straight(robot):
+    return Posture(robot, np.zeros(2), np.zeros(9))
 
 
 def test_a_link_that_the_robot_does_not_have_is_refused():

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from laticauda.kinematics import (
+    Posture,
     from_quaternion,
     link_angles,
-    link_centers,
     module_poses,
     to_quaternion,
     turned_about_vertical,
@@ -24,7 +24,7 @@ def test_a_level_robot_is_where_the_plane_has_it(name, yaw, tail):
     robot = load_robot(name)
     poses = module_poses(robot, np.array([1.0, 2.0, -0.3]), turned_about_vertical(tail), np.array(yaw))
     links = link_angles(np.array(yaw), angle=tail, link=0)
-    expected = link_centers(robot, np.array([1.0, 2.0]), links)
+    expected = Posture(robot, np.array([1.0, 2.0]), links).link_centers
     np.testing.assert_allclose(poses.position[:, :2], expected, atol=1e-12)
     np.testing.assert_allclose(poses.position[:, 2], -0.3, atol=1e-12)
     np.testing.assert_allclose(poses.rotation[:, 0, 0], np.cos(links), atol=1e-12)

@@ -110,7 +110,7 @@ def test_the_package_mcap_reads_what_the_trial_holds(full_trial: Trial, tmp_path
 
 
 def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
-    from laticauda.kinematics import link_centers
+    from laticauda.kinematics import Posture
 
     pytest.importorskip("mcap")
     from laticauda.logs import read_messages
@@ -118,7 +118,7 @@ def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
     trial = make_trial(duration=1.0)
     trial.save(tmp_path / "run.mcap")
     last = list(read_messages(tmp_path / "run.mcap", "/tf"))[-1].content["transforms"]
-    middle = link_centers(trial.robot, trial.center_of_mass, trial.link_angle)[-1]
+    middle = Posture(trial.robot, trial.center_of_mass, trial.link_angle).link_centers[-1]
     found = {one["child_frame_id"]: one["transform"] for one in last}
     for i, (x, y) in enumerate(middle):
         place, turn = found[f"link_{i}"]["translation"], found[f"link_{i}"]["rotation"]

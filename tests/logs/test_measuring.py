@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from laticauda.errors import TrialFileError
-from laticauda.kinematics import link_centers, link_ends
+from laticauda.kinematics import Posture
 from laticauda.logs import load_trial
 from laticauda.robot import Robot, load_robot
 from laticauda.trial import Trial
@@ -51,7 +51,8 @@ def swum(make_trial: Callable[..., Trial]) -> Trial:
 
 def marker(trial: Trial, link: int = 0, offset: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """Where a marker on a link is [m]."""
-    middle, angle = link_centers(ROBOT, trial.center_of_mass, trial.link_angle)[:, link], trial.link_angle[:, link]
+    posture, angle = Posture(ROBOT, trial.center_of_mass, trial.link_angle), trial.link_angle[:, link]
+    middle = posture.link_centers[:, link]
     along, left = offset
     x = middle[:, 0] + along * np.cos(angle) - left * np.sin(angle)
     return np.stack((x, middle[:, 1] + along * np.sin(angle) + left * np.cos(angle)), axis=1)
@@ -183,7 +184,7 @@ def test_the_origin_and_the_rotation_of_the_frame_move_the_path(swum, tmp_path):
 
 
 def test_markers_on_all_ends_need_no_joint_angles(swum, tmp_path):
-    ends = 1e3 * link_ends(ROBOT, swum.center_of_mass, swum.link_angle)
+    ends = 1e3 * Posture(ROBOT, swum.center_of_mass, swum.link_angle).link_ends
     log = {"t": swum.time}
     for i in range(10):
         log |= {f"m{i} X": ends[:, i, 0], f"m{i} Y": ends[:, i, 1]}
@@ -324,7 +325,7 @@ def c3d(path: Path, points: dict[str, np.ndarray], unit: str, rate: float, analo
 
 
 def ends_in_space(trial: Trial) -> dict[str, np.ndarray]:
-    ends = link_ends(ROBOT, trial.center_of_mass, trial.link_angle)
+    ends = Posture(ROBOT, trial.center_of_mass, trial.link_angle).link_ends
     height = np.full((trial.time.size, 1), 0.3)
     return {f"m{i}": np.hstack((ends[:, i], height)) for i in range(10)}
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.estimation import PoseSample
-from laticauda.kinematics import link_angles, link_centers
+from laticauda.kinematics import Posture, link_angles
 from laticauda.operate import Event, PowerReading
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs
@@ -125,7 +125,7 @@ class Rig:
         theta = link_angles(
             self.angle[: self.robot.n_joints][[j.axis == "yaw" for j in self.robot.joints]], angle=self.heading
         )
-        tail = link_centers(chain, self.position, theta)[0]
+        tail = Posture(chain, self.position, theta).link_centers[0]
         c, s = np.cos(theta[0]), np.sin(theta[0])
         rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         return PoseSample(

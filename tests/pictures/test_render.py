@@ -52,7 +52,7 @@ def test_the_replay_is_where_the_trial_was(name):
         replay.go_to(float(trial.time[sample]))
         center = replay.data.subtree_com[1]
         np.testing.assert_allclose(center, [*trial.center_of_mass[sample], -1.0], atol=1e-9)
-        ends = kinematics.link_ends(planar, trial.center_of_mass[sample], trial.link_angle[sample])
+        ends = kinematics.Posture(planar, trial.center_of_mass[sample], trial.link_angle[sample]).link_ends
         yaw = [0, *(i + 1 for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw")]
         found = np.array([replay.data.body(f"module_{i}").xpos for i in yaw])
         np.testing.assert_allclose(found[:, :2], ends[:-1], atol=1e-8)
@@ -130,8 +130,8 @@ def test_the_whole_robot_is_in_the_picture_all_the_time(name, offset):
         right = np.cross(flat, [0.0, 0.0, 1.0])
         eye = seen.target - seen.distance * forward
         center, angle = trial.center_of_mass[k], trial.link_angle[k]
-        edge = kinematics.trailing_edge(trial.robot, center, angle)
-        points = np.vstack((edge, kinematics.link_ends(trial.robot, center, angle)))
+        edge = kinematics.Posture(trial.robot, center, angle).trailing_edge
+        points = np.vstack((edge, kinematics.Posture(trial.robot, center, angle).link_ends))
         ray = np.column_stack((points, np.full(len(points), -1.0))) - eye
         depth = ray @ forward
         assert np.all(np.abs(ray @ right) < 0.97 * depth * up_most * aspect)

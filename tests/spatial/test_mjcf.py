@@ -55,7 +55,7 @@ def test_mass_and_place_of_the_center_of_mass_are_the_robots(robot):
     assert model.body_subtreemass[0] == pytest.approx(robot.mass)
     straight = np.zeros(robot.n_links)
     as_planar = replace(robot, joints=[replace(joint, axis="yaw") for joint in robot.joints])
-    tail = kinematics.link_ends(as_planar, np.zeros(2), straight)[0]
+    tail = kinematics.Posture(as_planar, np.zeros(2), straight).link_ends[0]
     np.testing.assert_allclose(data.subtree_com[1][:2], -tail, atol=1e-12)
 
 
@@ -141,12 +141,13 @@ def test_modules_are_where_kinematics_says(robot, draw):
         center = data.subtree_com[1][:2]
         bend = np.array([0.3 * math.cos(k) for k in range(len(names))])
         hinges = [f"caudal_fin_{k}" if k else "caudal_fin" for k in range(robot.caudal_fin.n_hinges, -1, -1)]
-        line = kinematics.fin_line(robot, center, theta, fin_angle=bend)
+        line = kinematics.Posture(robot, center, theta, fin_angle=bend).fin_line
         np.testing.assert_allclose(line[1:], [data.body(name).xpos[:2] for name in hinges], atol=1e-9)
     found = np.array([data.body(f"module_{i}").xpos[:2] for i in range(robot.n_links)])
-    np.testing.assert_allclose(found, kinematics.link_ends(robot, center, theta, fin_angle=bend)[:-1], atol=1e-9)
+    posture = kinematics.Posture(robot, center, theta, bend)
+    np.testing.assert_allclose(found, posture.link_ends[:-1], atol=1e-9)
     middles = np.array([data.site(f"module_{i}_center").xpos[:2] for i in range(robot.n_links)])
-    np.testing.assert_allclose(middles, kinematics.link_centers(robot, center, theta, fin_angle=bend), atol=1e-9)
+    np.testing.assert_allclose(middles, posture.link_centers, atol=1e-9)
 
 
 def test_a_positive_yaw_angle_turns_the_head_left_and_a_positive_pitch_angle_turns_it_down():

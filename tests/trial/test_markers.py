@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import laticauda as lc
 from laticauda.errors import TrialFileError
-from laticauda.kinematics import link_ends
+from laticauda.kinematics import Posture
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
 ALONG = [0.42, 0.33, 0.2, 0.0]
@@ -20,7 +20,7 @@ SEEN = Track(time=TRIAL.time, place=marker_places(TRIAL, ALONG))
 
 def test_markers_on_the_ends_and_joints_are_where_these_are():
     places = marker_places(TRIAL, [0.0, 0.14, 0.28, 0.42])
-    np.testing.assert_allclose(places, link_ends(CHAIN, TRIAL.center_of_mass, TRIAL.link_angle), atol=1e-14)
+    np.testing.assert_allclose(places, Posture(CHAIN, TRIAL.center_of_mass, TRIAL.link_angle).link_ends, atol=1e-14)
 
 
 @settings(max_examples=25, deadline=None)

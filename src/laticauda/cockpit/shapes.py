@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.interfaces import ORIENTATION
-from laticauda.kinematics import from_quaternion, link_centers, module_poses, to_quaternion, turned_about_vertical
+from laticauda.kinematics import Posture, from_quaternion, module_poses, to_quaternion, turned_about_vertical
 from laticauda.robot import CaudalFin, Robot
 from laticauda.series import Log
 from laticauda.spatial.appearance import MATERIALS, Box, Mesh, joined, parts, plate, rods
@@ -70,7 +70,7 @@ def poses(robot: Robot, sample: Log, height: float = 0.0) -> Poses:
         middle, rotation = found.position, found.rotation
     else:
         own = np.array([bends[k] for k in robot.fin_joints])
-        flat = link_centers(robot, center, sample.link_angle, fin_angle=own if own.size else None)
+        flat = Posture(robot, center, sample.link_angle, fin_angle=own if own.size else None).link_centers
         middle = np.column_stack((flat, np.full(len(flat), height)))
         rotation = np.array([turned_about_vertical(float(angle)) for angle in sample.link_angle])
     rear = middle - half[:, np.newaxis] * rotation[:, :, 0]

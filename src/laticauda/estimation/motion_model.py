@@ -13,7 +13,7 @@ import numpy as np
 from laticauda.estimation.digital_twin import Displacement, TwinState
 from laticauda.estimation.filter_state import Gaussian, Matrix, Noise, Vector
 from laticauda.estimation.samples import Mount
-from laticauda.kinematics import link_angles, link_centers
+from laticauda.kinematics import Posture, link_angles
 from laticauda.robot import Robot
 
 # Places in the vector of what is estimated. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the
@@ -81,7 +81,7 @@ class MotionModel:
         n, (link, (along, across)) = self.chain.n_links, self.mount.on_link(self.robot)
         # One link along x and all others along y: what the place of a link's middle has in x is that one's lever.
         one_turned = 0.5 * math.pi * (1.0 - np.eye(n))
-        lever = link_centers(self.chain, np.zeros((n, 2)), one_turned)[:, link, 0].astype(np.complex128)
+        lever = Posture(self.chain, np.zeros((n, 2)), one_turned).link_centers[:, link, 0].astype(np.complex128)
         lever[link] += complex(along, across)
         return lever
 

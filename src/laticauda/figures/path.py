@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, ScaledTranslation
 
 from laticauda.figures import style
-from laticauda.kinematics import fin_line, link_ends
+from laticauda.kinematics import Posture
 from laticauda.robot import CaudalFin, Robot, Water
 from laticauda.trial import Trial
 
@@ -161,8 +161,8 @@ def outline(robot: Robot, trial: Trial, sample: int) -> Points:
 
 def posture(robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None) -> Points:
     """The same of a center of mass [m] and link angles [rad]; without angles of the fin it is straight."""
-    fin = fin_line(robot, center, angle, fin_angle=fin_angle)
-    return np.vstack((fin[:-1], link_ends(robot, center, angle, fin_angle=fin_angle)))
+    bent = Posture(robot, center, angle, fin_angle)
+    return np.vstack((bent.fin_line[:-1], bent.link_ends))
 
 
 def instants(trial: Trial) -> list[int]:

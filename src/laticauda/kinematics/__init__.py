@@ -6,13 +6,9 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.angles import from_quaternion as from_quaternion, to_quaternion as to_quaternion
-    from laticauda.kinematics.poses import center_of_mass as center_of_mass, fin_line as fin_line, heading as heading
+    from laticauda.kinematics.poses import Posture as Posture, center_of_mass as center_of_mass, heading as heading
     from laticauda.kinematics.poses import center_of_mass_velocity as center_of_mass_velocity
-    from laticauda.kinematics.poses import joint_angles as joint_angles
-    from laticauda.kinematics.poses import link_angles as link_angles, link_centers as link_centers
-    from laticauda.kinematics.poses import link_ends as link_ends, link_velocities as link_velocities
-    from laticauda.kinematics.poses import trailing_edge as trailing_edge
-    from laticauda.kinematics.poses import trailing_edge_velocity as trailing_edge_velocity
+    from laticauda.kinematics.poses import joint_angles as joint_angles, link_angles as link_angles
     from laticauda.kinematics.space import ModulePoses as ModulePoses, module_poses as module_poses
     from laticauda.kinematics.space import turned_about_vertical as turned_about_vertical
 

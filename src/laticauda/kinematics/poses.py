@@ -13,7 +13,7 @@ nan passes through: a marker that was lost gives a pose that is unknown, at that
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -21,10 +21,14 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, whole
 from laticauda.robot import Robot
 
+Angles = Float[np.ndarray, "*batch n_links"]
 FinAngles = Float[np.ndarray, "*batch n_fin_joints"]
+Vectors = Float[np.ndarray, "*batch 2"]
+Points = Float[np.ndarray, "*batch n_points 2"]
+Levers = Float[np.ndarray, "n_points n_pieces_and_links"]
 
 
-def heading(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch"]:
+def heading(link_angle: Angles) -> Float[np.ndarray, "*batch"]:
     """Mean of the body's link angles [rad], equation (6) of the paper; the fin does not count.
 
     Args:
@@ -33,7 +37,7 @@ def heading(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray
     return np.asarray(np.mean(link_angle, axis=-1))
 
 
-def joint_angles(link_angle: Float[np.ndarray, "*batch n_links"]) -> Float[np.ndarray, "*batch n_joints"]:
+def joint_angles(link_angle: Angles) -> Float[np.ndarray, "*batch n_joints"]:
     """Joint angles phi_i = theta_{i+1} - theta_i [rad], tail first; rates from rates.
 
     Args:
@@ -47,7 +51,7 @@ def link_angles(
     *,
     angle: Float[np.ndarray, "*batch"] | float,
     link: int | None = None,
-) -> Float[np.ndarray, "*batch n_links"]:
+) -> Angles:
     """Angles of all links, from the joint angles and one angle more; rates from rates.
 
     Args:
@@ -75,135 +79,94 @@ def link_angles(
     return from_tail + (np.asarray(angle) - known)[..., np.newaxis]
 
 
-def link_centers(
-    robot: Robot,
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch n_links 2"]:
-    """Middle of each body link's length [m], world axes; the link's own center of mass may be off it.
-
-    Args:
-        robot: Whose body it is.
-        center_of_mass: p of the whole robot, with its fin [m], world axes.
-        link_angle: theta [rad].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Where the parts of a robot are, at one moment or at many; all points are in world axes [m].
 
     Raises:
         ValueError: If an array does not fit the robot.
+
+    Example:
+        >>> from laticauda.robot import load_robot
+        >>> Posture(load_robot("mamba"), np.zeros(2), np.zeros(9)).link_ends[[0, -1]].round(2).tolist()
+        [[-0.81, 0.0], [0.81, 0.0]]
     """
-    return _points(robot, _levers(robot).center, center_of_mass, link_angle, fin_angle)
 
+    robot: Robot
+    """Whose body it is."""
+    center_of_mass: Vectors
+    """p of the whole robot, with its fin, world axes [m]."""
+    link_angle: Angles
+    """theta of the body's links [rad]."""
+    fin_angle: FinAngles | None = None
+    """Of the joints of a fin that bends or is driven, from its root on [rad]."""
 
-def link_velocities(
-    robot: Robot,
-    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    link_rate: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-    fin_rate: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch n_links 2"]:
-    """Velocity of the middle of each body link [m/s], world axes.
+    def __post_init__(self) -> None:
+        """Refuse arrays that do not fit."""
+        object.__setattr__(self, "center_of_mass", _columns("center_of_mass", self.center_of_mass, 2, "x and y"))
+        object.__setattr__(self, "link_angle", _columns("link_angle", self.link_angle, self.robot.n_links))
 
-    Args:
-        robot: Whose body it is.
-        center_of_mass_velocity: p' of the whole robot, with its fin [m/s], world axes.
-        link_angle: theta [rad].
-        link_rate: theta' [rad/s].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
-        fin_rate: Their rates [rad/s].
+    @property
+    def link_centers(self) -> Points:
+        """Middle of each body link's length; the link's own center of mass may be off it."""
+        return self._at(_levers(self.robot).center)
 
-    Raises:
-        ValueError: If an array does not fit the robot.
-    """
-    rows = _levers(robot).center
-    return _point_velocities(robot, rows, center_of_mass_velocity, link_angle, link_rate, fin_angle, fin_rate)
+    @property
+    def link_ends(self) -> Points:
+        """Tail end, every joint and head end of the body: the posture as one line of n_links + 1 points."""
+        return self._at(_levers(self.robot).end)
 
+    @property
+    def fin_line(self) -> Points:
+        """The fin as a line: trailing edge, hinges, root. Without a fin both ends are the tail end."""
+        return self._at(_levers(self.robot).fin)
 
-def link_ends(
-    robot: Robot,
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch n_ends 2"]:
-    """Tail end, every joint and head end of the body [m], world axes: the posture as one line of n_links + 1 points.
+    @property
+    def trailing_edge(self) -> Vectors:
+        """Trailing edge of the fin; of a robot without one the tail end. A rigid fin extends the tail link backward."""
+        return self.fin_line[..., 0, :]
 
-    Args:
-        robot: Whose body it is.
-        center_of_mass: p of the whole robot, with its fin [m], world axes.
-        link_angle: theta [rad].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
+    def link_velocities(self, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None = None) -> Points:
+        """Velocity of the middle of each body link, world axes [m/s].
 
-    Raises:
-        ValueError: If an array does not fit the robot.
-    """
-    return _points(robot, _levers(robot).end, center_of_mass, link_angle, fin_angle)
+        Args:
+            velocity: p' of the center of mass, world axes [m/s].
+            link_rate: theta' [rad/s].
+            fin_rate: Of the fin's joints [rad/s].
 
+        Raises:
+            ValueError: If an array does not fit the robot.
+        """
+        return self._rates_at(_levers(self.robot).center, velocity, link_rate, fin_rate)
 
-def fin_line(
-    robot: Robot,
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch n_points 2"]:
-    """The fin as a line [m], world axes: trailing edge, hinges, root; arguments as for `link_ends`.
+    def trailing_edge_velocity(
+        self, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None = None
+    ) -> Vectors:
+        """Velocity of the `trailing_edge`, world axes [m/s]; arguments and errors as for `link_velocities`."""
+        return self._rates_at(_levers(self.robot).fin[:1], velocity, link_rate, fin_rate)[..., 0, :]
 
-    Without a fin both ends are the tail end.
-    """
-    return _points(robot, _levers(robot).fin, center_of_mass, link_angle, fin_angle)
+    @cached_property
+    def _angles(self) -> np.ndarray:
+        return _with_fin(self.robot, self.link_angle, self.fin_angle)
 
+    def _at(self, lever: Levers) -> Points:
+        return self.center_of_mass[..., np.newaxis, :] + _offsets(lever, self._angles)
 
-def trailing_edge(
-    robot: Robot,
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch 2"]:
-    """Trailing edge of the fin [m], world axes; of a robot without a fin the tail end.
-
-    A rigid fin extends the tail link backward from its tail end.
-
-    Args:
-        robot: Whose tail it is.
-        center_of_mass: p of the whole robot, with its fin [m], world axes.
-        link_angle: theta of the body links [rad].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
-
-    Raises:
-        ValueError: If an array does not fit the robot.
-    """
-    return fin_line(robot, center_of_mass, link_angle, fin_angle=fin_angle)[..., 0, :]
-
-
-def trailing_edge_velocity(
-    robot: Robot,
-    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    link_rate: Float[np.ndarray, "*batch n_links"],
-    *,
-    fin_angle: FinAngles | None = None,
-    fin_rate: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch 2"]:
-    """Velocity of the `trailing_edge` [m/s], world axes; arguments and errors as for `link_velocities`."""
-    edge = _levers(robot).fin[:1]
-    at = _point_velocities(robot, edge, center_of_mass_velocity, link_angle, link_rate, fin_angle, fin_rate)
-    return at[..., 0, :]
+    def _rates_at(self, lever: Levers, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None) -> Points:
+        velocity = _columns("velocity", velocity, 2, "x and y")
+        rates = _with_fin(self.robot, _columns("link_rate", link_rate, self.robot.n_links), fin_rate)
+        return velocity[..., np.newaxis, :] + _offset_rates(lever, self._angles, rates)
 
 
 def center_of_mass(
     robot: Robot,
-    position: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
+    position: Vectors,
+    link_angle: Angles,
     *,
     link: int = 0,
     offset: tuple[float, float] = (0.0, 0.0),
     fin_angle: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch 2"]:
+) -> Vectors:
     """Center of mass of the whole robot, with its fin, from one marker and the link angles.
 
     Motion capture follows one link and the joints report their angles; `link_angles` makes the link angles of these.
@@ -231,15 +194,15 @@ def center_of_mass(
 
 def center_of_mass_velocity(
     robot: Robot,
-    velocity: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    link_rate: Float[np.ndarray, "*batch n_links"],
+    velocity: Vectors,
+    link_angle: Angles,
+    link_rate: Angles,
     *,
     link: int = 0,
     offset: tuple[float, float] = (0.0, 0.0),
     fin_angle: FinAngles | None = None,
     fin_rate: FinAngles | None = None,
-) -> Float[np.ndarray, "*batch 2"]:
+) -> Vectors:
     """Velocity of the center of mass [m/s], from that of one marker and the links' angles and rates.
 
     Args:
@@ -294,7 +257,7 @@ def _levers(robot: Robot) -> _Levers:
     return _Levers(center=center[f:] - to_center, end=end[f:] - to_center, fin=fin - to_center)
 
 
-def _with_fin(robot: Robot, link_angle: Float[np.ndarray, "*batch n_links"], fin_angle: FinAngles | None) -> np.ndarray:
+def _with_fin(robot: Robot, link_angle: Angles, fin_angle: FinAngles | None) -> np.ndarray:
     """The angles (or rates) of the fin's pieces, trailing edge first, and of the links."""
     fin, joints, tail = robot.caudal_fin, robot.fin_joints, link_angle[..., :1]
     if fin is None:
@@ -307,48 +270,14 @@ def _with_fin(robot: Robot, link_angle: Float[np.ndarray, "*batch n_links"], fin
     return np.concatenate((pieces[..., ::-1], link_angle), axis=-1)
 
 
-def _points(
-    robot: Robot,
-    lever: Float[np.ndarray, "n_points n_pieces_and_links"],
-    center_of_mass: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    fin_angle: FinAngles | None,
-) -> Float[np.ndarray, "*batch n_points 2"]:
-    center = _columns("center_of_mass", center_of_mass, 2, "x and y")
-    angles = _with_fin(robot, _columns("link_angle", link_angle, robot.n_links), fin_angle)
-    return center[..., np.newaxis, :] + _offsets(lever, angles)
-
-
-def _point_velocities(
-    robot: Robot,
-    lever: Float[np.ndarray, "n_points n_pieces_and_links"],
-    center_of_mass_velocity: Float[np.ndarray, "*batch 2"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    link_rate: Float[np.ndarray, "*batch n_links"],
-    fin_angle: FinAngles | None,
-    fin_rate: FinAngles | None,
-) -> Float[np.ndarray, "*batch n_points 2"]:
-    velocity = _columns("center_of_mass_velocity", center_of_mass_velocity, 2, "x and y")
-    n = robot.n_links
-    angles = _with_fin(robot, _columns("link_angle", link_angle, n), fin_angle)
-    rates = _with_fin(robot, _columns("link_rate", link_rate, n), fin_rate)
-    return velocity[..., np.newaxis, :] + _offset_rates(lever, angles, rates)
-
-
-def _offsets(
-    lever: Float[np.ndarray, "n_points n_links"], link_angle: Float[np.ndarray, "*batch n_links"]
-) -> Float[np.ndarray, "*batch n_points 2"]:
+def _offsets(lever: Levers, angle: np.ndarray) -> Points:
     """sum_i b_i t_i of every point [m]."""
-    return np.stack((np.cos(link_angle) @ lever.T, np.sin(link_angle) @ lever.T), axis=-1)
+    return np.stack((np.cos(angle) @ lever.T, np.sin(angle) @ lever.T), axis=-1)
 
 
-def _offset_rates(
-    lever: Float[np.ndarray, "n_points n_links"],
-    link_angle: Float[np.ndarray, "*batch n_links"],
-    link_rate: Float[np.ndarray, "*batch n_links"],
-) -> Float[np.ndarray, "*batch n_points 2"]:
+def _offset_rates(lever: Levers, angle: np.ndarray, rate: np.ndarray) -> Points:
     """sum_i b_i theta_i' n_i of every point [m/s]."""
-    x, y = -np.sin(link_angle) * link_rate, np.cos(link_angle) * link_rate
+    x, y = -np.sin(angle) * rate, np.cos(angle) * rate
     return np.stack((x @ lever.T, y @ lever.T), axis=-1)
 
 
@@ -371,7 +300,7 @@ def _link_index(link: int, n_links: int) -> int:
     return index
 
 
-def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch 2"]:
+def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) -> Vectors:
     """`vector`, given in link axes, in world axes."""
     along, across = vector
     cos, sin = np.cos(angle), np.sin(angle)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from laticauda.errors import StorageFailed, TrialFileError
-from laticauda.kinematics import link_centers
+from laticauda.kinematics import Posture
 from laticauda.logs.recorder import Recorder
 from laticauda.logs.recording import Logged, open_recording
 from laticauda.trial import Format, Trial
@@ -108,7 +108,7 @@ def _frames(trial: Trial) -> tuple[list[str], Any, Any]:
     places, angles = trial.center_of_mass[:, np.newaxis], trial.heading[:, np.newaxis]
     if places.shape[2] == 2:
         if "link_angle" not in trial.not_measured:
-            links = link_centers(trial.robot.planar(), trial.center_of_mass, trial.link_angle)
+            links = Posture(trial.robot.planar(), trial.center_of_mass, trial.link_angle).link_centers
             places, angles = np.concatenate((places, links), axis=1), np.hstack((angles, trial.link_angle))
         places = np.concatenate((places, np.zeros((*places.shape[:2], 1))), axis=2)
     level = np.zeros_like(angles)

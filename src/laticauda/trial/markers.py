@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.files import read_columns
-from laticauda.kinematics import link_ends
+from laticauda.kinematics import Posture
 from laticauda.trial.trial import Trial
 
 Places = Float[np.ndarray, "n_samples n_markers 2"]
@@ -52,7 +52,7 @@ def marker_places(trial: Trial, along: Sequence[float]) -> Places:
         along: Of each marker: its distance from the tail end along the straight body [m].
     """
     robot = trial.chain
-    ends = link_ends(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
+    ends = Posture(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle).link_ends
     begin = np.cumsum([0.0, *(module.length for module in robot.modules)])
     link = np.clip(np.searchsorted(begin, along, side="right") - 1, 0, robot.n_links - 1)
     angle = trial.link_angle[:, link]

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from laticauda.errors import BadArgument, positive
 from laticauda.fluid.laws import Element
-from laticauda.kinematics import trailing_edge
+from laticauda.kinematics import Posture
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import cycles
 from laticauda.trial.contents import Contents
@@ -303,7 +303,7 @@ def strouhal_number(trial: Contents) -> float:
     trial.need("a Strouhal number", "link_angle")
     time, place, period = trial.time, trial.center_of_mass, _period(trial)
     part = cycles.steady_part(time, period)
-    edge = trailing_edge(trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
+    edge = Posture(trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle).trailing_edge
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
     steps = np.diff(cycles.interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
     excursion = 0.0
