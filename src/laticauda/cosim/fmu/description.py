@@ -105,9 +105,7 @@ class Description:
 def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     used = {variable.unit for variable in variables}
     definitions = SubElement(root, "UnitDefinitions")
-    for name, exponents in UNITS.items():
-        if name not in used:
-            continue
+    for name, exponents in ((name, UNITS[name]) for name in UNITS if name in used):
         unit = SubElement(definitions, "Unit", name=name)
         base = {key: str(value) for key, value in zip(("kg", "m", "s", "rad"), exponents, strict=True) if value}
         SubElement(unit, "BaseUnit", base)

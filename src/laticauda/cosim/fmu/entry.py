@@ -40,51 +40,24 @@ from laticauda.planar.rows import VX, VY
 NAME = "laticauda_move"
 """What the function is called in the object file."""
 
-# Where things stand in the array of whole numbers. A piece is three numbers: where its pairs begin in that array, where
-# their factors begin in the array of reals, and how many there are.
-(
-    N_BODIES,
-    TAIL_LINK,
-    HAS_EXTRAS,
-    IS_IMPLICIT,
-    N_ROWS,
-    DT,  # variables
-    HEADING,
-    VELOCITY,
-    FIRST_STRIP,  # where these arrays begin
-    FIRST_PLATE,
-    LAW,
-    TERMS,  # pieces: products of water coefficients, and their values in the template
-    SLOPES,  # how rows depend on those
-    STARTED,  # rows that variables set at the start
-    HELD,  # rows that they set at every step
-    SEEN,  # variables that are sums of rows
-    HEADER,
-) = (*range(12), 14, 17, 20, 23, 26)
+# Where things stand in the array of whole numbers: the chain's shape, variables, and where other arrays begin in it.
+N_BODIES, TAIL_LINK, HAS_EXTRAS, IS_IMPLICIT, N_ROWS = range(5)
+DT, HEADING, VELOCITY = range(5, 8)
+FIRST_STRIP, FIRST_PLATE, LAW = range(8, 11)
+# A piece is three numbers: where its pairs begin in that array, where their factors begin in the array of reals, and
+# how many there are. Products of water coefficients, and their values in the template; how rows depend on those; rows
+# that variables set at the start; rows that they set at every step; variables that are sums of rows.
+TERMS, SLOPES, STARTED, HELD, SEEN, HEADER = range(11, 27, 3)
 NONE = -1  # in the place of a variable: the number 1
 # Behind the rows: what the kernel logs of the two ends of a step, the time each.
 SCRATCH = 2
 
 _ANY = "x86-64"  # what every processor of that family can
 _OWN: Any = {**INLINED, "_nrt": False}
-# sin and the like: what is left to the C library.
-_MATHS = {
-    "acos",
-    "asin",
-    "atan",
-    "atan2",
-    "cbrt",
-    "cos",
-    "cosh",
-    "erf",
-    "exp",
-    "exp2",
-    "expm1",
-    "fabs",
-    "floor",
-    "fmod",
-}
-_MATHS |= {"hypot", "log", "log10", "log1p", "log2", "memcpy", "memset", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
+# What is left to the C library.
+_ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
+_POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt", "cbrt", "sinh", "cosh", "tanh"}
+_OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
 def object_code(law: DragLaw, joints: JointLaw) -> bytes:
@@ -138,7 +111,7 @@ def _compiled(law: DragLaw, joints: JointLaw) -> bytes:
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
-    foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _MATHS
+    foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _OF_C
     if foreign:
         raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
     for function in module.functions:

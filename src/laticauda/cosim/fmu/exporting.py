@@ -22,6 +22,7 @@ from uuid import UUID
 import numpy as np
 
 from laticauda.actuation.laws import JointLaw
+from laticauda.cosim.fmu import entry
 from laticauda.cosim.fmu.description import BINARIES, VERSIONS, Description
 from laticauda.cosim.fmu.tables import Tables, tables_of
 from laticauda.cosim.fmu.variables import Variable
@@ -98,8 +99,6 @@ def tables_in_c(tables: Tables, guid: str) -> str:
         tables: Robot and variables.
         guid: What tells this FMU from others.
     """
-    from laticauda.cosim.fmu.entry import SCRATCH
-
     variables = tables.variables
     texts = ", ".join(f'"{variable.name}"' for variable in variables)
     letters = ", ".join(f"'{LETTERS[variable.causality]}'" for variable in variables)
@@ -111,8 +110,8 @@ def tables_in_c(tables: Tables, guid: str) -> str:
             f'#define MODEL "{guid}"',
             f"#define DIGEST UINT64_C(0x{digest(guid.encode())[:16]})",
             f"#define N_VARIABLES {len(variables)}",
-            f"#define N_NUMBERS {tables.n_rows + SCRATCH}",
-            f"#define DT {tables.where('dt')}",
+            f"#define N_NUMBERS {tables.n_rows + entry.SCRATCH}",
+            f"#define DT {tables.whole[entry.DT]}",
             f"static const int64_t whole[] = {{{', '.join(map(str, tables.whole.tolist()))}}};",
             f"static const double real[] = {{{_reals(tables.real)}}};",
             f"static const double first_values[N_VARIABLES] = {{{_reals(v.start for v in variables)}}};",
@@ -206,17 +205,13 @@ def needs_compiling(water: Water, joints: JointLaw | str = "prescribed") -> bool
         water: Where it will swim.
         joints: How its joints will follow their references.
     """
-    from laticauda.cosim.fmu.entry import kept_at
-
-    return not kept_at(water.drag, JointLaw.of(joints)).exists()
+    return not entry.kept_at(water.drag, JointLaw.of(joints)).exists()
 
 
 def _export(file: Path, body: PlanarPlant, tables: Tables, inputs: str, fmi: str) -> None:
     """Compile, and pack what belongs together; its identity is a digest of all that it is made of."""
     c_compiler()  # before the kernels, which take seconds
-    from laticauda.cosim.fmu.entry import object_code
-
-    code = object_code(body.law, body.joints)
+    code = entry.object_code(body.law, body.joints)
     words = Description(
         identifier=_identifier(file.stem),
         robot=_in_words(body),

@@ -32,10 +32,6 @@ class Tables:
     n_rows: int
     """Of the kernels' array [-]."""
 
-    def where(self, name: str) -> int:
-        """Value reference of the variable with this name."""
-        return next(i for i, variable in enumerate(self.variables) if variable.name == name)
-
 
 def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> Tables:
     """The arrays of a robot in water.
@@ -73,9 +69,10 @@ def tables_of(plant: PlanarPlant, gait: Gait, start: Start, *, inputs: str) -> T
     packed.header[entry.LAW] = packed.add([n, *a.law, *freedom]) + 1
     packed.piece(entry.TERMS, terms)
     packed.piece(entry.SLOPES, slopes)
-    packed.piece(entry.STARTED, _shares(variables, ("parameter",), starting=True))
-    packed.piece(entry.HELD, _shares(variables, ("input",), starting=False))
-    packed.piece(entry.SEEN, [(0, rows.TIME, 1.0), *_shares(variables, ("output",), starting=False)])
+    first = [(i, *share) for i, variable in enumerate(variables) for share in variable.start_rows]
+    packed.piece(entry.STARTED, [*_shares(variables, "parameter"), *first])
+    packed.piece(entry.HELD, _shares(variables, "input"))
+    packed.piece(entry.SEEN, [(0, rows.TIME, 1.0), *_shares(variables, "output")])
     whole, real = packed.arrays
     return Tables(variables=variables, whole=whole, real=real, n_rows=template.size)
 
@@ -105,15 +102,10 @@ class _Packed:
         return np.array([*self.header, *self._whole], dtype=np.int64), np.array(self._real)
 
 
-def _shares(variables: Sequence[Variable], causality: Sequence[str], *, starting: bool) -> Triples:
-    """Variable, row and factor of all that are set at the start, or of inputs or outputs."""
-    found: list[tuple[int, int, float]] = []
-    for i, variable in enumerate(variables):
-        if variable.causality in causality:
-            found += [(i, row, factor) for row, factor in variable.rows]
-        if starting:
-            found += [(i, row, factor) for row, factor in variable.start_rows]
-    return found
+def _shares(variables: Sequence[Variable], causality: str) -> Triples:
+    """Variable, row and factor of all variables of a causality."""
+    mine = [(i, variable) for i, variable in enumerate(variables) if variable.causality == causality]
+    return [(i, *share) for i, variable in mine for share in variable.rows]
 
 
 def _water_slopes(plant: PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:

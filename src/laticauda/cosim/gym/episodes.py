@@ -50,7 +50,7 @@ class Episodes:
 
     def __init__(self, task: Swimming, n: int, *, threads: int = 1) -> None:
         self.task = task
-        self._school = School(task.plant, task.command, n, task.interval, threads=threads)
+        self._school = School(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
         self._sights = task.sights

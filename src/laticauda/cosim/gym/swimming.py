@@ -17,7 +17,6 @@ from jaxtyping import Float
 
 from laticauda.errors import instance, within
 from laticauda.gaits import Gait
-from laticauda.interfaces import Command
 from laticauda.planar.model import PlanarPlant
 from laticauda.planar.school import Motion
 from laticauda.quantities import option, quantity, value
@@ -135,11 +134,6 @@ class Swimming(ABC):
     def n_steps(self) -> int:
         """Actions in an episode that nothing ends."""
         return round(self.scenario.duration / self.interval)
-
-    @property
-    def command(self) -> Command:
-        """What a robot is asked for before the first action."""
-        return Command(gait=self.gait)
 
     @cached_property
     def plant(self) -> PlanarPlant:
