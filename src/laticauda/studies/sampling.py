@@ -6,7 +6,7 @@ region of them.
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
@@ -97,6 +97,9 @@ class Rows(_Values):
             different numbers of values.
     """
 
+    dims: ClassVar[tuple[str, ...]] = (TRIAL,)
+    """The one dimension of the result."""
+
     def __post_init__(self) -> None:
         """Check every value once."""
         super().__post_init__()
@@ -104,11 +107,6 @@ class Rows(_Values):
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
             raise BadArgument("values", f"must have as many values of one parameter as of another, got {listed}")
-
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """The one dimension of the result."""
-        return (TRIAL,)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -174,6 +172,8 @@ class Samples:
         ValueError: If there is no parameter, or a range, the number of points or the seed is wrong.
     """
 
+    dims: ClassVar[tuple[str, ...]] = (TRIAL,)
+    """The one dimension of the result."""
     ranges: Mapping[str, tuple[float, float]] = option(
         "Least and greatest value by name of the parameter (SI, radians)", check=checked_ranges
     )
@@ -184,11 +184,6 @@ class Samples:
     def names(self) -> tuple[str, ...]:
         """What is swept."""
         return tuple(self.ranges)
-
-    @property
-    def dims(self) -> tuple[str, ...]:
-        """The one dimension of the result."""
-        return (TRIAL,)
 
     @property
     def shape(self) -> tuple[int, ...]:
