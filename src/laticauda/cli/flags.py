@@ -13,6 +13,7 @@ import types
 import typing
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from functools import partial
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
@@ -67,15 +68,31 @@ def was_typed(name: str, words: Sequence[str]) -> bool:
     return any(word.split("=")[0] == flag(name) for word in words)
 
 
-def _texts(nargs: int | Literal["*"], metavar: str) -> Any:
-    """A flag that takes texts as they are: one, or several."""
+def _words(
+    nargs: int | Literal["*"],
+    metavar: str,
+    read: Callable[[list[str]], Any],
+    shown: Callable[[Any], list[str]] | None = None,
+    choices: tuple[str, ...] | None = None,
+) -> Any:
+    """A flag that takes one word, or several, and what it makes of them."""
     return PrimitiveConstructorSpec[Any](
         nargs=nargs,
         metavar=metavar,
-        instance_from_str=lambda words: words[0] if nargs == 1 else tuple(words),
+        instance_from_str=read,
         is_instance=lambda value: True,
-        str_from_instance=_shown,
+        str_from_instance=shown or _shown,
+        choices=choices,
     )
+
+
+def _texts(nargs: int | Literal["*"], metavar: str) -> Any:
+    """A flag that takes texts as they are: one, or several."""
+    return _words(nargs, metavar, _first if nargs == 1 else tuple)
+
+
+def _first(words: list[str]) -> str:
+    return words[0]
 
 
 def _shown(value: Any) -> list[str]:
@@ -276,19 +293,9 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
         return Annotated[type(usual), tyro.conf.arg(name=title, prefix_name=False)]
     inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
     if len(inner) == 1 and get_origin(inner[0]) is Literal:
-        return Annotated[Any, _choices(get_args(inner[0]))]
+        choices = get_args(inner[0])
+        return Annotated[Any, _words(1, f"{{{','.join(choices)}}}", _first, choices=choices)]
     return Annotated[Any, _texts(1, "NAME|PATH" if name in PRESETS else "TEXT")] if inner == [str] else None
-
-
-def _choices(names: tuple[str, ...]) -> Any:
-    return PrimitiveConstructorSpec[Any](
-        nargs=1,
-        metavar=f"{{{','.join(names)}}}",
-        instance_from_str=lambda words: words[0],
-        is_instance=lambda value: True,
-        str_from_instance=_shown,
-        choices=names,
-    )
 
 
 def _is_union(hint: Any) -> bool:
@@ -300,14 +307,9 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
     inner = next((one for one in get_args(hint) if one is not type(None)), hint) if _is_union(hint) else hint
     several = get_origin(inner) is tuple
     count = len(get_args(inner)) if several and get_args(inner)[-1] is not Ellipsis else None
-    unit = _IN_DEGREES.get(declared.unit, declared.unit)
-    return PrimitiveConstructorSpec[Any](
-        nargs=1 if not several else count or "*",
-        metavar=_metavar(unit, several, count),
-        instance_from_str=_reader(declared, inner is int, several, flag(name + DEGREES.get(declared.unit, ""))),
-        is_instance=lambda value: True,
-        str_from_instance=lambda value: _numbers_shown(value, declared),
-    )
+    metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
+    read = _reader(declared, inner is int, several, flag(name + DEGREES.get(declared.unit, "")))
+    return _words(1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared))
 
 
 def _metavar(unit: str, several: bool, count: int | None) -> str:
@@ -315,7 +317,7 @@ def _metavar(unit: str, several: bool, count: int | None) -> str:
     return word if not several else " ".join("XYZ"[:count]) if count else f"{word} ..."
 
 
-def _numbers_shown(value: Any, declared: Quantity) -> list[str]:
+def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
     if value is None:
         return ["none"]
     factor = math.degrees(1.0) if declared.unit in DEGREES else 1.0
