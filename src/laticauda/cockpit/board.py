@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.cockpit.controls import joints_name
 from laticauda.cockpit.files import received_sweep
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES, OF_GAITS, Chart, Map, base_of, map_of_gaits, with_numbers
@@ -20,6 +19,7 @@ from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.errors import LaticaudaError
 from laticauda.figures import style
 from laticauda.scenarios import Scenario
+from laticauda.studies.trials import attributes_of
 
 WIDTH, HEIGHT = 1.8, 1.35  # [m]
 BEHIND, ABOVE = 1.5, 0.5  # where its middle is to the robot: along y, and along z [m]
@@ -208,12 +208,7 @@ class Board:
 
 def _differences(sweep: Map, scenario: Scenario) -> str:
     """What a sweep is of, and in what that is not what swims here."""
-    here = {
-        "robot": scenario.robot.name,
-        "gait": scenario.gait.kind,
-        "environment": scenario.environment.name,
-        "joints": joints_name(scenario),
-    }
+    here = attributes_of(scenario)
     of = ", ".join(value.replace("_", " ") for value in sweep.about.values())
     other = [f"{name} {here[name]}" for name, value in sweep.about.items() if here[name] != value]
     text = f"**{sweep.name}**: {of}. A click sets the numbers of a trial."

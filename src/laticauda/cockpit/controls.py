@@ -134,9 +134,9 @@ class Controls:
         handle = gui.add_number("rigidity [N m²]", RIGIDITY, step=0.01, hint=hint)
         self._add("rigidity", handle, lambda _: self._rigidity, lambda it: {"robot": self._bent(it)})
         handle = gui.add_dropdown("model", models())
-        self._add("model", handle, model_name, lambda name: {"model": name})
+        self._add("model", handle, lambda now: name_of(type(now.model)), lambda it: {"model": it})
         handle = gui.add_dropdown("joints", JointLaw.names())
-        self._add("joints", handle, joints_name, lambda name: {"joints": name})
+        self._add("joints", handle, lambda now: name_of(type(now.model.joints)), lambda it: {"joints": it})
         hint = "V, the velocity that the water moves to, along world x and y [m/s]"
         for axis, name in enumerate(("x", "y")):
             handle = gui.add_number(f"current {name} [m/s]", 0.0, step=0.01, hint=hint)
@@ -180,16 +180,6 @@ class Controls:
 def models() -> tuple[str, ...]:
     """The models that this installation has."""
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
-
-
-def model_name(scenario: Scenario) -> str:
-    """What texts call the scenario's model."""
-    return next(name for name, kind in MODELS.items() if isinstance(scenario.model, kind))
-
-
-def joints_name(scenario: Scenario) -> str:
-    """What texts call the law of the scenario's joints."""
-    return name_of(type(scenario.model.joints))
 
 
 def _current(scenario: Scenario) -> tuple[float, float]:

@@ -26,7 +26,6 @@ from laticauda.cockpit.scene import HOME
 from laticauda.errors import LaticaudaError
 from laticauda.extras import optional_import
 
-LOCAL = ("127.0.0.1", "localhost", "::1")
 PATIENCE = 5.0  # how long a camera is brought to the robot until its page says that it is there [s]
 Owner = TypeVar("Owner")
 
