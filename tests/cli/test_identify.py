@@ -149,3 +149,14 @@ def test_the_shipped_file_of_the_preset_fixes_what_the_preset_has():
     actuator = preset.changes["actuator"]
     product = actuator["no_load_speed"] * actuator["stall_torque"]
     assert product == pytest.approx(task.base.changes["actuator"]["stall_torque"] * 7.5, rel=2e-3)
+
+
+def test_ctrl_c_after_the_search_leaves_what_was_found(run, folder: Path, monkeypatch):
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("laticauda.identify.validation.leave_out", stop)
+    done = run(f"identify --table1 --parameters {FRICTION} {FAST}")
+    assert done.status == 1
+    assert "interrupted: these are the best values until then" in done.out
+    assert (folder / "identification" / "identify.html").exists()

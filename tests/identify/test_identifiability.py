@@ -34,6 +34,16 @@ def test_a_ratio_that_is_seen_leaves_the_scale_unseen():
     assert found.words == (f"The data do not see {worst.name}.",)
 
 
+def test_what_hardly_takes_part_in_an_unseen_direction_moves_no_further_than_its_range_lets_it():
+    turned = np.array([[1.0, 0.0, 1e-3], [0.0, 1.0, 0.0], [-1e-3, 0.0, 1.0]])
+    turned /= np.linalg.norm(turned, axis=0)
+    found = deviations(np.array([4.0, 9.0, 0.0]), turned, np.array([5.0, 5.0, 5.0]))
+    assert found == pytest.approx([0.5, 1.0 / 3.0, np.inf], rel=1e-4)
+    assert np.all(np.isinf(deviations(np.array([4.0, 9.0, 0.0]), turned)[[0, 2]]))
+    within = seen([[9, 0, 0], [0, 9, 0], [0, 9e-3, 0]] @ turned.T)
+    assert found.shape == within.sigma.shape and np.isfinite(within.sigma[0])
+
+
 def test_a_product_is_named_by_its_powers():
     assert seen([[9, 9, 0], [0, 0, 9]]).unseen[0].name in (
         "the ratio `water.tangential_friction` / `water.normal_drag`",

@@ -1,5 +1,6 @@
 """`laticauda identify`: physical parameters with their uncertainty from measured trials."""
 
+import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +13,8 @@ from laticauda.cli.progress import SHARE, progress
 from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
 from laticauda.errors import BadArgument, one_of
+from laticauda.files import write
+from laticauda.identify.fitting import INTERRUPTED
 from laticauda.identify.measurements import SERIES
 from laticauda.identify.tasks import Task, load_task, task_from_table
 from laticauda.identify.validation import Validation, validate
@@ -114,7 +117,12 @@ class Identify(Command):
         command = shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
         writable_folder(folder)
         templates()  # what the report needs is asked for before the search
-        found = task.run(threads=self.method.threads, progress=lambda share: bar(share, what="search"))
+        best = folder / "best.json"
+        found = task.run(
+            threads=self.method.threads,
+            progress=lambda share: bar(share, what="search"),
+            keep=lambda values, cost: write(best, json.dumps({"sum_of_squares": cost, "values": values})),
+        )
         done = validate(
             task,
             found,
@@ -124,10 +132,11 @@ class Identify(Command):
             progress=lambda what, share: bar(share, what=what),
         )
         files = write_identification(done, folder, command=command)
+        best.unlink(missing_ok=True)
         return Outcome(
             facts=as_dict(done, command) | {"output": str(folder), "files": files},
             text=_text(done, folder),
-            succeeded=found.searches[0].converged,
+            succeeded=found.searches[0].converged and INTERRUPTED not in done.found.warnings,
         )
 
     def _task(self) -> Task:

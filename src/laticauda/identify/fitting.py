@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, Unpack
+from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -36,13 +36,9 @@ _MOST_STEPS = 100
 Vector = Float[np.ndarray, " n"]
 
 
-class Minimum(NamedTuple):
-    """Where a search ended."""
-
-    x: Vector
-    cost: float
-    jacobian: np.ndarray
-    converged: bool
+Keep = Callable[[Mapping[str, float], float], None]
+"""What a search calls with the best values so far, by name, and their sum of squares."""
+INTERRUPTED = "interrupted: these are the best values until then; what comes after was not computed."
 
 
 def fit(
@@ -59,12 +55,14 @@ def fit(
     limit: float = LIMIT,
     threads: int | None = None,
     progress: Progress | None = None,
+    keep: Keep | None = None,
     **changes: Unpack[ModelChanges],
 ) -> Fit:
     """Identify parameters of robot and water from measured trials, by least squares.
 
     Minimizes the sum over all measured numbers of ((predicted - measured) / sigma)^2, and over all priors of
-    ((q - mean) / sd)^2, within the ranges of the unknowns, from several starts.
+    ((q - mean) / sd)^2, within the ranges of the unknowns, from several starts. Ctrl-C ends
+    the search with the best until then.
 
     Args:
         measurements: What was measured.
@@ -80,6 +78,7 @@ def fit(
         limit: From which standard deviation on, as a share of itself, an unknown counts as not identified [-].
         threads: How many to compute with; None takes all cores that this process may use.
         progress: Called now and then with the share that is finished, from 0 to 1.
+        keep: Called with the best values by name and their sum of squares, whenever there are better ones.
         changes: Of the model, as `joints`; see `laticauda.scenarios.ModelChanges`.
 
     Returns:
@@ -98,10 +97,17 @@ def fit(
     """
     method = Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
-    return solve(problem, method, progress=progress)
+    return solve(problem, method, progress=progress, keep=keep)
 
 
-def solve(problem: Problem, method: Method, *, start: Vector | None = None, progress: Progress | None = None) -> Fit:
+def solve(
+    problem: Problem,
+    method: Method,
+    *,
+    start: Vector | None = None,
+    progress: Progress | None = None,
+    keep: Keep | None = None,
+) -> Fit:
     """Solve a problem; arguments and errors as for `fit`.
 
     Args:
@@ -109,35 +115,46 @@ def solve(problem: Problem, method: Method, *, start: Vector | None = None, prog
         method: How.
         start: Values to begin with instead of the problem's own.
         progress: Called now and then with the share that is finished.
+        keep: See `fit`.
     """
     _check_enough(problem, method)
-    searches: list[tuple[Minimum, np.ndarray]] = []
+    searches: list[LocalSearch] = []
     failures: Mapping[str, str] = {}
-    for number, x in enumerate(_starts(problem, method, problem.start if start is None else start)):
-        begin = predict(problem, problem.values_of(x))
-        failures = begin.failures or failures
-        if np.all(np.isfinite(begin.values)):
-            searches.append((minimize(problem, x, loss=method.loss), x))
-        elif not begin.failures:
-            _refuse_missing(problem, begin.values)
-        if progress is not None:
-            progress((number + 1) / method.n_starts)
+    kept, least = None, math.inf
+
+    def look(x: Vector, cost: float) -> None:
+        nonlocal kept, least
+        if cost < least:
+            kept, least = x, cost
+            if keep is not None:
+                keep(problem.named(x), cost)
+
+    steps = _MOST_STEPS
+    try:
+        for number, x in enumerate(_starts(problem, method, problem.start if start is None else start)):
+            begin = predict(problem, problem.values_of(x))
+            failures = begin.failures or failures
+            if np.all(np.isfinite(begin.values)):
+                searches.append(minimize(problem, x, loss=method.loss, look=look))
+            elif not begin.failures:
+                _refuse_missing(problem, begin.values)
+            if progress is not None:
+                progress((number + 1) / method.n_starts)
+    except KeyboardInterrupt:
+        if kept is None:
+            raise
+        steps = 1
+        searches.append(minimize(problem, kept, loss=method.loss, steps=steps))
     if not searches:
         name, status = next(iter(failures.items()))
         raise SimulationFailed(f"The measurement `{name}` cannot be simulated at any start of the search: {status}")
-    searches.sort(key=lambda item: item[0].cost)
-    best = searches[0][0]
+    searches.sort(key=lambda one: one.cost)
+    best = searches[0]
     if method.noise == "estimated":
-        best = _with_noise(problem, method, best)
+        best = _with_noise(problem, method, best, steps)
 
-    def named(x: Vector) -> dict[str, float]:
-        return dict(zip(problem.names, problem.values_of(x).tolist(), strict=True))
-
-    ways = [
-        LocalSearch(start=named(x), end=named(found.x), cost=found.cost, converged=found.converged)
-        for found, x in searches
-    ]
-    return fit_of(problem, method, best.x, best.jacobian, ways)
+    found = fit_of(problem, method, best, searches)
+    return found if steps > 1 else replace(found, warnings=(INTERRUPTED, *found.warnings))
 
 
 def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndarray]:
@@ -147,28 +164,27 @@ def _starts(problem: Problem, method: Method, first: np.ndarray) -> list[np.ndar
     columns: list[np.ndarray] = []
     for k, unknown in enumerate(problem.unknowns):
         reach = math.log(SPREAD) if unknown.is_log else unknown.prior[1] if unknown.prior else unknown.size
-        low = max(x[k] - reach, unknown.x(unknown.lower) if unknown.lower > -math.inf else -math.inf)
-        high = min(x[k] + reach, unknown.x(unknown.upper) if unknown.upper < math.inf else math.inf)
+        low, high = max(x[k] - reach, unknown.ends[0]), min(x[k] + reach, unknown.ends[1])
         columns.append(low + (high - low) * (rng.permutation(n) + rng.random(n)) / max(n, 1))
     return [x, *np.array(columns).T]
 
 
-def _with_noise(problem: Problem, method: Method, best: Minimum) -> Minimum:
+def _with_noise(problem: Problem, method: Method, best: LocalSearch, steps: int) -> LocalSearch:
     """The search again with the noise as the residuals have it, until both agree; once, without priors."""
     factor = 1.0
     for _ in range(_ROUNDS):
         information = problem.information(best.jacobian)
         whole_information = best.jacobian.T @ best.jacobian
         fitted = float(np.trace(np.linalg.pinv(whole_information) @ information))
-        off = (predict(problem, problem.values_of(best.x)).values - problem.observed) / problem.sigma
+        off = (predict(problem, problem.values_of(best.end)).values - problem.observed) / problem.sigma
         new = math.sqrt(float(np.sum(off**2)) / (problem.observed.size - fitted))
         if not any(unknown.prior for unknown in problem.unknowns):
-            return best._replace(jacobian=best.jacobian / (new or 1.0))
+            return replace(best, jacobian=best.jacobian / (new or 1.0))
         has_settled = abs(new - factor) <= _SAME * factor
         factor = new
         if has_settled or new == 0.0:
             break
-        best = minimize(problem, best.x, loss=method.loss, factor=factor)
+        best = minimize(problem, best.end, loss=method.loss, factor=factor, steps=steps)
     return best
 
 
@@ -204,8 +220,15 @@ def refitted(found: Fit, problem: Problem) -> Fit:
 
 
 def minimize(
-    problem: Problem, x: Vector, *, loss: str, factor: float = 1.0, free: Int[np.ndarray, " n_free"] | None = None
-) -> Minimum:
+    problem: Problem,
+    x: Vector,
+    *,
+    loss: str,
+    factor: float = 1.0,
+    free: Int[np.ndarray, " n_free"] | None = None,
+    steps: int = _MOST_STEPS,
+    look: Callable[[Vector, float], None] | None = None,
+) -> LocalSearch:
     """One search.
 
     Args:
@@ -214,6 +237,8 @@ def minimize(
         loss: How residuals count.
         factor: How many times the stated noise counts.
         free: Numbers of the unknowns that may change; None: all.
+        steps: How many at most.
+        look: Called with all coordinates and the sum of squares of every step.
 
     Returns:
         Where it ended, with all coordinates, and the Jacobian of those that are free.
@@ -224,21 +249,23 @@ def minimize(
     optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
     mine = np.arange(x.size) if free is None else free
 
-    def values_at(at: np.ndarray) -> np.ndarray:
+    def whole(at: np.ndarray) -> Vector:
         every = x.copy()
         every[mine] = at
-        return problem.values_of(every)
+        return every
 
     def residuals(at: np.ndarray) -> np.ndarray:
-        return all_residuals(problem, values_at(at), factor)
+        found = all_residuals(problem, problem.values_of(whole(at)), factor)
+        if look is not None:
+            look(whole(at), cost_of(found, loss))
+        return found
 
     def jacobian(at: np.ndarray) -> np.ndarray:
-        values = values_at(at)
+        values = problem.values_of(whole(at))
         rows = [scaled_jacobian(problem, values, factor), problem.prior_slopes(values)]
         return np.concatenate(rows)[:, mine]
 
-    ends = (u.x(end) if math.isfinite(end) else end for u in problem.unknowns for end in (u.lower, u.upper))
-    bounds = np.reshape(list(ends), (-1, 2))[mine]
+    bounds = np.array([unknown.ends for unknown in problem.unknowns])[mine]
     found = optimize.least_squares(
         residuals,
         np.clip(x[mine], *bounds.T),
@@ -250,11 +277,10 @@ def minimize(
         xtol=_TIGHT,
         ftol=_TIGHT,
         gtol=_TIGHT,
-        max_nfev=_MOST_STEPS,
+        max_nfev=steps,
     )
-    every = x.copy()
-    every[mine] = found.x
-    return Minimum(every, 2.0 * float(found.cost), np.asarray(found.jac), found.status > 0)
+    end, jac = whole(found.x), np.asarray(found.jac)
+    return LocalSearch(start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0)
 
 
 def all_residuals(

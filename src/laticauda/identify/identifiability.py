@@ -12,6 +12,7 @@ LIMIT = 0.5
 """A combination whose standard deviation is more than this share of itself counts as not seen [-]."""
 _FLAT = 1e-13  # eigenvalues below this share of the greatest are rounding
 _PART = 0.25  # members of a combination below this share of its greatest one are left out of its name
+_HARDLY = 0.1  # members of a direction below this share of its length are those that hardly take part
 _ALIKE = 0.2  # exponents that differ by less than this share are called equal,
 _ABOUT = 0.5  # and about equal if none is less than this share of the greatest
 
@@ -73,6 +74,9 @@ def identifiability(
     strength = np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0)
     with np.errstate(divide="ignore"):
         sigma = 1.0 / np.sqrt(strength)
+    ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
+    with np.errstate(divide="ignore"):
+        reach = np.min(ranges[:, np.newaxis] / np.abs(vectors), axis=0)
     directions = tuple(
         Direction(
             weights=_oriented(vectors[:, j]),
@@ -84,20 +88,30 @@ def identifiability(
     )
     return Identifiability(
         directions=directions,
-        sigma=deviations(strength, vectors),
+        sigma=deviations(strength, vectors, reach),
         without_effect=tuple(unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()),
         limit=limit,
     )
 
 
-def deviations(eigenvalues: Float[np.ndarray, " n"], vectors: Float[np.ndarray, "n n"]) -> Float[np.ndarray, " n"]:
-    """Square roots of the diagonal of the inverse; inf for what an eigenvalue of 0 takes part in."""
+def deviations(
+    eigenvalues: Float[np.ndarray, " n"],
+    vectors: Float[np.ndarray, "n n"],
+    reach: Float[np.ndarray, " n"] | float = np.inf,
+) -> Float[np.ndarray, " n"]:
+    """Square roots of the diagonal of the inverse; inf for what an eigenvalue of 0 takes part in.
+
+    Args:
+        eigenvalues: Of the information.
+        vectors: Its eigenvectors, a column each.
+        reach: How far one can go along each before a range ends: what hardly takes part moves no further with it.
+    """
     share = vectors**2
-    takes_part = share > 1e-8  # less is rounding of the eigenvectors
-    variance = np.zeros(len(eigenvalues))
-    for j, eigenvalue in enumerate(eigenvalues):
-        variance += share[:, j] / eigenvalue if eigenvalue > 0.0 else np.where(takes_part[:, j], np.inf, 0.0)
-    return np.sqrt(variance)
+    takes_part = (share > 1e-8) | (eigenvalues > 0.0)  # less is rounding of the eigenvectors
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(takes_part, share / eigenvalues, 0.0)
+        led = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
+    return np.sqrt(np.sum(np.fmin(own, led), axis=1))
 
 
 def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:

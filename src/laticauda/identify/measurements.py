@@ -115,11 +115,6 @@ class Measurement:
         return values, positive(f"sigma of {where}", sigma, SERIES[known])
 
     @property
-    def selection_bias(self) -> float:
-        """How many standard deviations of the noise its figures are too great for being selected, on average [-]."""
-        return mean_of_the_greatest(self.selected_from)
-
-    @property
     def starts(self) -> dict[str, tuple[float, float] | None]:
         """What of its begin a fit adds to its unknowns, and what is known of each before: mean and standard deviation.
 
@@ -146,7 +141,8 @@ class Measurement:
             figure: Its name.
         """
         value, sigma = self.figures[figure]
-        return value - self.selection_bias * sigma if figure.endswith("_velocity") else value
+        bias = mean_of_the_greatest(self.selected_from) if figure.endswith("_velocity") else 0.0
+        return value - bias * sigma
 
 
 def _usual_group(scenario: Scenario) -> str:

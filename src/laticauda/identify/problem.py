@@ -126,6 +126,10 @@ class Problem:
         """The values of coordinates."""
         return np.array([unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)])
 
+    def named(self, x: Float[np.ndarray, " n_unknowns"]) -> dict[str, float]:
+        """The values of coordinates by name."""
+        return dict(zip(self.names, self.values_of(x).tolist(), strict=True))
+
     def x_of(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """The coordinates of values."""
         return np.array([unknown.x(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
@@ -298,21 +302,32 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
             )
 
 
-def warnings_of(problem: Problem, chi2: float, degrees: float) -> list[str]:
+def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float) -> list[str]:
     """What is odd about measurements and fit, though nothing is wrong; a sentence each.
 
     Args:
         problem: Measurements and unknowns.
         chi2: Of data and priors, in the noise as stated; nan if that is estimated [-].
         degrees: Of freedom [-].
+        lags: Correlation of the noise from sample to sample, of series that show one [-].
+        widening: How many times as wide it makes the widest interval [-].
     """
     found: list[str] = []
     special = optional_import("Identification", "scipy", "identify", "scipy.special")
-    low, high = (2.0 * special.gammaincinv(0.5 * max(degrees, 1.0), end) for end in (_RARE, 1.0 - _RARE))
+    square = max(lags.values(), default=0.0) ** 2
+    share = (1.0 - square) / (1.0 + square)  # with such noise chi^2 scatters as if there were so many fewer numbers
+    half = 0.5 * share * max(degrees, 1.0)
+    low, high = (2.0 * special.gammaincinv(half, end) / share for end in (_RARE, 1.0 - _RARE))
     if degrees > 0.0 and (chi2 < low or chi2 > high):
         found.append(
             f"chi^2 out of range: {chi2:.4g} at {degrees:.0f} degrees of freedom, where the stated noise gives "
             f"{low:.4g} to {high:.4g} in 99.9 % of all cases: it or the model is wrong, and the intervals with it."
+        )
+    if lags:
+        words = ", ".join(f"{lag:.2f} ({name})" for name, lag in lags.items())
+        found.append(
+            f"correlated residuals: from sample to sample the noise has a correlation of {words}; intervals are up to "
+            f"{widening:.2g} times as wide for it."
         )
     frictions = [one.name for one in problem.unknowns if one.parameter.name.endswith("tangential_friction")]
     if frictions and not any(one.coasts for one in problem.measurements):

@@ -1,7 +1,7 @@
 """`Fit`: what an identification found, with its uncertainty, and how well it describes the measurements."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, cast
@@ -15,6 +15,7 @@ from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
 from laticauda.identify.measurements import SERIES
 from laticauda.identify.model import predict
+from laticauda.identify.noise import widening
 from laticauda.identify.problem import Problem, warnings_of
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, Water
@@ -84,16 +85,18 @@ class ParameterEstimate:
         return self.interval is not None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LocalSearch:
     """One start of the search."""
 
-    start: Mapping[str, float]
-    """Where it began."""
-    end: Mapping[str, float]
-    """Where it ended."""
+    start: Float[np.ndarray, " n_unknowns"]
+    """Coordinates where it began."""
+    end: Float[np.ndarray, " n_unknowns"]
+    """Coordinates where it ended."""
     cost: float
-    """Sum of squares there; nan if it could not begin."""
+    """Sum of squares there."""
+    jacobian: Float[np.ndarray, "n_residuals n_free"]
+    """Of the residuals there, those of the priors last, to the coordinates that were free."""
     converged: bool
     """Whether it ended by itself."""
 
@@ -144,6 +147,8 @@ class Fit:
     """How many times the stated noise the residuals are, by the degrees of freedom; nan without any [-]."""
     degrees_of_freedom: float
     """Numbers measured less what is fitted to them [-]."""
+    widening: Float[np.ndarray, " n_unknowns"]
+    """How many times as wide intervals are because residuals are correlated in time [-]."""
     searches: tuple[LocalSearch, ...]
     """What each start led to, the best first."""
     warnings: tuple[str, ...]
@@ -185,11 +190,8 @@ class Fit:
         """A sentence about the result."""
         sought = [self.estimates[k] for k in self.problem.of_interest] or self.estimates
         good = sum(estimate.is_identified for estimate in sought)
-        noise = (
-            f"residuals are {self.noise_factor:.2g} times the stated noise"
-            if np.isfinite(self.noise_factor)
-            else ("as many numbers as unknowns")
-        )
+        noise = f"residuals are {self.noise_factor:.2g} times the stated noise"
+        noise = noise if np.isfinite(self.noise_factor) else "as many numbers as unknowns"
         searches = f"{self.n_agreeing} of {len(self.searches)} starts agree"
         return (
             f"{good} of {len(sought)} parameters identified from {len(self.problem.measurements)} "
@@ -198,13 +200,12 @@ class Fit:
 
     def table(self) -> list[dict[str, Any]]:
         """A row per unknown, for tables and JSON: name, value, sigma, low, high, unit, note."""
-        rows: list[dict[str, Any]] = []
-        for estimate in self.estimates:
-            low, high = estimate.interval or (None, None)
-            value = estimate.value if estimate.is_identified else None
-            row = {"name": estimate.name, "value": value, "sigma": estimate.sigma, "low": low, "high": high}
-            rows.append(row | {"unit": estimate.unit, "note": estimate.note})
-        return rows
+        return [
+            {"name": one.name, "value": one.value if one.is_identified else None, "sigma": one.sigma}
+            | dict(zip(("low", "high"), one.interval or (None, None), strict=True))
+            | {"unit": one.unit, "note": one.note}
+            for one in self.estimates
+        ]
 
     @cached_property
     def residuals(self) -> tuple[Residual, ...]:
@@ -294,45 +295,45 @@ class Fit:
         return as_parameters(self.problem, self.values, name, title)
 
 
-def fit_of(
-    problem: Problem,
-    method: Method,
-    x: Float[np.ndarray, " n_unknowns"],
-    jacobian: Float[np.ndarray, "n_residuals n_unknowns"],
-    searches: Sequence[LocalSearch],
-) -> Fit:
+def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequence[LocalSearch]) -> Fit:
     """Everything that is known at the end of a search.
 
     Args:
         problem: Measurements and unknowns.
         method: How it was searched.
-        x: Coordinates of the end.
-        jacobian: Of the residuals there, in the noise that counts.
+        best: Where it ended, its Jacobian in the noise that counts.
         searches: All of them, the best first.
     """
-    values = problem.values_of(x)
+    values, jacobian = problem.values_of(best.end), best.jacobian
     predicted = predict(problem, values).values
-    chi2 = float(np.sum(((predicted - problem.observed) / problem.sigma) ** 2))
+    off = (predicted - problem.observed) / problem.sigma
+    chi2 = float(np.sum(off**2))
     by_data = identifiability(problem.information(jacobian), problem.unknowns, limit=method.limit)
     by_all = identifiability(jacobian.T @ jacobian, problem.unknowns, limit=method.limit)
     n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
     degrees = float(problem.observed.size - max(len(problem.unknowns) - n_priors, 0))
+    is_known = method.noise == "known"
+    wider, lags = widening(problem, jacobian, off, None if is_known else degrees)
     covariance, correlations = _covariance(problem, jacobian, by_all)
     total = chi2 + float(np.sum(problem.prior_residuals(values) ** 2))
     quantile = method.quantile(degrees)
+    warnings = warnings_of(problem, total if is_known else math.nan, degrees, lags, float(np.max(wider)))
     return Fit(
         problem=problem,
         method=method,
-        estimates=tuple(_estimate(problem, k, values, by_data, by_all, quantile) for k in range(values.size)),
-        covariance=covariance,
+        estimates=tuple(
+            _estimate(problem, k, values, by_data, by_all, float(wider[k]), quantile) for k in range(values.size)
+        ),
+        covariance=covariance * np.outer(wider, wider),
         correlations=correlations,
         identifiability=by_data,
         predictions=predicted,
         chi2=chi2,
         noise_factor=math.sqrt(chi2 / degrees) if degrees > 0.0 else math.nan,
         degrees_of_freedom=degrees,
+        widening=wider,
         searches=tuple(searches),
-        warnings=(*warnings_of(problem, total if method.noise == "known" else math.nan, degrees), *by_data.words),
+        warnings=(*warnings, *by_data.words),
     )
 
 
@@ -353,11 +354,17 @@ def _covariance(problem: Problem, jacobian: np.ndarray, seen: Identifiability) -
 
 
 def _estimate(
-    problem: Problem, k: int, values: np.ndarray, by_data: Identifiability, by_all: Identifiability, quantile: float
+    problem: Problem,
+    k: int,
+    values: np.ndarray,
+    by_data: Identifiability,
+    by_all: Identifiability,
+    wider: float,
+    quantile: float,
 ) -> ParameterEstimate:
     """What is known of one unknown."""
     unknown, value = problem.unknowns[k], float(values[k])
-    share, alone = float(by_all.sigma[k]), float(by_data.sigma[k])
+    share, alone = (wider * float(seen.sigma[k]) for seen in (by_all, by_data))
     x, deviation = unknown.x(value), share * unknown.size
     parameter, notes = unknown.parameter, list[str]()
     if unknown.name in by_data.without_effect:

@@ -49,7 +49,7 @@ from laticauda.codec import (
     updated,
 )
 from laticauda.errors import BadArgument, RobotFileError, label, one_of
-from laticauda.identify.fitting import fit
+from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import SERIES, Measurement, from_table1, from_trial
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import Unknown, numbers_by_name
@@ -183,21 +183,10 @@ class Task:
     sources: tuple[Path, ...] = ()
     """The files that it was read from."""
 
-    def run(self, *, threads: int | None = None, progress: Progress | None = None) -> Fit:
-        """Identify; errors as for `fit`.
-
-        Args:
-            threads: See `fit`.
-            progress: See `fit`.
-        """
-        return fit(
-            self.measurements,
-            self.robot,
-            parameters=self.unknowns,
-            **self.options,
-            threads=threads,
-            progress=progress,
-        )
+    def run(self, *, threads: int | None = None, progress: Progress | None = None, keep: Keep | None = None) -> Fit:
+        """Identify; arguments and errors as for `fit`."""
+        how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
+        return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
 
     def parameters(self, found: Fit) -> Parameters:
         """What was identified and what was fixed, as one parameter file.

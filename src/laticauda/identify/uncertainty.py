@@ -56,11 +56,10 @@ def profile(found: Fit, name: str) -> Profile:
 def _end(found: Fit, k: int, sign: float) -> float | None:
     """One end of the interval."""
     x, unknown, factor = found.x, found.problem.unknowns[k], found.used_noise_factor
-    quantile = found.method.quantile(found.degrees_of_freedom)
+    quantile = found.method.quantile(found.degrees_of_freedom) * float(found.widening[k])
     free = np.array([j for j in range(x.size) if j != k], dtype=int)
     deviation = math.sqrt(found.covariance[k, k])
-    end = unknown.lower if sign < 0.0 else unknown.upper
-    most = abs(unknown.x(end) - x[k]) if math.isfinite(end) else math.inf
+    most = abs(unknown.ends[sign > 0.0] - x[k])
     step = quantile * deviation if math.isfinite(deviation) and deviation > 0.0 else _FIRST * unknown.size
     least = _cost(found, x)
     inside, outside, at = 0.0, math.inf, x
@@ -68,7 +67,9 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
         step = min(step, most)
         moved = at.copy()
         moved[k] = x[k] + sign * step
-        at = minimize(found.problem, moved, loss=found.method.loss, factor=factor, free=free).x if free.size else moved
+        at = (
+            minimize(found.problem, moved, loss=found.method.loss, factor=factor, free=free).end if free.size else moved
+        )
         cost = _cost(found, at)
         height = math.sqrt(max(cost - least, 0.0)) if math.isfinite(cost) else math.inf
         if abs(height - quantile) <= _CLOSE * quantile:
@@ -159,8 +160,7 @@ def posterior(
     whole("n_steps", n_steps, 2)
     problem, n = found.problem, len(found.estimates)
     walkers = max(4 * n, 8) if n_walkers is None else whole("n_walkers", n_walkers, 2 * n + 2)
-    lower = np.array([u.x(u.lower) if math.isfinite(u.lower) else u.lower for u in problem.unknowns])
-    upper = np.array([u.x(u.upper) if math.isfinite(u.upper) else u.upper for u in problem.unknowns])
+    lower, upper = np.array([unknown.ends for unknown in problem.unknowns]).T
 
     def log_probability(points: np.ndarray) -> np.ndarray:
         inside = np.all((points > lower) & (points < upper), axis=1)

@@ -120,6 +120,12 @@ class ResolvedUnknown:
     tied: Mapping[str, float] = field(default_factory=dict[str, float])
     """Powers of the numbers that follow it, by name."""
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Coordinates of the ends of its range; may be infinite."""
+        low, high = (-math.inf if self.is_log and end <= 0.0 else self.x(end) for end in (self.lower, self.upper))
+        return low, high
+
     def x(self, value: float) -> float:
         """The coordinate of a value."""
         return math.log(value) if self.is_log else value

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of
 from laticauda.gaits import GAIT_WORDS
-from laticauda.identify.fitting import refitted
+from laticauda.identify.fitting import INTERRUPTED, refitted
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.result import Fit
 from laticauda.identify.tasks import Task
@@ -151,7 +151,7 @@ def validate(
     profiles: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Validation:
-    """How a fit does on what it was not fitted to.
+    """How a fit does on what it was not fitted to; Ctrl-C ends it with what is known until then.
 
     Args:
         task: What was asked for.
@@ -165,25 +165,25 @@ def validate(
     def part(what: str) -> Callable[[float], None]:
         return lambda share: None if progress is None else progress(what, share)
 
-    exact = exact and _suffices(found, [m.name for m in found.problem.measurements])
-    single = (
-        leave_out(found, progress=part("measurements left out")).predictions if exact else linear_leave_one_out(found)
-    )
-    groups = (
-        leave_out(found, "group", progress=part("groups left out"))
-        if by_group and _suffices(found, found.problem.groups)
-        else None
-    )
-    kept: list[Profile] = []
-    shown = found.problem.of_interest if profiles else []
-    for done, k in enumerate(shown):
-        kept.append(profile(found, found.estimates[k].name))
-        part("profiles")((done + 1) / len(shown))
+    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, list[Profile]()
+    is_whole = INTERRUPTED not in found.warnings
+    shown = found.problem.of_interest if profiles and is_whole else []
+    try:
+        if exact and is_whole and _suffices(found, [m.name for m in found.problem.measurements]):
+            single = leave_out(found, progress=part("measurements left out")).predictions
+            is_linearized = False
+        if by_group and is_whole and _suffices(found, found.problem.groups):
+            groups = leave_out(found, "group", progress=part("groups left out"))
+        for done, k in enumerate(shown):
+            kept.append(profile(found, found.estimates[k].name))
+            part("profiles")((done + 1) / len(shown))
+    except KeyboardInterrupt:
+        found, kept = replace(found, warnings=(INTERRUPTED, *found.warnings)), []
     return Validation(
         task=task,
         found=found,
         left_out=single,
-        is_linearized=not exact,
+        is_linearized=is_linearized,
         by_group=groups,
         null_models=compared_with_null_models(found),
         profiles=tuple(kept),

@@ -108,8 +108,13 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
             ],
         },
         "starts": [
-            {"start": dict(s.start), "end": dict(s.end), "cost": finite(s.cost), "converged": s.converged}
-            for s in found.searches
+            {
+                "start": found.problem.named(one.start),
+                "end": found.problem.named(one.end),
+                "cost": finite(one.cost),
+                "converged": one.converged,
+            }
+            for one in found.searches
         ],
         "warnings": list(found.warnings),
         "joints": name_of(type(found.problem.model.joints)),
@@ -264,10 +269,14 @@ def _errors(done: Validation) -> list[Row]:
 
 def _starts(done: Validation) -> list[Row]:
     """Where every search began and ended."""
-    names = [done.found.problem.names[k] for k in done.found.problem.of_interest]
+    problem = done.found.problem
     return [
         {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
-        | {f"{name}, {word}": side[name] for name in names for word, side in (("from", one.start), ("to", one.end))}
+        | {
+            f"{problem.names[k]}, {word}": problem.values_of(x)[k]
+            for k in problem.of_interest
+            for word, x in (("from", one.start), ("to", one.end))
+        }
         for i, one in enumerate(done.found.searches)
     ]
 
