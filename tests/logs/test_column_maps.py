@@ -47,7 +47,11 @@ def test_files_are_found_beside_the_map(tmp_path):
         ),
         ('kind = "columns"\nrobot = "mamba"\nenvironment = 3\n', "key `environment`: is not known; the keys here are"),
         ('kind = "columns"\n', "key `robot`: is missing; every column map needs it"),
-        ('kind = "columns"\nrobot = 3\n', "key `robot`: must be the name of a preset or a path, got 3"),
+        ('kind = "columns"\nrobot = 3\n', "key `robot`: must be a text, got 3"),
+        (
+            'kind = "columns"\nrobot = "mamba"\nwater = "still"\nground = "viscous"\n',
+            "key `water`: must not be given with `ground`",
+        ),
         ('kind = "columns"\nrobot = "mambo"\n', "did you mean `mamba`?"),
         ('kind = "columns"\nrobot = "mamba"\nspeed = 1\n', "key `speed`: is not known; the keys here are"),
         ('kind = "columns"\nrobot = "mamba"\nstart = 3\nstop = 2\n', "key `stop`: must be > `start` = 3 s, got 2"),

@@ -27,17 +27,16 @@ They are read strictly: what is unknown, missing or out of range is refused with
 import math
 from collections.abc import Mapping
 from dataclasses import fields
-from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from laticauda.codec import BadKey, Table, check_keys, decode, keys_of, take_kind
-from laticauda.errors import BadArgument, LaticaudaError, TrialFileError, finite, one_of, shown
+from laticauda.errors import BadArgument, TrialFileError, finite, one_of, shown
 from laticauda.files import read_toml
 from laticauda.gaits import Gait
 from laticauda.quantities import Check, option, quantity, value
-from laticauda.robot import Environment, Robot, load_ground, load_robot, load_water
-from laticauda.scenarios import default_water
+from laticauda.robot import Environment, Robot
+from laticauda.scenarios import scenario_files
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
@@ -47,6 +46,7 @@ TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
 UNITS = {"joint_angle": ANGLES, "joint_angle_ref": ANGLES, "joint_rate": RATES, "joint_torque": TORQUES}
 """Units of the columns of joints by section; the first is the default."""
 AXES = ("X", "Y", "Z")
+STRAIGHT = Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 
 LengthUnit: TypeAlias = Literal["m", "cm", "mm"] | None
 AngleUnit: TypeAlias = Literal["rad", "deg"] | None
@@ -312,25 +312,7 @@ def _column_map(table: Table, folder: Path) -> ColumnMap:
     if "robot" not in table:
         raise BadKey("robot", "is missing; every column map needs it")
     known = [one.name for one in fields(ColumnMap) if one.name != "environment"]
-    check_keys(table, [*known, "water", "ground"])
-    if "ground" in table and "water" in table:
-        raise BadKey("ground", "must not be given beside `water`")
+    check_keys(table, [*known, *scenario_files.NAMES])
     gait = decode(Gait, table.pop("gait"), "gait") if "gait" in table else None
-    robot = _loaded("robot", load_robot, table.pop("robot"), folder)
-    if "ground" in table:
-        environment = _loaded("ground", load_ground, table.pop("ground"), folder)
-    else:
-        environment = default_water(robot, gait)
-        if "water" in table:
-            environment = _loaded("water", partial(load_water, robot=robot), table.pop("water"), folder)
-    return decode(ColumnMap, {**table, "robot": robot, "environment": environment, "gait": gait})
-
-
-def _loaded(key: str, load: Any, name: Any, folder: Path) -> Any:
-    if not isinstance(name, str):
-        raise BadKey(key, f"must be the name of a preset or a path, got {name!r}")
-    beside = folder / name
-    try:
-        return load(beside if name.endswith(".toml") and beside.is_file() else name)
-    except LaticaudaError as error:
-        raise BadKey(key, str(error)) from error
+    chosen = scenario_files.take_chosen(table, gait or STRAIGHT, folder)
+    return decode(ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait})

@@ -27,7 +27,7 @@ from laticauda.codec import BadKey, Table, arguments_of, decode, keys_of
 from laticauda.errors import RobotFileError
 from laticauda.gaits import Gait, JointAngles
 from laticauda.robot import Robot, load_joint_angles, load_robot
-from laticauda.scenarios.building import Choice
+from laticauda.scenarios.building import Choice, Chosen
 from laticauda.scenarios.coding import described, motion_of, run_from_table, run_to_toml
 from laticauda.scenarios.scenario import Scenario
 
@@ -76,16 +76,9 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
         table["gait"] = _with_recorded(table["gait"], folder)
     motion = motion_of(table)
     gait = motion if isinstance(motion, Gait) else motion.gait
-    named = {name: table[name] for name in NAMES if name in table and not isinstance(table[name], Mapping)}
-    for name, one in named.items():
-        if isinstance(one, str) and one.endswith(".toml") and folder is not None:
-            named[name] = str(folder / one)
-    with arguments_of(""):
-        if isinstance(table.get("robot"), Mapping):
-            table["robot"] = described(table["robot"])
-        own: Robot | None = None if "robot" in named else table.get("robot")
-        chosen = Choice(**named).resolved(gait, lambda name, n: own or load_robot(name, n))
-    table["robot"] = own or chosen.robot
+    has_parameters = "parameters" in table
+    chosen = take_chosen(table, gait, folder)
+    table.setdefault("robot", chosen.robot)
     places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
     if len(places) > 1:
         raise BadKey(places[1], f"must not be given beside `{places[0]}`")
@@ -95,13 +88,35 @@ def scenario_from_table(table: Table, folder: Path | None = None) -> Scenario:
         table.pop(name, None)
     model: Any = table.get("model", {})
     model = {"kind": model} if isinstance(model, str) else dict(model)
-    if "parameters" in named:
+    if has_parameters:
         model.setdefault("joints", chosen.model.joints)
     table["model"] = {"kind": "planar", **model}
     found = run_from_table(table)
     if not isinstance(found, Scenario):
         raise BadKey("kind", 'must be "scenario" here')
     return found
+
+
+def take_chosen(table: Table, gait: Gait, folder: Path | None) -> Chosen:
+    """Take from a table what it says in `NAMES`, and say what that stands for.
+
+    Args:
+        table: Of a file; tables in it in the place of names are left there, that of a robot as the robot.
+        gait: It decides on the water, if none is named.
+        folder: Where files that it names are looked for first, before the working directory.
+
+    Raises:
+        BadKey: If a name is not known, or names do not go together.
+    """
+    named = {name: table.pop(name) for name in NAMES if name in table and not isinstance(table[name], Mapping)}
+    for name, one in named.items():
+        if isinstance(one, str) and one.endswith(".toml") and folder is not None and (folder / one).is_file():
+            named[name] = str(folder / one)
+    with arguments_of(""):
+        if "robot" in table:
+            table["robot"] = described(table["robot"])
+        own: Robot | None = table.get("robot")
+        return Choice(**named).resolved(gait, lambda name, n: own or load_robot(name, n))
 
 
 def _with_recorded(table: Table, folder: Path | None) -> Table:
