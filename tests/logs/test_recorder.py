@@ -115,4 +115,4 @@ def test_a_frame_of_the_bus_is_written_as_the_codec_of_its_type_writes_it(tmp_pa
         "dlc": 2,
         "data": b"\x01\x02".ljust(8, b"\x00"),
     }
-    assert message.data == ros2.encoder("can_msgs/Frame")(content)
+    assert message.data == ros2.encode("can_msgs/Frame", content)

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from laticauda.logs.ros2 import DEFINITIONS, decoder, encoder, schema_name, schema_text
+from laticauda.logs.ros2 import DEFINITIONS, decoder, encode, schema_name, schema_text
 
 records = pytest.importorskip("mcap.records", reason="the package mcap is not installed")
 pytest.importorskip("mcap_ros2.decoder", reason="the reader of ROS 2 messages is not installed")
@@ -62,20 +62,21 @@ def reader(name: str, text: str | None = None):
 @given(data=st.data())
 def test_another_hand_reads_what_was_written_from_the_definition_in_the_file(name, data):
     message = data.draw(messages(name))
-    assert plain(reader(name)(encoder(name)(message))) == plain(message)
+    assert plain(reader(name)(encode(name, message))) == plain(message)
 
 
 @given(cut=st.integers(0, 70), rubbish=st.binary(max_size=80))
 def test_bytes_that_make_no_sense_are_refused_or_read_but_nothing_else(cut, rubbish):
     read = reader("sensor_msgs/JointState")
-    whole = encoder("sensor_msgs/JointState")(
+    whole = encode(
+        "sensor_msgs/JointState",
         {
             "header": {"stamp": {"sec": 1, "nanosec": 2}, "frame_id": "x"},
             "name": ["a"],
             "position": [1.0],
             "velocity": [],
             "effort": [2.0],
-        }
+        },
     )
     if cut < len(whole):
         with pytest.raises(ValueError, match="JointState is damaged"):
@@ -88,13 +89,13 @@ def test_bytes_that_make_no_sense_are_refused_or_read_but_nothing_else(cut, rubb
 
 def test_a_field_that_is_missing_or_does_not_fit_is_named():
     with pytest.raises(ValueError, match="`std_msgs/Float64` must have a fitting `data`"):
-        encoder("std_msgs/Float64")({})
+        encode("std_msgs/Float64", {})
     with pytest.raises(ValueError, match="`builtin_interfaces/Time` must have a fitting `sec`"):
-        encoder("builtin_interfaces/Time")({"sec": 2**31, "nanosec": 0})
+        encode("builtin_interfaces/Time", {"sec": 2**31, "nanosec": 0})
     frame = {"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}, "id": 1, "is_rtr": False}
     frame |= {"is_extended": False, "is_error": False, "dlc": 3, "data": b"abc"}
     with pytest.raises(ValueError, match="fitting `data`: 8 values are needed, got 3"):
-        encoder("can_msgs/Frame")(frame)
+        encode("can_msgs/Frame", frame)
 
 
 def test_a_definition_that_makes_no_sense_is_refused():

@@ -46,7 +46,7 @@ class Recorder(MessageFile):
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If it cannot be written.
         """
-        self.add(topic, kind, unit, moment(time), ros2.encoder(kind)(content))
+        self.add(topic, kind, unit, moment(time), ros2.encode(kind, content))
 
     def joint_state(
         self,

@@ -1,7 +1,7 @@
 """ROS 2 messages as bytes and back: CDR, the encoding that every ROS 2 tool reads.
 
 What logs are made of is written here, from the definitions below: strictly, because the library `mcap-ros2-support`
-fills what is missing with zeros and cuts what is too long, and in a third of its time, because a robot waits for it.
+fills what is missing with zeros and cuts what is too long, and more slowly, while a robot waits.
 Messages of any writer are read by that library. Little-endian, each number aligned to its own size, as in version 1 of
 the encoding (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
 """
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from mcap.records import Schema
 
 Message: TypeAlias = dict[str, Any]
-Write: TypeAlias = Callable[[bytearray, Any], None]
 
 DEFINITIONS = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
@@ -61,6 +60,7 @@ A file carries the whole definition of every type that it uses, so that it can b
 
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian
 FORMATS = {"bool": "?", "byte": "B", "uint8": "B", "int32": "i", "uint32": "I", "float64": "d"}
+NUMBERS = {kind: struct.Struct("<" + form) for kind, form in FORMATS.items()}
 RULE = "=" * 80  # between the definitions in a schema
 
 
@@ -107,21 +107,19 @@ def stamp(nanoseconds: int) -> Message:
     return {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}
 
 
-@functools.cache
-def encoder(name: str) -> Callable[[Mapping[str, Any]], bytes]:
-    """What makes bytes of the messages of a type; it raises ValueError at a field that is missing or does not fit.
+def encode(name: str, message: Mapping[str, Any]) -> bytes:
+    """The bytes of a message.
 
     Args:
-        name: Of the type, one of `DEFINITIONS`.
+        name: Of its type, one of `DEFINITIONS`.
+        message: Its fields.
+
+    Raises:
+        ValueError: If a field is missing or does not fit.
     """
-    write = _struct(name)
-
-    def encode(message: Mapping[str, Any]) -> bytes:
-        body = bytearray()
-        write(body, message)
-        return HEADER + bytes(body)
-
-    return encode
+    body = bytearray()
+    _write(body, name, message)
+    return HEADER + bytes(body)
 
 
 def decoder(schema: "Schema") -> Callable[[bytes], Message]:
@@ -166,62 +164,39 @@ def _plain(value: Any) -> Any:
 # ---- CDR -----------------------------------------------------------------------------------------------------------
 
 
-def _struct(name: str) -> Write:
-    """What writes a type of several fields."""
-    members = [(one.name, _value(one.kind) if one.size is None else _array(one)) for one in _fields(name)]
-
-    def write_struct(body: bytearray, value: Any) -> None:
-        for member, write in members:
-            try:
-                write(body, value[member])
-            except (KeyError, TypeError, struct.error) as error:
-                raise BadArgument(name, f"must have a fitting `{member}`: {error}") from error
-
-    return write_struct
-
-
-def _value(kind: str) -> Write:
-    if kind == "string":
-        return _write_string
-    return _number(FORMATS[kind]) if kind in FORMATS else _struct(kind)
-
-
-def _number(form: str) -> Write:
-    packer = struct.Struct("<" + form)
-
-    def write(body: bytearray, value: Any) -> None:
+def _write(body: bytearray, kind: str, value: Any) -> None:
+    """Write a number, a text, or all fields of a message."""
+    if kind in NUMBERS:
+        packer = NUMBERS[kind]
         body += b"\x00" * (-len(body) % packer.size) + packer.pack(value)
+    elif kind == "string":
+        if not isinstance(value, str):
+            raise TypeError(f"a text is needed, got {type(value).__name__}")
+        text = value.encode()
+        _write(body, "uint32", len(text) + 1)
+        body += text + b"\x00"
+    else:
+        for field in _fields(kind):
+            try:
+                if field.size is None:
+                    _write(body, field.kind, value[field.name])
+                else:
+                    _write_array(body, field, value[field.name])
+            except (KeyError, TypeError, struct.error) as error:
+                raise BadArgument(kind, f"must have a fitting `{field.name}`: {error}") from error
 
-    return write
 
-
-_write_count = _number("I")
-
-
-def _write_string(body: bytearray, value: str) -> None:
-    if not isinstance(value, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"a text is needed, got {type(value).__name__}")
-    text = value.encode()
-    _write_count(body, len(text) + 1)
-    body += text + b"\x00"
-
-
-def _array(field: _Field) -> Write:
-    """An array, of numbers in one piece."""
-    dtype = np.dtype("<" + FORMATS[field.kind]) if field.kind in FORMATS else None
-    write_item = _value(field.kind)
-
-    def write(body: bytearray, value: Any) -> None:
-        items = np.frombuffer(value, dtype) if isinstance(value, bytes) else value
-        items = items if dtype is None else np.asarray(items, dtype)
-        if field.size and len(items) != field.size:
-            raise TypeError(f"{field.size} values are needed, got {len(items)}")
-        if not field.size:
-            _write_count(body, len(items))
-        if dtype is None:
-            for item in items:
-                write_item(body, item)
-        elif len(items):  # without items there is nothing to align
-            body += b"\x00" * (-len(body) % dtype.itemsize) + items.tobytes()
-
-    return write
+def _write_array(body: bytearray, field: _Field, value: Any) -> None:
+    """Write an array, of numbers in one piece."""
+    form = FORMATS.get(field.kind)
+    if form is not None:
+        value = np.frombuffer(value, "<" + form) if isinstance(value, bytes) else np.asarray(value, "<" + form)
+    if field.size and len(value) != field.size:
+        raise TypeError(f"{field.size} values are needed, got {len(value)}")
+    if not field.size:
+        _write(body, "uint32", len(value))
+    if form is None:
+        for item in value:
+            _write(body, field.kind, item)
+    elif len(value):  # without items there is nothing to align
+        body += b"\x00" * (-len(body) % value.itemsize) + value.tobytes()

@@ -145,7 +145,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
     # Every line ends with a tab too.
     rows = [line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()]
     header: list[str] = []
-    if rows and not _is_number(rows[0][0]):
+    if rows and isinstance(numbers("", rows[0][:1], top), str):
         header, rows, top = rows[0], rows[1:], top + 1
     leading = _leading(header, len(rows[0]) if rows else 0, len(names) * len(parts))
     wanted = [f"{name} {part}" for name in names for part in parts]
@@ -209,14 +209,6 @@ def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
     for key, values in found.items():
         if key.startswith(f"{name} ") and isinstance(values, np.ndarray):
             values[lost] = np.nan
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 BLOCK = 512  # bytes
