@@ -54,6 +54,6 @@ def test_a_fault_is_on_from_its_time_for_its_duration_at_its_node():
     found = []
     for time in (0.0, 1.0, 2.5, 3.0):
         faults.look(time)
-        found.append((faults.on("leak", 3) is not None, faults.on("leak", 4) is not None, faults.any))
+        found.append((faults.on("leak", 3) is not None, faults.on("leak", 4) is not None, bool(faults.present)))
     assert found == [(False, False, False), (True, False, True), (True, False, True), (False, False, True)]
     assert faults.on("bus_off", 17) is not None

@@ -311,7 +311,7 @@ def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
     swum, operator = tank(), Operator(operation=operation(duration=1.0))
 
     def show(state, outputs):
-        if state.ended is not None and not swum.faults.any:
+        if state.ended is not None and not swum.faults.present:
             swum.inject(Fault(kind="over_temperature", time=swum.time, node=4))
 
     result = result_of(operator, run_stepped(operator, swum, show=show), None, None)

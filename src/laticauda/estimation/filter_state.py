@@ -88,9 +88,8 @@ class Gaussian:
             sensitivity: H, derivative of the measurement with respect to what is estimated.
             noise: R, covariance of the measurement.
         """
-        linear = (
-            sensitivity @ self.mean
-        )  # H x; added and taken off again, as in recordings that are replayed to the bit
+        # H x is added and taken off again, as in recordings that are replayed to the bit.
+        linear = sensitivity @ self.mean
         spread = sensitivity @ self.covariance @ sensitivity.T + noise
         gain = self.covariance @ sensitivity.T @ np.linalg.inv(spread)
         rest = np.eye(self.mean.size) - gain @ sensitivity

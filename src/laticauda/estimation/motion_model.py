@@ -205,19 +205,16 @@ class MotionModel:
     def _surge(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
         """Speed through the water: a random walk, or drawn to the known one or the twin's within some cycles."""
         if self.has_twin:
-            fade = math.exp(-dt / TWIN_MEMORY)
-            after[U] *= fade
-            f[U, U] = fade
-            q[U, U] = TWIN_SURGE**2 * (1.0 - fade * fade)
-            return
-        if self.swim_speed is None:
+            memory, std, target = TWIN_MEMORY, TWIN_SURGE, 0.0
+        elif self.swim_speed is None:
             q[U, U] = self.noise.surge**2 * dt
             return
-        fade = math.exp(-dt / SPEED_UP)
-        target = self.swim_speed if frequency > 0.0 else 0.0
+        else:
+            memory, std, target = SPEED_UP, self.swim_speed_std, self.swim_speed if frequency > 0.0 else 0.0
+        fade = math.exp(-dt / memory)
         after[U] = target + fade * (after[U] - target)
         f[U, U] = fade
-        q[U, U] = self.swim_speed_std**2 * (1.0 - fade * fade)
+        q[U, U] = std**2 * (1.0 - fade * fade)
 
     def _ripples(self, after: Vector, f: Matrix, q: Matrix, frequency: float, dt: float) -> None:
         """Every pointer turns by the gait's phase; without a gait it fades at once."""

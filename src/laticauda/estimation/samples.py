@@ -35,10 +35,7 @@ class PoseSample:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "time", finite("time", self.time, "s"))
-        object.__setattr__(self, "position", _array("position", self.position, (3,)))
-        if self.rotation is not None:
-            object.__setattr__(self, "rotation", _array("rotation", self.rotation, (3, 3)))
+        _check(self, position=(3,), rotation=(3, 3))
 
     @property
     def is_lost(self) -> bool:
@@ -61,12 +58,8 @@ class JointSample:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "time", finite("time", self.time, "s"))
-        object.__setattr__(self, "angle", _array("angle", self.angle, (None,)))
-        for name in ("rate", "torque"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, _array(name, value, self.angle.shape))
+        _check(self, angle=(None,))
+        _check(self, rate=self.angle.shape, torque=self.angle.shape)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,22 +75,27 @@ class ReferenceSample:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        object.__setattr__(self, "time", finite("time", self.time, "s"))
-        object.__setattr__(self, "angle", _array("angle", self.angle, (None,)))
+        _check(self, angle=(None,))
         object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
 
 
 Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
 
 
-def _array(name: str, value: object, shape: tuple[int | None, ...]) -> np.ndarray:
-    array = np.array(value, dtype=np.float64)
-    fits = array.ndim == len(shape) and all(size in (None, have) for size, have in zip(shape, array.shape, strict=True))
-    if not fits:
-        expected = " x ".join("n" if size is None else str(size) for size in shape)
-        raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {array.shape}")
-    array.flags.writeable = False
-    return array
+def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
+    """Keep a finite time, and arrays of these shapes that nobody changes; None stays None."""
+    object.__setattr__(sample, "time", finite("time", sample.time, "s"))
+    for name, shape in shapes.items():
+        given: object = getattr(sample, name)
+        if given is None:
+            continue
+        array = np.array(given, dtype=np.float64)
+        have = array.shape
+        if len(have) != len(shape) or any(size not in (None, n) for size, n in zip(shape, have, strict=True)):
+            expected = " x ".join("n" if size is None else str(size) for size in shape)
+            raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {have}")
+        array.flags.writeable = False
+        object.__setattr__(sample, name, array)
 
 
 Status: TypeAlias = Literal["tracking", "bridging", "lost"]

@@ -74,7 +74,8 @@ class Faults:
 
     def __init__(self, schedule: Iterable[Fault] = ()) -> None:
         self._all = list(schedule)
-        self._on: list[Fault] = []
+        self.present: tuple[Fault, ...] = ()
+        """Those that are there now."""
 
     def add(self, fault: Fault) -> None:
         """One more: `fault`."""
@@ -82,28 +83,15 @@ class Faults:
 
     def clear(self) -> None:
         """No more faults; what they did stays done."""
-        self._all, self._on = [], []
+        self._all, self.present = [], ()
 
     def look(self, time: float) -> None:
         """See which are on at `time` [s]; the other questions are answered for then."""
-        self._on = [fault for fault in self._all if fault.is_on(time)] if self._all else []
+        self.present = tuple(fault for fault in self._all if fault.is_on(time))
 
     def on(self, kind: str, node: int = EVERY_NODE) -> Fault | None:
         """A fault of `kind` that is there now, at `node` or everywhere; None: there is none."""
-        for fault in self._on:
-            if fault.kind == kind and fault.node in (EVERY_NODE, node):
-                return fault
-        return None
-
-    @property
-    def any(self) -> bool:
-        """Whether there is any now."""
-        return bool(self._on)
-
-    @property
-    def present(self) -> tuple[Fault, ...]:
-        """Those that are there now."""
-        return tuple(self._on)
+        return next((one for one in self.present if one.kind == kind and one.node in (EVERY_NODE, node)), None)
 
 
 def load_faults(path: str | Path) -> tuple[Fault, ...]:

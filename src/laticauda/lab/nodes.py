@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from laticauda.lab.settings import NodeSettings
 from laticauda.protocol import EVERY_NODE, FAULTS, NodeState, Order, Result, messages
 
-LIMP_STATES = (NodeState.STARTUP, NodeState.CALIBRATING, NodeState.READY, NodeState.LIMP, NodeState.FAULT)
 SETTLED = (NodeState.READY, NodeState.LIMP)
 STUCK_SMOOTHING = 0.05  # of the angle, so that the sensor's noise is no travel; an assumption [s]
 
@@ -74,7 +73,7 @@ class Node:
     @property
     def is_on(self) -> bool:
         """Whether the motor is on."""
-        return self.state not in LIMP_STATES
+        return self.state.is_on
 
     def tick(self, now: float, senses: Senses) -> list[messages.CanMessage]:
         """Let time pass.
@@ -127,7 +126,7 @@ class Node:
 
     def _synchronize(self, now: float, senses: Senses) -> list[messages.CanMessage]:
         if self._pending is not None:
-            if self.state in (NodeState.ACTIVE, NodeState.HOLD):
+            if self.is_on:
                 self.target = min(max(self._pending, -self.limit), self.limit)
                 self._referred = now
                 if self.state == NodeState.HOLD:

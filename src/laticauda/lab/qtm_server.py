@@ -155,12 +155,9 @@ class QtmServer:
 
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
         names = {word.lower() for word in words}
-        parts: list[str] = []
-        if names & {"general", "all"}:
-            parts.append(qtm.parameters_general(self.rate))
-        if names & {"6d", "all"}:
-            parts.append(qtm.parameters_6d([BODY], [MARKERS]))
-        return qtm.encode_text(qtm.parameters(*parts), qtm.PacketType.XML)
+        frequency = self.rate if names & {"general", "all"} else None
+        bodies = {BODY: MARKERS} if names & {"6d", "all"} else {}
+        return qtm.encode_text(qtm.parameters(frequency, bodies), qtm.PacketType.XML)
 
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
         components = _components(words)

@@ -140,7 +140,7 @@ class Tank:
             if self._silent[i]:
                 continue
             received = message
-            if self.faults.any:
+            if self.faults.present:
                 if self._is_hit("frame_loss", node.number):
                     continue
                 received = self._corrupted(node.number, identifier, data, message)
@@ -157,7 +157,7 @@ class Tank:
     def _transmit(self, node: Node, messages: Iterable[CanMessage]) -> None:
         for message in messages:
             wire = encode(message)
-            if self.faults.any:
+            if self.faults.present:
                 if self._silent[node.number - 1] or self._is_hit("frame_loss", node.number):
                     continue
                 if self._is_hit("frame_corruption", node.number):

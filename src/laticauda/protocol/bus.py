@@ -4,13 +4,13 @@ import ipaddress
 import math
 import socket
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, cast
 
 from laticauda.errors import BadArgument, LaticaudaError, positive, whole
 from laticauda.extras import optional_import
 from laticauda.protocol.can import python_can
-from laticauda.protocol.dbc import LAYOUTS, Layout
+from laticauda.protocol.dbc import LAYOUTS
 from laticauda.protocol.messages import N_NODES, PER_FRAME
 from laticauda.quantities import option, quantity, value
 
@@ -205,39 +205,28 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
         raise BadArgument("n_nodes", f"must be <= {N_NODES}, got {n_nodes}")
     positive("rate", rate, "Hz")
     positive("bitrate", bitrate, "bit/s")
-    kinds: list[tuple[Layout, int, float]] = []
+    traffic: list[Traffic] = []
     for layout in sorted(LAYOUTS, key=lambda layout: layout.identifier):
-        if layout.kind.__name__ not in RARE:
+        name, bits = layout.kind.__name__, frame_bits(layout.length)
+        if name not in RARE:
+            often = SLOW_RATES.get(name, rate)
             count = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}[layout.number]
-            kinds.append((layout, count, SLOW_RATES.get(layout.kind.__name__, rate)))
-    return BusLoad(traffic=tuple(_traffic(kinds, k, bitrate) for k in range(len(kinds))))
+            share, first = count * often * bits / bitrate, layout.identifier + layout.numbers[0]
+            one = Traffic(name=name, identifier=first, frames=count, rate=often, bits=bits, share=share, delay=math.inf)
+            traffic.append(one)
+    delays = (_delay(traffic, at, bitrate) for at in range(len(traffic)))
+    return BusLoad(traffic=tuple(replace(one, delay=delay) for one, delay in zip(traffic, delays, strict=True)))
 
 
-def _traffic(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float) -> Traffic:
-    layout, count, rate = kinds[at]
-    bits = frame_bits(layout.length)
-    return Traffic(
-        name=layout.kind.__name__,
-        identifier=layout.identifier + layout.numbers[0],
-        frames=count,
-        rate=rate,
-        bits=bits,
-        share=count * rate * bits / bitrate,
-        delay=_delay(kinds, at, bitrate),
-    )
-
-
-def _delay(kinds: Sequence[tuple[Layout, int, float]], at: int, bitrate: float) -> float:
+def _delay(traffic: Sequence[Traffic], at: int, bitrate: float) -> float:
     """Worst-case response time of the last frame of kind `at` [s]; infinite if there is none."""
-    layout, count, rate = kinds[at]
-    own = frame_bits(layout.length) / bitrate
-    blocked = max(frame_bits(other.length) for other, _, _ in kinds) / bitrate
-    ahead = [(n * frame_bits(other.length) / bitrate, r) for other, n, r in kinds[:at]]
-    bit = 1.0 / bitrate
-    wait = blocked + (count - 1) * own
+    own = traffic[at].bits / bitrate
+    before = max(kind.bits for kind in traffic) / bitrate + (traffic[at].frames - 1) * own
+    ahead = [(kind.frames * kind.bits / bitrate, kind.rate) for kind in traffic[:at]]
+    wait = before
     while True:
-        needed = blocked + (count - 1) * own + sum(math.ceil((wait + bit) * r) * time for time, r in ahead)
-        if needed > 1.0 / rate:
+        needed = before + sum(math.ceil((wait + 1.0 / bitrate) * rate) * time for time, rate in ahead)
+        if needed > 1.0 / traffic[at].rate:
             return math.inf
         if needed <= wait:
             return wait + own

@@ -64,6 +64,11 @@ class NodeState(IntEnum):
     FAULT = 6
     """Something is wrong (see the flags of its heartbeat); the motor is off until the fault is gone and cleared."""
 
+    @property
+    def is_on(self) -> bool:
+        """Whether the motor is on."""
+        return self in (NodeState.ACTIVE, NodeState.HOLD)
+
 
 class Order(IntEnum):
     """What a node can be told."""

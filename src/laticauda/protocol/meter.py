@@ -167,15 +167,9 @@ def _reading(values: Mapping[str, float], duration: float, text: str) -> MeterRe
     live = values.get("LIVE", values.get("PRIMARY"))
     if live is None:
         raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
-    if not {"AVERAGE", "MINIMUM", "MAXIMUM"} <= set(values) or not math.isfinite(duration):
-        return MeterReading(live=live)
-    return MeterReading(
-        live=live,
-        average=values["AVERAGE"],
-        minimum=values["MINIMUM"],
-        maximum=values["MAXIMUM"],
-        duration=duration,
-    )
+    record = {name.lower(): values[name] for name in ("AVERAGE", "MINIMUM", "MAXIMUM") if name in values}
+    is_kept = len(record) == 3 and math.isfinite(duration)
+    return MeterReading(live=live, **record, duration=duration) if is_kept else MeterReading(live=live)
 
 
 def _current(word: str) -> float:

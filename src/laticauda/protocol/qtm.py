@@ -10,7 +10,7 @@ References:
 
 import math
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from xml.sax.saxutils import escape
@@ -45,10 +45,7 @@ class Event(IntEnum):
     """What a server tells of itself."""
 
     CONNECTED = 1
-    CONNECTION_CLOSED = 2
     SHUTTING_DOWN = 11
-    CAPTURE_STARTED = 3
-    CAPTURE_STOPPED = 4
 
 
 class Component(IntEnum):
@@ -152,37 +149,25 @@ def encode_frame(frame: MocapFrame, components: Sequence[Component] = (Component
     return encode_packet(PacketType.DATA, b"".join(parts))
 
 
-def parameters_6d(names: Sequence[str], markers: Sequence[Sequence[tuple[float, float, float]]]) -> str:
-    """The answer to `getparameters 6d`.
+def parameters(frequency: float | None, bodies: Mapping[str, Sequence[tuple[float, float, float]]]) -> str:
+    """The answer to `getparameters`.
 
     Args:
-        names: Of the bodies.
-        markers: Of every body, where its markers are in its own axes [m].
+        frequency: Frames per second; None: it was not asked for [Hz].
+        bodies: Where the markers of every body are in its own axes, by its name; empty: likewise [m].
     """
-    bodies = "".join(
+    said = "" if frequency is None else f"<General><Frequency>{frequency:g}</Frequency></General>"
+    listed = "".join(
         f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>"
         + "".join(
             f'<Point X="{1e3 * x:.3f}" Y="{1e3 * y:.3f}" Z="{1e3 * z:.3f}" Virtual="0" PhysicalId="0" Name=""/>'
             for x, y, z in points
         )
         + "</Points></Body>"
-        for name, points in zip(names, markers, strict=True)
+        for name, points in bodies.items()
     )
-    return f"<The_6D>{bodies}</The_6D>"
-
-
-def parameters_general(frequency: float) -> str:
-    """The answer to `getparameters general`.
-
-    Args:
-        frequency: Frames per second [Hz].
-    """
-    return f"<General><Frequency>{frequency:g}</Frequency></General>"
-
-
-def parameters(*parts: str) -> str:
-    """The whole text of an answer to `getparameters`."""
-    return f"<QTM_Parameters_Ver_{VERSION}>{''.join(parts)}</QTM_Parameters_Ver_{VERSION}>"
+    said += f"<The_6D>{listed}</The_6D>" if bodies else ""
+    return f"<QTM_Parameters_Ver_{VERSION}>{said}</QTM_Parameters_Ver_{VERSION}>"
 
 
 def euler_angles(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, float]:

@@ -13,8 +13,6 @@ from jaxtyping import Float
 from laticauda.operate.settings import Limits
 from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 
-MOVING = (NodeState.ACTIVE, NodeState.HOLD)
-"""States in which the motor of a module is on."""
 Numbers = Float[np.ndarray, " n_joints"]
 
 
@@ -55,13 +53,13 @@ class Modules:
             timeout: A heartbeat that is older does not count [s].
         """
         return not any(
-            beat is not None and beat.state in MOVING and now - time <= timeout
+            beat is not None and beat.state.is_on and now - time <= timeout
             for beat, time in zip(self.heartbeat, self.heartbeat_time, strict=True)
         )
 
     def all_active(self) -> bool:
         """Whether every module follows its references."""
-        return all(beat is not None and beat.state in MOVING for beat in self.heartbeat)
+        return all(beat is not None and beat.state.is_on for beat in self.heartbeat)
 
     def silent(self, now: float, timeout: float) -> tuple[int, ...]:
         """The nodes that have sent no heartbeat for longer than `timeout`.
@@ -259,7 +257,7 @@ def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str,
         found.setdefault("joint_error", f"module {k + 1}: {error:+.0f} deg")
     if reports.now - state.sending > SPIN_UP:
         for node, beat in enumerate(reports.modules.heartbeat, start=1):
-            if beat is not None and beat.state not in MOVING:
+            if beat is not None and not beat.state.is_on:
                 found.setdefault("module_fault", f"module {node} does not move: {beat.state.name.lower()}")
     return found
 
