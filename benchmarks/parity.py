@@ -24,10 +24,8 @@ Last answer (2026-11-21), the worst of lateral, eel-like, turning, fin and curre
 
 import sys
 
-import numpy as np
-
 from laticauda.figures import new_figure, save_figure, style
-from laticauda.paper import ConvergenceCurve, Parity, convergence, parity_cases
+from laticauda.paper import Parity, convergence, parity_cases
 from laticauda.paper.parity import parity
 
 STEPS = {
@@ -35,7 +33,7 @@ STEPS = {
     "pd": (0.004, 0.002, 0.001, 0.0005),
     "servo": (0.004, 0.002, 0.001, 0.0005),
 }
-ORDERS = {"prescribed": 4, "pd": 2, "servo": 0}  # servo's slope would lie on that of pd
+ORDERS = {"prescribed": 4, "pd": 2}  # servo's slope would lie on that of pd
 
 
 def main() -> None:
@@ -65,18 +63,12 @@ def draw(rows: list[Parity], path: str) -> None:
         (left, "path", "path: largest difference / distance [-]"),
         (right, "heading", "heading: largest difference [rad]"),
     ):
-        curves = [
-            ConvergenceCurve(
-                label=joints,
-                dt=np.array(steps),
-                difference=np.array(
-                    [max(getattr(r, name) for r in rows if (r.joints, r.dt) == (joints, dt)) for dt in steps]
-                ),
-                order=ORDERS[joints],
-            )
+        curves = {
+            joints: {dt: max(getattr(r, name) for r in rows if (r.joints, r.dt) == (joints, dt)) for dt in steps}
             for joints, steps in STEPS.items()
-        ]
-        convergence(curves, ax, ylabel=label, bounds=[(3e-3, "0.3 %")] if name == "path" else [])
+        }
+        bounds = [(3e-3, "0.3 %")] if name == "path" else []
+        convergence(curves, ax, ylabel=label, orders=ORDERS, bounds=bounds)
     style.legend(left, loc="lower right")
     save_figure(figure, path)
 

@@ -1,17 +1,14 @@
 import numpy as np
 
 from laticauda.figures import new_figure
-from laticauda.paper import ConvergenceCurve, convergence
+from laticauda.paper import convergence
 
 
 def test_curves_bounds_and_slopes_are_drawn_on_logarithmic_axes():
     dt = np.array([0.004, 0.002, 0.001])
-    curves = [
-        ConvergenceCurve(label="pd", dt=dt, difference=dt**2, order=2),
-        ConvergenceCurve(label="servo", dt=dt, difference=2.0 * dt**2, order=0),
-    ]
+    curves = {"pd": {at: at**2 for at in dt.tolist()}, "servo": {at: 2.0 * at**2 for at in dt.tolist()}}
     ax = new_figure(3.5, 2.5).add_subplot()
-    assert convergence(curves, ax, ylabel="path [-]", bounds=[(3e-3, "0.3 %")]) is ax
+    assert convergence(curves, ax, ylabel="path [-]", orders={"pd": 2}, bounds=[(3e-3, "0.3 %")]) is ax
     assert (ax.get_xscale(), ax.get_yscale(), ax.get_ylabel()) == ("log", "log", "path [-]")
     pd, slope, servo, bound = ax.get_lines()
     np.testing.assert_allclose(pd.get_xydata(), np.column_stack([1e3 * dt, dt**2]))

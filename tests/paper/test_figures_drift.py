@@ -8,10 +8,10 @@ from laticauda.figures import new_figure
 from laticauda.paper.report.beyond import mean_errors, runs_sheet
 from laticauda.trial.cycles import CycleMean
 
-LINES = [
-    ("one", CycleMean(np.array([2.0, 3.0, 9.0]), np.array([0.1, 0.2, 0.3]))),
-    ("other", CycleMean(np.array([2.0, 3.0, 11.0]), np.array([0.1, -0.2, 0.0]))),
-]
+LINES = {
+    "one": CycleMean(np.array([2.0, 3.0, 9.0]), np.array([0.1, 0.2, 0.3])),
+    "other": CycleMean(np.array([2.0, 3.0, 11.0]), np.array([0.1, -0.2, 0.0])),
+}
 
 
 @pytest.fixture(scope="module")
@@ -40,19 +40,25 @@ def test_errors_are_drawn_with_their_band():
 
 def test_no_tolerance_no_band():
     ax = new_figure(4, 2).subplots()
-    mean_errors(LINES[:1], ax, xlabel="time [s]")
+    mean_errors({"one": LINES["one"]}, ax, xlabel="time [s]")
     assert not ax.patches
     assert ax.get_xlim() == (0.0, 9.0)
 
 
 def test_the_sheet_shows_every_way_with_its_path_and_the_errors_below(followed):
-    figure = runs_sheet([("first", followed), ("second", followed)], LINES, "Runs", xlabel="time [s]", tolerance=0.05)
+    runs = {name: (followed, error) for name, error in (*LINES.items(), ("third", LINES["one"]))}
+    figure = runs_sheet(runs, "Runs", xlabel="time [s]", tolerance=0.05)
     figure.canvas.draw()  # warnings of the layout are errors
     ways, below = figure.axes[:2], figure.axes[2]
-    assert [ax.get_title(loc="left") for ax in ways] == ["(a)  first", "(b)  second"]
+    assert [ax.get_title(loc="left") for ax in ways] == ["(a)  one", "(b)  other"]
     assert [ax.get_xlabel() for ax in ways] == ["", "x [m]"]
     assert below.get_title(loc="left") == "(c)"
     assert below.get_xlabel() == "time [s]"
-    assert {text.get_text() for text in figure.legends[0].get_texts()} == {"\N{PLUS-MINUS SIGN}5 cm", "one", "other"}
+    assert {text.get_text() for text in figure.legends[0].get_texts()} == {
+        "\N{PLUS-MINUS SIGN}5 cm",
+        "one",
+        "other",
+        "third",
+    }
     for ax in ways:
         assert any("current 0.03 m/s" in text.get_text() for text in ax.texts)

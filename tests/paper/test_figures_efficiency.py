@@ -7,12 +7,11 @@ import pytest
 from laticauda.figures import new_figure
 from laticauda.paper import Repeat, efficiency_settings
 from laticauda.paper.figures.efficiency import (
+    POWERS,
+    VELOCITY,
     Panel,
-    electrical_power_marks,
-    mechanical_power_curves,
-    power_sheet,
-    velocity_curves,
-    velocity_sheet,
+    draw_panel,
+    efficiency_sheet,
 )
 from laticauda.paper.measured import table1
 
@@ -39,7 +38,7 @@ def ax():
 
 
 def test_velocities_are_drawn_over_degrees_and_missing_ones_are_left_out(ax):
-    assert velocity_curves(panel(), ax) is ax
+    assert draw_panel(panel(), ax, *VELOCITY) is ax
     one, other, star = ax.lines
     assert np.allclose(one.get_xdata(), [10, 30, 50])
     assert np.allclose(other.get_ydata(), [0.06, 0.11, 0.1])
@@ -49,14 +48,14 @@ def test_velocities_are_drawn_over_degrees_and_missing_ones_are_left_out(ax):
 
 
 def test_lines_are_told_apart_by_dashes_too(ax):
-    velocity_curves(panel(), ax)
+    draw_panel(panel(), ax, *VELOCITY)
     one, other, _ = ax.lines
     assert one.get_linestyle() != other.get_linestyle()
     assert one.get_color() != other.get_color()
 
 
 def test_mechanical_and_electrical_power_have_axes_of_their_own():
-    figure = power_sheet([panel(), panel()], "title")
+    figure = efficiency_sheet([panel(), panel()], "title", POWERS)
     above, below = figure.axes[:2], figure.axes[2:]
     assert above[0].get_ylabel() == "mechanical power,\nsimulated [W]"
     assert below[0].get_ylabel() == "electrical power,\nmeasured [W]"
@@ -65,15 +64,15 @@ def test_mechanical_and_electrical_power_have_axes_of_their_own():
 
 
 def test_power_that_was_not_measured_is_said_to_be_missing(ax):
-    electrical_power_marks(panel(power=(np.nan, np.nan)), ax)
+    draw_panel(panel(power=(np.nan, np.nan)), ax, POWERS[1])
     assert [text.get_text() for text in ax.texts] == ["not available"]
-    assert mechanical_power_curves(panel(power=(np.nan, np.nan)), ax) is ax
+    assert draw_panel(panel(power=(np.nan, np.nan)), ax, POWERS[0]) is ax
 
 
-@pytest.mark.parametrize("sheet", [velocity_sheet, power_sheet])
+@pytest.mark.parametrize("ylabels", [VELOCITY, POWERS], ids=["velocity", "powers"])
 @pytest.mark.parametrize("measured", [(0.1, 0.2), (np.nan, np.nan)], ids=["measured", "missing"])
-def test_a_sheet_shows_everything_on_scales_from_zero(sheet, measured):
-    figure = sheet([panel(measured, measured)] * 3, "Forward velocity")
+def test_a_sheet_shows_everything_on_scales_from_zero(ylabels, measured):
+    figure = efficiency_sheet([panel(measured, measured)] * 3, "Forward velocity", ylabels)
     figure.canvas.draw()  # warnings of the layout are errors
     for ax in figure.axes:
         low, high = ax.get_ylim()
@@ -97,7 +96,7 @@ def scattered() -> Panel:
 
 
 def test_repeated_trials_are_dots_beside_their_setting_with_mean_and_deviation(ax):
-    velocity_curves(scattered(), ax)
+    draw_panel(scattered(), ax, *VELOCITY)
     (bar,) = ax.containers
     mean, _, (stem,) = bar.lines
     assert mean.get_ydata() == pytest.approx([0.12])
@@ -112,16 +111,16 @@ def test_repeated_trials_are_dots_beside_their_setting_with_mean_and_deviation(a
 
 
 def test_repeated_trials_stay_on_the_scale_and_get_a_legend():
-    figure = velocity_sheet([scattered(), panel()], "title")
+    figure = efficiency_sheet([scattered(), panel()], "title", VELOCITY)
     figure.canvas.draw()
     assert figure.axes[0].get_ylim()[1] > 0.3
     assert len(figure.legends[0].get_texts()) == 6
-    assert len(velocity_sheet([panel()], "title").legends[0].get_texts()) == 4
+    assert len(efficiency_sheet([panel()], "title", VELOCITY).legends[0].get_texts()) == 4
 
 
 def test_a_power_that_only_repeated_trials_have_is_shown(ax):
     one = scattered()
     measured = tuple(replace(row, mean_power=None) for row in one.measured)
-    electrical_power_marks(replace(one, measured=measured), ax)
+    draw_panel(replace(one, measured=measured), ax, POWERS[1])
     assert not ax.texts
     assert [list(line.get_ydata()) for line in ax.lines] == [[80.0]]

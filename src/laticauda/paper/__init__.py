@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         maxima as maxima,
         run_efficiency as run_efficiency,
     )
-    from laticauda.paper.report.parity import ConvergenceCurve as ConvergenceCurve, convergence as convergence
+    from laticauda.paper.report.parity import convergence as convergence
     from laticauda.paper.side_trials import LinksSettings as LinksSettings, run_links as run_links
     from laticauda.paper.measured import (
         efficiency_trials as efficiency_trials,

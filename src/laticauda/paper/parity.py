@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Unpack
+from itertools import chain
 
 import numpy as np
 from jaxtyping import Float
@@ -11,12 +11,11 @@ from jaxtyping import Float
 from laticauda.errors import instance, one_of
 from laticauda.extensions import name_of
 from laticauda.gaits import eel_like, lateral_undulation
-from laticauda.paper.runs import Study
+from laticauda.paper.runs import Runs, Study
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import load_robot, load_water
-from laticauda.scenarios import Model, ModelChanges, Scenario, model_of
+from laticauda.scenarios import Scenario, model_of
 from laticauda.simulate import swim
-from laticauda.studies.trials import Progress
 from laticauda.trial import Trial
 
 STEPS: dict[str, tuple[float, ...]] = {
@@ -99,38 +98,24 @@ class ParityStudy(Study[ParitySettings]):
         steps = dict.fromkeys(row.dt for row in self.rows)
         return {dt: max(getattr(row, figure) for row in self.rows if row.dt == dt) for dt in steps}
 
+    usual = ParitySettings
+    by_default = "spatial"
 
-def run_parity(
-    settings: ParitySettings | None = None,
-    model: Model | str = "spatial",
-    *,
-    progress: Progress | None = None,
-    **changes: Unpack[ModelChanges],
-) -> ParityStudy:
-    """Compare both models in every case at every step.
-
-    Args:
-        settings: None takes the defaults.
-        model: Only `spatial` can be compared with the planar model.
-        progress: Called after every comparison with the number done, and of all.
-        changes: What differs from the model's defaults: only the joints are used.
-
-    Raises:
-        ValueError: If an argument is out of its range.
-        MissingExtra: If MuJoCo is not installed.
-    """
-    by = model_of(model, **changes)
-    one_of("model", name_of(type(by)), ("spatial",))
-    joints = one_of("joints", name_of(type(by.joints)), tuple(STEPS))
-    settings = settings or ParitySettings()
-    steps = STEPS[joints] if settings.steps is None else settings.steps
-    rows: list[Parity] = []
-    for case in settings.cases:
-        for row in parity(case, joints, steps, duration=settings.duration):
+    @classmethod
+    def by_runs(cls, settings: ParitySettings, runs: Runs) -> "ParityStudy":
+        """What comes out of `settings`, of a spatial model of which only the joints are used."""
+        one_of("model", name_of(type(runs.model)), ("spatial",))
+        joints = one_of("joints", name_of(type(runs.model.joints)), tuple(STEPS))
+        steps = STEPS[joints] if settings.steps is None else settings.steps
+        runs.n_runs = len(settings.cases) * len(steps)
+        rows: list[Parity] = []
+        for row in chain(*(parity(case, joints, steps, duration=settings.duration) for case in settings.cases)):
             rows.append(row)
-            if progress is not None:
-                progress(len(rows), len(settings.cases) * len(steps))
-    return ParityStudy(settings=settings, how={"joints": joints}, rows=tuple(rows))
+            runs.tell(len(rows))
+        return ParityStudy(settings=settings, how={"joints": joints}, rows=tuple(rows))
+
+
+run_parity = ParityStudy.run
 
 
 def parity(

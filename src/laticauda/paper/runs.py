@@ -199,10 +199,18 @@ class Runs:
         except SimulationFailed as error:
             raise SimulationFailed(f"{name}: {error}") from error
         self.how |= settings_of(body.settings)
-        self.n_done += 1
-        if self.progress is not None:
-            self.progress(self.n_done, self.n_runs)
+        self.tell(self.n_done + 1)
         return trial
+
+    def tell(self, n_done: int) -> None:
+        """Say how many runs there were.
+
+        Args:
+            n_done: So many [-].
+        """
+        self.n_done = n_done
+        if self.progress is not None:
+            self.progress(n_done, self.n_runs)
 
     def follow(
         self,
@@ -243,12 +251,14 @@ class Study(Generic[Settings]):
     """Version of laticauda that ran it."""
     usual: ClassVar[Any]
     """Makes the settings that are run where none are given."""
+    by_default: ClassVar[str] = "planar"
+    """The name of the model where none is given."""
 
     @classmethod
     def run(
         cls,
         settings: Settings | None = None,
-        model: Model | str = "planar",
+        model: Model | str | None = None,
         *,
         progress: Progress | None = None,
         **changes: Unpack[ModelChanges],
@@ -257,7 +267,7 @@ class Study(Generic[Settings]):
 
         Args:
             settings: None takes those of the paper, or the defaults where it has none.
-            model: By which model, or its name.
+            model: By which model, or its name; None takes the planar one, and the spatial one to compare it with that.
             progress: Called after every run with the number of runs done, and of all.
             changes: What differs from the model's defaults.
 
@@ -269,7 +279,7 @@ class Study(Generic[Settings]):
             SimulationFailed: If a run blows up; the message says which.
         """
         chosen: Any = cls.usual() if settings is None else settings
-        return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
+        return cls.by_runs(chosen, Runs(model=model_of(model or cls.by_default, **changes), progress=progress))
 
     @classmethod
     def by_runs(cls, settings: Settings, runs: Runs) -> Any:

@@ -140,21 +140,22 @@ def _per(power: float, velocity: float) -> float:
 
 def _agreement(study: EfficiencyStudy) -> Numbers:
     """Errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
-    groups = study.settings.groups
-    by_model = [_errors(study, i) for i in range(len(study.models))]
-    mean = [{name: float(np.mean(np.abs(values))) for name, values in errors.items()} for errors in by_model]
-    places = [study.models.index(name) for name in PAPERS] if set(PAPERS) <= set(study.models) else []
-    papers = {group.name: [mean[i][group.name] for i in places] for group in groups if group.has_fin and places}
+    groups, found = study.settings.groups, scores(study)
+    mean = {one.name: dict(zip((group.name for group in groups), one.by_group, strict=True)) for one in found}
+    own, by_papers = mean[study.models[0]], [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)]
+    papers = {group.name: [one[group.name] for one in by_papers] for group in groups if group.has_fin and by_papers}
     pairs = [(a.name, b.name) for a in groups for b in groups if a.gait == b.gait and a.has_fin < b.has_fin]
-    found = scores(study)
+    errors: dict[str, list[float]] = {group.name: [] for group in groups}
+    for case, measured, speed in zip(study.measured, found[0].measured, found[0].speeds, strict=True):
+        errors[case.group.name].append(percent_change(measured, speed))
     best = best_null(found)
     return {
-        "errors": by_model[0],
-        "mean_error": mean[0],
+        "errors": errors,
+        "mean_error": own,
         "papers": papers,
         "vortex_excess": [other - one for one, other in papers.values()],
         "pairs": pairs,
-        "excess_with_fin": [mean[0][fin] - mean[0][bare] for bare, fin in pairs],
+        "excess_with_fin": [own[fin] - own[bare] for bare, fin in pairs],
         "overall": found[0].overall,
         "n_measured": len(study.measured),
         "best": best,
@@ -162,26 +163,16 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
     }
 
 
-def _errors(study: EfficiencyStudy, model: int) -> dict[str, list[float]]:
-    """By group [%]."""
-    found: dict[str, list[float]] = {group.name: [] for group in study.settings.groups}
-    for case in study.measured:
-        error = percent_change(case.measured.forward_velocity or math.nan, case.forward_velocity[model])
-        found[case.group.name].append(error)
-    return found
-
-
 def _trends(study: EfficiencyStudy) -> Numbers:
     """Velocity over the frequency, and power over all settings."""
     sweep = next(sweep for sweep in study.sweeps if sweep.settings.parameter == "frequency")
-    swept = [case for case in study.measured if sweep.settings.contains(case.measured.gait)]
-    speeds: dict[str, dict[float, float]] = {group.name: {} for group in study.settings.groups}
-    for case in swept:
-        speeds[case.group.name][case.measured.gait.frequency] = case.measured.forward_velocity or 0.0
+    speeds: dict[str, dict[int, float]] = {group.name: {} for group in study.settings.groups}  # by degrees per second
+    for case in study.measured:
+        if sweep.settings.contains(gait := case.measured.gait):
+            speeds[case.group.name][round(math.degrees(gait.frequency))] = case.measured.forward_velocity or 0.0
     ends = {name: (min(found), max(found)) for name, found in speeds.items()}
     changes = {name: percent_change(speeds[name][low], speeds[name][high]) for name, (low, high) in ends.items()}
     alike = {group.name: _alike(study, group.name) for group in study.settings.groups}
-    in_degrees = {name: {round(math.degrees(at)): v for at, v in found.items()} for name, found in speeds.items()}
     return {
         "explained": [_through_origin(sweep.values, curve) for curve in sweep.forward_velocity[0]],
         "by_frequency": changes,
@@ -190,7 +181,7 @@ def _trends(study: EfficiencyStudy) -> Numbers:
         "alike": alike,
         "alike_shares": [sum(values) / len(values) for values in alike.values()],
         "from_130_to_150": {
-            name: percent_change(found[130], found[150]) for name, found in in_degrees.items() if {130, 150} <= {*found}
+            name: percent_change(found[130], found[150]) for name, found in speeds.items() if {130, 150} <= {*found}
         },
     }
 

@@ -6,6 +6,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ LABELS = {
     "phase_shift": "phase shift $\\delta$ [deg]",
 }
 SYMBOLS = {"amplitude": "$\\alpha$ = {:g}°", "frequency": "$\\omega$ = {:g}°/s", "phase_shift": "$\\delta$ = {:g}°"}
+VELOCITY = ("forward velocity [m/s]",)
+POWERS = ("mechanical power,\nsimulated [W]", "electrical power,\nmeasured [W]")
+SHOWN = {VELOCITY[0]: ("velocity", "forward_velocity"), POWERS[0]: ("power", ""), POWERS[1]: ("", "mean_power")}
+"""By label of an axis, the names of what is shown: of the curves of a panel, and of what rows of a table hold."""
 REPEATS = "#007A5A"  # a green that is darker than the models' colors
 BESIDE = 0.035  # how far right of their setting repeated trials are drawn, as a share of the axis
 MARKER = 6.5  # [pt]
@@ -58,23 +63,30 @@ class Panel:
     repeats: tuple[Repeat, ...]
     """The settings on this line that were repeated."""
 
-    @property
-    def velocities(self) -> list[Values]:
-        """Repeated, by setting; nan where one is missing [m/s]."""
-        return [np.array(one.forward_velocity, dtype=float) for one in self.repeats]
+    def curves(self, ylabel: str) -> list[Values]:
+        """Simulated, by model; none if only measurements are shown.
 
-    @property
-    def powers(self) -> list[Values]:
-        """The same of the electrical power above idle [W]."""
-        return [np.array(one.mean_power, dtype=float) for one in self.repeats]
+        Args:
+            ylabel: One of `SHOWN`.
+        """
+        name = SHOWN[ylabel][0]
+        return [*getattr(self, name)] if name else []
 
-    def marks(self, name: str) -> Values:
+    def marks(self, ylabel: str) -> Values:
         """What was measured, by setting; nan where it is missing.
 
         Args:
-            name: forward_velocity [m/s] or mean_power [W].
+            ylabel: One of `SHOWN`.
         """
-        return np.array([getattr(one, name) for one in self.measured], dtype=float)
+        return np.array([getattr(one, SHOWN[ylabel][1], None) for one in self.measured], dtype=float)
+
+    def repeated(self, ylabel: str) -> list[Values]:
+        """What was measured again and again, by setting; nan where one is missing.
+
+        Args:
+            ylabel: One of `SHOWN`.
+        """
+        return [np.array(getattr(one, SHOWN[ylabel][1], ()), dtype=float) for one in self.repeats]
 
     def at(self, found: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
         """Where settings lie on the axis [deg, deg/s].
@@ -88,90 +100,53 @@ class Panel:
 # ---- figures -------------------------------------------------------------------------------------------------------
 
 
-def velocity_curves(panel: Panel, ax: Axes) -> Axes:
-    """Forward velocity (5) over one parameter: a line per model, a mark per measured setting.
+def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
+    """A quantity over one parameter: a line per model, a mark per measured setting.
 
     Args:
         panel: The data.
         ax: Where to draw.
+        ylabel: One of `SHOWN`.
     """
-    _draw_curves(panel, panel.velocity, ax)
-    _draw_marks(panel, panel.marks("forward_velocity"), ax)
-    _draw_scatter(panel, panel.velocities, ax)
-    return _dress(panel, ax, "forward velocity [m/s]")
-
-
-def mechanical_power_curves(panel: Panel, ax: Axes) -> Axes:
-    """Simulated mechanical power over one parameter, a line per model.
-
-    Args:
-        panel: The data.
-        ax: Where to draw.
-    """
-    _draw_curves(panel, panel.power, ax)
-    return _dress(panel, ax, "mechanical power,\nsimulated [W]")
-
-
-def electrical_power_marks(panel: Panel, ax: Axes) -> Axes:
-    """Measured electrical power over one parameter, a mark per measured setting.
-
-    Args:
-        panel: The data.
-        ax: Where to draw.
-    """
-    _draw_marks(panel, panel.marks("mean_power"), ax)
-    _draw_scatter(panel, panel.powers, ax)
-    if np.all(np.isnan(np.concatenate([panel.marks("mean_power"), *panel.powers]))):
+    curves, marks, repeated = panel.curves(ylabel), panel.marks(ylabel), panel.repeated(ylabel)
+    for i, curve in enumerate(curves):
+        color, dashes = style.LINES[i % len(style.LINES)]
+        ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
+    _draw_marks(panel, marks, ax)
+    _draw_scatter(panel, repeated, ax)
+    if np.all(np.isnan(np.concatenate([*curves, marks, *repeated]))):
         ax.text(0.5, 0.5, "not available", transform=ax.transAxes, ha="center", fontsize=style.TICK, color=style.GRAY)
-    return _dress(panel, ax, "electrical power,\nmeasured [W]")
+    return _dress(panel, ax, ylabel)
 
 
-def velocity_sheet(panels: Sequence[Panel], title: str) -> Figure:
-    """One of Figs. 4 to 7: forward velocity over each parameter, side by side.
+def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
+    """One of Figs. 4 to 11: quantities over each parameter, side by side, a row each.
 
-    Args:
-        panels: One per parameter.
-        title: Above all panels.
-    """
-    figure = style.new_figure(style.DOUBLE_COLUMN, PANEL_HEIGHT + _frame(panels))
-    axes: list[Axes] = list(figure.subplots(1, len(panels), sharey=True, squeeze=False)[0])
-    shown: list[Values] = []
-    for panel, ax in zip(panels, axes, strict=True):
-        velocity_curves(panel, ax)
-        shown += [*panel.velocity, panel.marks("forward_velocity"), *panel.velocities]
-    _level(axes, shown)
-    _finish(figure, [axes], panels, title)
-    return figure
-
-
-def power_sheet(panels: Sequence[Panel], title: str) -> Figure:
-    """One of Figs. 8 to 11: the simulated mechanical power above, the measured electrical power below.
-
-    The two differ by what motors and electronics lose, so each has its own axis.
+    The simulated mechanical power and the measured electrical one differ by what motors and electronics lose, so each
+    has its own axis.
 
     Args:
         panels: One per parameter.
         title: Above all panels.
+        ylabels: Of `SHOWN`: those of the rows.
     """
-    figure = style.new_figure(style.DOUBLE_COLUMN, 1.7 * PANEL_HEIGHT + _frame(panels))
-    grid = figure.subplots(2, len(panels), sharex="col", sharey="row", squeeze=False)
-    above, below = ([*row] for row in grid)
-    for panel, upper, lower in zip(panels, above, below, strict=True):
-        mechanical_power_curves(panel, upper).set_xlabel("")
-        electrical_power_marks(panel, lower)
-    _level(above, [curve for panel in panels for curve in panel.power])
-    _level(below, [values for panel in panels for values in (panel.marks("mean_power"), *panel.powers)])
-    _finish(figure, [above, below], panels, title)
+    height = PANEL_HEIGHT * (1.0 + 0.7 * (len(ylabels) - 1))
+    figure = style.new_figure(style.DOUBLE_COLUMN, height + _frame(panels))
+    grid = figure.subplots(len(ylabels), len(panels), sharex="col", sharey="row", squeeze=False)
+    rows: list[list[Axes]] = [[*row] for row in grid]
+    for ylabel, row in zip(ylabels, rows, strict=True):
+        for panel, ax in zip(panels, row, strict=True):
+            draw_panel(panel, ax, ylabel)
+            if row is not rows[-1]:
+                ax.set_xlabel("")
+        shown = [(*one.curves(ylabel), one.marks(ylabel), *one.repeated(ylabel)) for one in panels]
+        highest = float(np.nanmax(np.concatenate([[0.0], *chain(*shown)])))
+        row[0].set_ylim(0.0, ROOM * highest if highest > 0.0 else 1.0)  # one scale from zero
+    _finish(figure, rows, panels, title)
     return figure
 
 
 # ---- parts ---------------------------------------------------------------------------------------------------------
-
-
-def _draw_curves(panel: Panel, curves: Curves, ax: Axes) -> None:
-    for i, curve in enumerate(curves):
-        color, dashes = style.LINES[i % len(style.LINES)]
-        ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
 
 
 def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
@@ -242,12 +217,6 @@ def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
     return style.dress(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
-
-
-def _level(axes: Sequence[Axes], shown: Sequence[Float[np.ndarray, " _"]]) -> None:
-    """One scale from zero for axes that share it."""
-    highest = np.nanmax(np.concatenate([[0.0], *shown]))
-    axes[0].set_ylim(0.0, ROOM * float(highest) if highest > 0.0 else 1.0)
 
 
 def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str) -> None:

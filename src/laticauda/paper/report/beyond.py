@@ -4,7 +4,7 @@
 # pyright: reportUnknownMemberType=false
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,9 +21,6 @@ from laticauda.paper.report.chapter import degrees, paper_chapter
 from laticauda.reports.chapter import Chapter
 from laticauda.trial import Trial
 from laticauda.trial.cycles import CycleMean
-
-ErrorLine = tuple[str, CycleMean]
-"""What a legend says, and the mean error of a run."""
 
 DRIFT, CURVED, TURNING = "beyond-cross-current", "beyond-curved-path", "beyond-turning"
 STRIP = (0.55, 2.4)  # smallest and largest height of a path [in]
@@ -69,22 +66,14 @@ def beyond_figures(study: BeyondStudy) -> Iterator[tuple[str, str, Figure]]:
     drift, law = study.settings.drift, study.settings.curved.law
     way = "the way, and the cycle-mean cross-track error. Simulation only."
     title = f"{drift.swimmer.name.capitalize()} in a current of {math.hypot(*drift.current):g} m/s across the path"
-    shown, lines = (
-        [(run.law.name, run.trial) for run in study.drift],
-        [(run.law.name, run.error) for run in study.drift],
-    )
-    sheet = runs_sheet(shown[:2], lines, title, xlabel="time [s]", tolerance=drift.tolerance)
-    yield DRIFT, f"{title}: {way}", sheet
+    drifted = {run.law.name: (run.trial, run.error) for run in study.drift}
+    yield DRIFT, f"{title}: {way}", runs_sheet(drifted, title, xlabel="time [s]", tolerance=drift.tolerance)
     title = f"A curved path, line of sight with {law.name}"
-    shown = [(run.swimmer.name, run.trial) for run in study.curved]
-    lines = [(run.swimmer.name, CycleMean(run.along.value, run.error.value)) for run in study.curved]
-    yield CURVED, f"{title}: {way}", runs_sheet(shown[:2], lines, title, xlabel="distance along the path [m]")
+    bent = {run.swimmer.name: (run.trial, CycleMean(run.along.value, run.error.value)) for run in study.curved}
+    yield CURVED, f"{title}: {way}", runs_sheet(bent, title, xlabel="distance along the path [m]")
     title = "Turning with a constant offset of all joints"
-    yield (
-        TURNING,
-        f"{title}: turning rate, radius and path speed. Simulation only.",
-        turning_sheet(study.turning, title),
-    )
+    caption = f"{title}: turning rate, radius and path speed. Simulation only."
+    yield TURNING, caption, turning_sheet(study.turning, title)
 
 
 # ---- tables and findings -------------------------------------------------------------------------------------------
@@ -169,12 +158,12 @@ def _offset_for(curve: TurningCurve, offsets: tuple[float, ...], radius: float) 
 # ---- figures -------------------------------------------------------------------------------------------------------
 
 
-def mean_errors(lines: Sequence[ErrorLine], ax: Axes, *, xlabel: str, tolerance: float | None = None) -> Axes:
+def mean_errors(lines: Mapping[str, CycleMean], ax: Axes, *, xlabel: str, tolerance: float | None = None) -> Axes:
     """Mean distance from the path, a line per run.
 
     Args:
-        lines: Of each run, what the legend says, and the cycle mean of its cross-track error, positive to the left [m];
-            over the time [s] or over how far along the path it was [m].
+        lines: By what the legend says, the cycle mean of a run's cross-track error, positive to the left [m]; over the
+            time [s] or over how far along the path it was [m].
         ax: Where to draw.
         xlabel: What the errors are drawn over, with its unit.
         tolerance: A band around the path to be shaded; None for none [m].
@@ -183,32 +172,27 @@ def mean_errors(lines: Sequence[ErrorLine], ax: Axes, *, xlabel: str, tolerance:
         label = f"\N{PLUS-MINUS SIGN}{100.0 * tolerance:g} cm"
         ax.axhspan(-tolerance, tolerance, color="#E4E4E4", linewidth=0.0, zorder=0, label=label)
     ax.axhline(0.0, color=style.GRAY, linewidth=style.THIN, zorder=1)
-    for i, (label, error) in enumerate(lines):
+    for i, (label, error) in enumerate(lines.items()):
         color, dashes = style.LINES[i % len(style.LINES)]
         ax.plot(*error, color=color, linestyle=dashes, linewidth=1.5, label=label)
-    ax.set_xlim(
-        min(0.0, *(float(error.time[0]) for _, error in lines)), max(float(error.time[-1]) for _, error in lines)
-    )
+    ends = np.array([error.time[[0, -1]] for error in lines.values()])
+    ax.set_xlim(min(0.0, float(ends.min())), float(ends[:, 1].max()))
     return style.dress(ax, xlabel=xlabel, ylabel="mean cross-track\nerror [m]")
 
 
 def runs_sheet(
-    trials: Sequence[tuple[str, Trial]],
-    lines: Sequence[ErrorLine],
-    title: str,
-    *,
-    xlabel: str,
-    tolerance: float | None = None,
+    runs: Mapping[str, tuple[Trial, CycleMean]], title: str, *, xlabel: str, tolerance: float | None = None
 ) -> Figure:
-    """The ways of some runs one above the other, and below them the mean errors of all.
+    """The ways of the first two runs one above the other, and below them the mean errors of all.
 
     Args:
-        trials: What stands above each, and the run, which followed a path.
-        lines: The errors, of these runs and of others.
+        runs: By name, runs that followed a path, and their errors as for `mean_errors`.
         title: Above all panels.
         xlabel: What the errors are drawn over, with its unit.
         tolerance: As for `mean_errors` [m].
     """
+    trials = [(name, trial) for name, (trial, _) in runs.items()][:2]
+    lines = {name: error for name, (_, error) in runs.items()}
     width = style.DOUBLE_COLUMN
     extents = [extent(trial) for _, trial in trials]
     # One scale for all ways: they are drawn as wide as the longest.

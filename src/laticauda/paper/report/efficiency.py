@@ -160,14 +160,15 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         study: What `run_efficiency` returned.
         repeats: Repeated trials to draw beside the paper's.
     """
-    from laticauda.paper.figures.efficiency import power_sheet, velocity_sheet
+    from laticauda.paper.figures.efficiency import POWERS, VELOCITY, efficiency_sheet
 
     for place, group in enumerate(study.settings.groups):
         panels = [_panel(study, sweep, place, repeats) for sweep in study.sweeps]
-        sheets = ((velocity_sheet, "Forward velocity"), (power_sheet, "Power"))
-        for number, (sheet, what) in zip(group.figures, sheets, strict=True):
+        sheets = {"Forward velocity": VELOCITY, "Power": POWERS}
+        for number, (what, ylabels) in zip(group.figures, sheets.items(), strict=True):
             title = f"{what}: {group.name}"
-            yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet(panels, title)
+            sheet = efficiency_sheet(panels, title, ylabels)
+            yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet
 
 
 def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":

@@ -5,13 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from laticauda.gaits import GAIT_WORDS
-from laticauda.paper.beyond import (
-    BeyondSettings,
-    CurvedSettings,
-    DriftSettings,
-    TurningSettings,
-    run_beyond,
-)
+from laticauda.paper.beyond import BeyondSettings, run_beyond
 from laticauda.paper.efficiency import run_efficiency
 from laticauda.paper.parity import ParitySettings, run_parity
 from laticauda.paper.path_following import run_path_following
@@ -80,17 +74,17 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
         waters={gait: parameters.water(gait) for gait in GAIT_WORDS},
         parameters=parameters,
     )
-    own, drifting = swimmers(given), usual.beyond.drift.swimmer
-    (same,) = (one for one in own if one.name == drifting.name)
+    own, beyond = swimmers(given), usual.beyond
+    (same,) = (one for one in own if one.name == beyond.drift.swimmer.name)
     return Experiments(
         efficiency=replace(usual.efficiency, models=(given, *usual.efficiency.models)),
-        links=LinksSettings(coefficients=given),
-        side=SideSettings(coefficients=given),
+        links=replace(usual.links, coefficients=given),
+        side=replace(usual.side, coefficients=given),
         path_following=replace(usual.path_following, coefficients=given),
-        stability=StabilitySettings(swimmers=own),
+        stability=replace(usual.stability, swimmers=own),
         beyond=BeyondSettings(
-            drift=DriftSettings(swimmer=same),
-            curved=CurvedSettings(swimmers=own),
-            turning=TurningSettings(swimmers=own),
+            drift=replace(beyond.drift, swimmer=same),
+            curved=replace(beyond.curved, swimmers=own),
+            turning=replace(beyond.turning, swimmers=own),
         ),
     )

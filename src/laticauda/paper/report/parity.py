@@ -3,12 +3,10 @@
 # matplotlib's own annotations are partial; this package hands on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -58,50 +56,38 @@ def parity_figures(study: ParityStudy) -> Iterator[tuple[str, str, Figure]]:
     labels = {"path": "path: largest difference / distance [-]", "heading": "heading: largest difference [rad]"}
     joints = str(study.how["joints"])
     for ax, (name, label) in zip(figure.subplots(1, 2), labels.items(), strict=True):
-        worst = study.worst(name)
-        curve = ConvergenceCurve(
-            label=f"{joints} joints",
-            dt=np.array(list(worst)),
-            difference=np.array(list(worst.values())),
-            order=ORDERS[joints],
-        )
-        convergence([curve], ax, ylabel=label, bounds=[(ACCEPTED, "0.3 %")] if name == "path" else [])
+        bounds = [(ACCEPTED, "0.3 %")] if name == "path" else []
+        curve = f"{joints} joints"
+        convergence({curve: study.worst(name)}, ax, ylabel=label, orders={curve: ORDERS[joints]}, bounds=bounds)
     yield "parity", "Planar and spatial model over the step of the spatial one: the worst of all cases.", figure
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ConvergenceCurve:
-    """A difference over the step."""
-
-    label: str
-    """What the legend says."""
-    dt: Float[np.ndarray, " n"]
-    """Step [s]."""
-    difference: Float[np.ndarray, " n"]
-    """In the unit of the axis."""
-    order: int
-    """That the difference should fall with: a short line of this slope is drawn beside the curve; 0: none [-]."""
-
-
 def convergence(
-    curves: Sequence[ConvergenceCurve], ax: Axes, *, ylabel: str, bounds: Sequence[tuple[float, str]] = ()
+    curves: Mapping[str, Mapping[float, float]],
+    ax: Axes,
+    *,
+    ylabel: str,
+    orders: Mapping[str, int],
+    bounds: Sequence[tuple[float, str]] = (),
 ) -> Axes:
     """Differences over the step, both logarithmic.
 
     Args:
-        curves: At most three.
+        curves: At most three: by what the legend says, the difference by step [s].
         ax: Where to draw.
         ylabel: What the difference is, with its unit.
+        orders: With which power of the step curves should fall: a short line of this slope is drawn beside each [-].
         bounds: Levels that the differences have to stay below, with what they are called.
 
     Returns:
         `ax`.
     """
-    for curve, (color, dashes), marker in zip(curves, style.LINES, MARKERS, strict=False):
+    for (label, curve), (color, dashes), marker in zip(curves.items(), style.LINES, MARKERS, strict=False):
         style_of = {"color": color, "linewidth": style.LINE, "marker": marker, "markersize": 3.5}
-        ax.loglog(1e3 * curve.dt, curve.difference, linestyle=dashes, label=curve.label, **style_of)
-        if curve.order:
-            _slope(curve, ax)
+        steps, differences = 1e3 * np.array([*curve]), [*curve.values()]
+        ax.loglog(steps, differences, linestyle=dashes, label=label, **style_of)
+        if label in orders:
+            _slope(curve, orders[label], ax)
     for level, name in bounds:
         ax.axhline(level, color=style.GRAY, linewidth=style.THIN)
         at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
@@ -114,10 +100,9 @@ def convergence(
     return ax
 
 
-def _slope(curve: ConvergenceCurve, ax: Axes) -> None:
+def _slope(curve: Mapping[float, float], order: int, ax: Axes) -> None:
     """The slope of the curve's order, below its largest steps."""
-    largest = int(np.argmax(curve.dt))
-    dt = curve.dt[largest] * np.array([1.0, 0.5])
-    level = 0.3 * curve.difference[largest] * (dt / dt[0]) ** curve.order
+    dt = max(curve) * np.array([1.0, 0.5])
+    level = 0.3 * curve[max(curve)] * (dt / dt[0]) ** order
     ax.loglog(1e3 * dt, level, color=style.GRAY, linewidth=style.THIN)
-    style.note(ax, f"order {curve.order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top")
+    style.note(ax, f"order {order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top")
