@@ -95,14 +95,30 @@ def read_toml(
     return parse_toml(read_text(path, error, missing=missing), path, error)
 
 
-def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
-    """The cells of a CSV file by column, without lines that begin with #; arguments and errors as for `read_text`."""
-    lines = [line for line in read_text(path, error).splitlines() if line.strip() and not line.startswith("#")]
-    names, *rows = list(csv.reader(lines)) or [[]]
-    for row in rows:
+def read_rows(
+    path: str | Path, error: type[LaticaudaError] = StorageFailed
+) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
+    """The columns of a CSV file, and of each row below them where it stands, counted from 1, and its cells by column.
+
+    Rows without anything and lines that begin with # do not count. Arguments and errors as for `read_text`.
+    """
+    lines = ["" if line.startswith("#") else line for line in read_text(path, error).splitlines()]
+    reader = csv.reader(lines, strict=True)
+    try:
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(row)]
+    except csv.Error as failure:
+        raise error(f"{path}: row {reader.line_num}: {failure}") from None
+    (_, names), *rows = rows or [(1, [])]
+    for number, row in rows:
         if len(row) != len(names):
-            raise error(f"{path}: must have {len(names)} cells in every row as in its first, got {', '.join(row)}")
-    return {name.strip(): [row[i] for row in rows] for i, name in enumerate(names)}
+            raise error(f"{path}: row {number}: it must have a cell per column.")
+    return names, [(number, dict(zip(names, row, strict=True))) for number, row in rows]
+
+
+def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
+    """The cells of a CSV file by column; see `read_rows`."""
+    names, rows = read_rows(path, error)
+    return {name: [row[name] for _, row in rows] for name in names}
 
 
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:

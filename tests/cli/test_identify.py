@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.identify import fit, from_table
 from laticauda.identify.tasks import load_task
 
 FRICTION, DRAG = "water.tangential_friction", "water.normal_drag"
@@ -149,6 +150,38 @@ def test_the_shipped_file_of_the_preset_fixes_what_the_preset_has():
     actuator = preset.changes["actuator"]
     product = actuator["no_load_speed"] * actuator["stall_torque"]
     assert product == pytest.approx(task.base.changes["actuator"]["stall_torque"] * 7.5, rel=2e-3)
+
+
+SPEEDS = ["gait,alpha_deg,omega_deg_s,delta_deg,v_m_s", "LU,30,90,40,0.093", "LU,30,120,40,0.124", "LU,36,110,40,0.13"]
+
+
+def test_a_table_of_speeds_gives_what_python_gives(run, folder: Path):
+    (folder / "speeds.csv").write_text("\n".join(SPEEDS))
+    done = run(f"identify --table speeds.csv --parameters {FRICTION} --quick {FAST} --json")
+    assert (done.status, done.err) == (0, "")
+    said = json.loads(done.out)
+    found = fit(from_table(folder / "speeds.csv"), parameters=[FRICTION], noise="estimated", n_starts=1)
+    assert said["parameters"] == [row | {"best": found[FRICTION].value} for row in found.table()]
+    assert set(said["sources"]) == {"speeds.csv"}
+    assert any(words.startswith("no coast-down") for words in said["warnings"])
+    assert not (folder / "identification" / "best.json").exists()
+    (folder / "speeds.csv").write_text("\n".join([SPEEDS[0], "LU,30,90,40,9.3"]))
+    refused = run(f"identify --table speeds.csv --parameters {FRICTION} {FAST}")
+    assert refused.status == 2 and "`v_m_s` of 9.3 at `omega_deg_s` of 90" in refused.err
+
+
+def test_laws_stand_side_by_side_with_null_models(run, folder: Path):
+    (folder / "speeds.csv").write_text("\n".join(SPEEDS))
+    laws = "--laws paper mamba-identified"
+    done = run(f"identify --table speeds.csv --parameters {FRICTION} {laws} --quick {FAST}")
+    assert (done.status, done.err) == (0, "")
+    rows = [line for line in done.out.splitlines() if line.startswith(("paper ", "mamba-identified ", "null model"))]
+    assert len(rows) == 6
+    for name in ("paper", "mamba-identified"):
+        kept = lc.load_parameters(folder / "identification" / name / "parameters.toml")
+        assert kept.name == f"identified-{name}"
+    both = run(f"identify --table speeds.csv --parameters {FRICTION} {laws} --base paper {FAST}")
+    assert both.status == 2 and "--laws must not be given beside" in both.err
 
 
 def test_ctrl_c_after_the_search_leaves_what_was_found(run, folder: Path, monkeypatch):

@@ -16,11 +16,12 @@ from laticauda.errors import BadArgument, one_of
 from laticauda.files import write
 from laticauda.identify.fitting import INTERRUPTED
 from laticauda.identify.measurements import SERIES
+from laticauda.identify.result import Fit
 from laticauda.identify.tasks import Task, load_task, task_from_table
 from laticauda.identify.validation import Validation, validate
 from laticauda.quantities import option, quantity, value
 from laticauda.reports.chapter import templates, writable_folder
-from laticauda.reports.identify import as_dict, identification_tables, write_identification
+from laticauda.reports.identify import as_dict, errors_of, identification_tables, write_identification
 from laticauda.robot import load_parameters
 from laticauda.simulate.numbers import UNITS
 
@@ -43,6 +44,7 @@ class What:
     )
     interval: float = quantity("s", "Between the samples of series that count", gt=0.0, default=0.5)
     columns: File = option("What the columns are of files that laticauda did not write: a TOML file", default=None)
+    table: File = option("Speeds, one row a trial: a CSV file with the columns of `reproduce --repeats`", default=None)
     table1: bool = option("The paper's Table 1 instead of files", default=False)
     free_start: bool = option("Identify where trials began, if path or heading counts", default=True)
 
@@ -99,6 +101,9 @@ class Identify(Command):
     what: What = option("What is identified, from what", default=What())
     fixed: Fixed = option("What stays as it is", default=Fixed())
     method: Method = option("How", default=Method())
+    laws: Words = option(
+        "Parameter files, as --base takes one: each is fitted, and they stand side by side with null models", default=()
+    )
     name: str | None = option("Of the parameter file; the task file's, or identified, if left out", default=None)
     output: Folder = option(
         "The folder; made if need be, files of the same names are replaced", default="identification"
@@ -112,12 +117,31 @@ class Identify(Command):
 
     def run(self) -> Outcome:
         """Identify and write."""
-        task = self._task()
-        folder, bar = Path(self.output), progress(SHARE)
-        command = shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
+        task, folder = self._task(), Path(self.output)
         writable_folder(folder)
         templates()  # what the report needs is asked for before the search
-        best = folder / "best.json"
+        if not self.laws:
+            done, files = self._identified(task, folder)
+            facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
+            return Outcome(facts=facts, text=_text(done, folder), succeeded=_is_whole(done.found))
+        if task.base is not None:
+            raise BadFlag(f"--laws must not be given beside the parameter file of a task, got `{task.base.name}`.")
+        bases = [load_parameters(law) for law in self.laws]
+        every = {base.name: self._identified(task.with_law(base), folder / base.name)[0] for base in bases}
+        statuses = [f"{name}: {done.found.status}" for name, done in every.items()]
+        return Outcome(
+            facts={"laws": {name: as_dict(done, self._command) for name, done in every.items()}, "output": str(folder)},
+            text="\n\n".join([*statuses, table(errors_of(every)), str(folder)]),
+            succeeded=all(_is_whole(done.found) for done in every.values()),
+        )
+
+    @property
+    def _command(self) -> str:
+        return shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
+
+    def _identified(self, task: Task, folder: Path) -> tuple[Validation, list[str]]:
+        """What was found, and the files with it."""
+        best, bar = writable_folder(folder) / "best.json", progress(SHARE)
         found = task.run(
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
@@ -131,13 +155,9 @@ class Identify(Command):
             profiles=self.method.profiles,
             progress=lambda what, share: bar(share, what=what),
         )
-        files = write_identification(done, folder, command=command)
+        files = write_identification(done, folder, command=self._command)
         best.unlink(missing_ok=True)
-        return Outcome(
-            facts=as_dict(done, command) | {"output": str(folder), "files": files},
-            text=_text(done, folder),
-            succeeded=found.searches[0].converged and INTERRUPTED not in done.found.warnings,
-        )
+        return done, files
 
     def _task(self) -> Task:
         """What is asked for."""
@@ -154,7 +174,7 @@ class Identify(Command):
 
     def _table(self) -> dict[str, Any]:
         """What the flags say, as a file would."""
-        if not self.files and not self.what.table1:
+        if not (self.files or self.what.table or self.what.table1):
             raise BadFlag("FILE must be a TOML file that says everything, or at least one trial, got none.")
         if not self.what.parameters:
             raise BadFlag("--parameters must name at least one number to identify, as water.normal_drag, got none.")
@@ -171,11 +191,20 @@ class Identify(Command):
             **{name: getattr(self.method, name) for name in ("noise", "starts", "seed")},
             "parameters": [_unknown(word) for word in self.what.parameters],
             "trials": trials,
+            "table": {"file": self.what.table} if self.what.table else None,
             "table1": self.what.table1 or None,
         }
-        if given["joints"] is None and (given["base"] is None or load_parameters(given["base"]).joints is None):
+        if (
+            given["joints"] is None
+            and not self.laws
+            and (given["base"] is None or load_parameters(given["base"]).joints is None)
+        ):
             given["joints"] = "prescribed"
         return {"kind": "identification", **{name: one for name, one in given.items() if one is not None}}
+
+
+def _is_whole(found: Fit) -> bool:
+    return found.searches[0].converged and INTERRUPTED not in found.warnings
 
 
 def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:

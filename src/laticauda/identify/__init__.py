@@ -6,13 +6,10 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.identify.fitting import fit as fit
-    from laticauda.identify.measurements import (
-        Measurement as Measurement,
-        from_table1 as from_table1,
-        from_trial as from_trial,
-    )
+    from laticauda.identify.measurements import Measurement as Measurement, from_trial as from_trial
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
-    from laticauda.identify.tasks import TrialFile as TrialFile
+    from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
+    from laticauda.identify.tasks import TrialFile as TrialFile, compare_laws as compare_laws
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (

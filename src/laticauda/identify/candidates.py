@@ -14,10 +14,11 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.measurements import Measurement, setting_of
+from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, other_measurements
 from laticauda.identify.resolution import with_tied
+from laticauda.identify.tables import setting_of
 from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown
 from laticauda.interfaces import Start
 from laticauda.quantities import quantity, value

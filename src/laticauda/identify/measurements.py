@@ -1,9 +1,8 @@
-"""What was measured, figures or series with their noise: by a trial, by the paper, and what a run would give."""
+"""What was measured, figures or series with their noise: by a trial, and what a run would give."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -13,18 +12,12 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, finite, instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
-from laticauda.robot import load_robot
-from laticauda.scenarios import Scenario, scenario
+from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import UNITS
-from laticauda.trial import MeasuredTrials, Trial
-from laticauda.trial.null_models import group_name
+from laticauda.trial import Trial
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
-TABLE_SIGMA = 0.05
-"""Noise of the paper's Table 1 as a share of each value, unless one says otherwise; the paper states none [-]."""
-TABLE_SELECTED_FROM = 3
-"""Of how many settings as good as it a starred row of Table 1 is taken for the best [-]."""
 
 Numbers = Float[np.ndarray, " n"]
 Run = dict[str, Any]
@@ -208,46 +201,6 @@ def from_trial(
         time=time if columns else None,
         series=columns,
     )
-
-
-def from_table1(
-    figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, selected_from: int = TABLE_SELECTED_FROM
-) -> tuple[Measurement, ...]:
-    """The rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
-
-    The paper states no noise: each row has the same share of its value, which is best taken for a guess and estimated
-    from the residuals (`noise="estimated"`). Rows with a star are the maxima of sweeps.
-
-    Args:
-        figure: forward_velocity, or mean_power.
-        sigma: Standard deviation of the noise as a share of the value [-].
-        selected_from: See `Measurement`, of the rows with a star.
-
-    Raises:
-        ValueError: If an argument is out of its range.
-    """
-    one_of("figure", figure, ("forward_velocity", "mean_power"))
-    positive("sigma", sigma)
-    robots = cache(load_robot)
-    found: list[Measurement] = []
-    for trial in MeasuredTrials.named("table1")().trials():
-        value = trial.forward_velocity if figure == "forward_velocity" else trial.mean_power
-        if value is None:
-            continue
-        found.append(
-            Measurement(
-                name=f"{group_name(trial.gait.kind, trial.has_fin)}, {setting_of(trial.gait)}",
-                scenario=scenario(robots(trial.robot), trial.gait),
-                figures={figure: (value, sigma * value)},
-                selected_from=selected_from if trial.is_maximum else 1,
-            )
-        )
-    return tuple(found)
-
-
-def setting_of(gait: Gait) -> str:
-    """Amplitude, frequency and phase shift as names of measurements have them, in degrees: 30/130/40."""
-    return "/".join(f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift))
 
 
 def measured_values(measurement: Measurement, run: Mapping[str, Any], nuisance: Mapping[str, Any]) -> np.ndarray:

@@ -24,13 +24,17 @@
     interval = 0.5                         # between the samples of series that count [s]
     free_start = true                      # identify where it began too, if the path counts
 
+    [table]                                # speeds, one row a trial: a CSV file, see `laticauda.trial.speeds`
+    file = "speeds.csv"
+    sigma = 0.05                           # of rows that do not say their own, as a share
+
     [table1]                               # the paper's Table 1 too
     sigma = 0.05
 
 It is read strictly: what is unknown, missing or out of range is refused with its key.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -50,11 +54,12 @@ from laticauda.codec import (
 )
 from laticauda.errors import BadArgument, RobotFileError, label, one_of
 from laticauda.identify.fitting import Keep, fit
-from laticauda.identify.measurements import SERIES, Measurement, from_table1, from_trial
+from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.result import Fit
-from laticauda.identify.unknowns import Unknown, numbers_by_name
+from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
+from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
 from laticauda.logs import load_trial
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import Parameters, Robot, load_parameters, load_robot
 from laticauda.robot.adjustments import NAMES, adjusted, read_adjustments
 from laticauda.robot.files import read_table
@@ -148,6 +153,15 @@ class TrialFile:
 
 
 @value
+class TableFile:
+    """A file with one row a trial."""
+
+    file: str = option("Where it is; `laticauda.trial.speeds` says its columns")
+    figure: str = option("forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES))
+    sigma: float = quantity("", "Noise of rows that do not say their own, as a share", default=TABLE_SIGMA, gt=0.0)
+
+
+@value
 class _TaskFile:
     """What a task's file says besides the method."""
 
@@ -159,6 +173,7 @@ class _TaskFile:
     base: str | None = option("A parameter file, a preset or a path: what is fixed", default=None)
     fixed: Mapping[str, Any] | None = option("Tables of a parameter file: what is fixed", default=None)
     trials: tuple[TrialFile, ...] = option("Files of trials, beside this file", default=())
+    table: TableFile | None = option("Speeds, a CSV file beside this one", default=None)
     table1: Mapping[str, Any] | bool | None = option("Arguments of `from_table1`, or true", default=None)
 
 
@@ -188,6 +203,22 @@ class Task:
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
         return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
 
+    def with_law(self, law: Parameters) -> "Task":
+        """The same with the water, the joints and all else of a parameter file, as far as the task does not say them.
+
+        Args:
+            law: The parameter file; the task has none of its own.
+        """
+        joints = {} if law.joints is None else {"joints": law.joints}
+        return replace(
+            self,
+            name=f"{self.name}-{law.name}",
+            title=f"{self.title}, {law.title}",
+            measurements=tuple(fixed(one, None, law) for one in self.measurements),
+            base=law,
+            options={**joints, **self.options},
+        )
+
     def parameters(self, found: Fit) -> Parameters:
         """What was identified and what was fixed, as one parameter file.
 
@@ -199,6 +230,37 @@ class Task:
             return kept
         changes = merged(dict(base.changes), dict(kept.changes))
         return replace(kept, changes=changes, own_changes=merged(dict(base.own_changes), dict(kept.own_changes)))
+
+
+def compare_laws(
+    measurements: Sequence[Measurement],
+    laws: Sequence[str | Path | Parameters],
+    *,
+    parameters: Sequence[str | Unknown],
+    **how: Any,
+) -> dict[str, Fit]:
+    """Fit the same unknowns with one law after the other; null models stand beside any of them.
+
+    Args:
+        measurements: What was measured.
+        laws: Parameter files, presets or paths: what is not fitted of water, joints and robot.
+        parameters: See `fit`.
+        how: Further arguments of `fit`.
+
+    Returns:
+        The fits by name of the parameter file; errors as for `fit`.
+
+    Example:
+        >>> from laticauda.identify import compare_laws, from_table1
+        >>> names = ["water.tangential_friction"]
+        >>> found = compare_laws(from_table1()[::4], ["paper", "mamba-identified"], parameters=names, n_starts=1)
+        >>> list(found)
+        ['paper', 'mamba-identified']
+    """
+    every = as_unknowns(parameters)
+    task = Task(name="laws", title="laws", measurements=tuple(measurements), unknowns=every, options=how)
+    bases = [law if isinstance(law, Parameters) else load_parameters(law) for law in laws]
+    return {base.name: task.with_law(base).run() for base in bases}
 
 
 def load_task(path: str | Path) -> Task:
@@ -241,15 +303,16 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     said = decode(_TaskFile, {"title": table["name"], **table})
     if not said.parameters:
         raise BadKey("parameters", "must name at least one number to identify")
-    if not said.trials and said.table1 is None:
-        raise BadKey("trials", "is missing; trials or [table1] are what is identified from")
+    if not said.trials and said.table is None and said.table1 is None:
+        raise BadKey("trials", "is missing; trials, [table] or [table1] are what is identified from")
     base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
     robot = None if said.robot is None else load_robot(said.robot, said.links)
     trials = [one.beside(folder) for one in said.trials]
     measured = [fixed(trial.measurement(), None, base) for trial in trials]
-    measured += [fixed(measurement, said.links, base) for measurement in _table1(said.table1)]
+    rows, files = _tables(said, folder)
+    measured += [fixed(measurement, said.links, base) for measurement in rows]
     return Task(
         name=said.name,
         title=said.title,
@@ -258,7 +321,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         robot=None if robot is None else adjusted(robot, base.changes if base else {}),
         base=base,
         options=options,
-        sources=tuple(path for trial in trials for path in trial.sources),
+        sources=(*(path for trial in trials for path in trial.sources), *files),
     )
 
 
@@ -293,14 +356,18 @@ def _base(said: _TaskFile) -> Parameters | None:
     return replace(base, every_gait=water, changes=merged(dict(base.changes), changes))
 
 
-def _table1(given: Mapping[str, Any] | bool | None) -> tuple[Measurement, ...]:
-    """The paper's Table 1, if it is among what is identified from."""
-    if given is None or given is False:
-        return ()
-    arguments = {} if given is True else table_of(given, "table1")
-    check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
-    with arguments_of("table1"):
-        return from_table1(**arguments)
+def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path]]:
+    """The rows of tables, one's own and the paper's, that are identified from, and the files that they are in."""
+    rows, files, own = list[Measurement](), list[Path](), said.table
+    if own is not None:
+        files.append(folder / own.file)
+        rows += from_table(files[0], own.figure, sigma=own.sigma, robot=said.robot or "mamba")
+    if said.table1:
+        arguments = {} if said.table1 is True else table_of(said.table1, "table1")
+        check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
+        with arguments_of("table1"):
+            rows += from_table1(**arguments)
+    return rows, files
 
 
 def _check_there(name: str, trial: Trial, wanted: list[str]) -> None:

@@ -1,20 +1,19 @@
 """What the paper measured on the physical robot, and what it prints of it: Tables 1 and 2, row by row."""
 
-import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
+from laticauda.files import read_rows
 from laticauda.gaits import Gait, envelope_of
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trial import MeasuredTrial, MeasuredTrials
 from laticauda.trial.null_models import Row
+from laticauda.trial.speeds import KINDS
 
-KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
-"""The gaits as tables call them."""
 PRINTED_TO = 0.02  # the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]
 _TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
@@ -200,9 +199,8 @@ def _machine(robot: Robot) -> Robot:
     return replace(named, electronics_power=0.0, active_power=None)
 
 
-def _cells(table: str) -> Iterator[dict[str, str]]:
-    text = files("laticauda.paper").joinpath("data", table).read_text(encoding="utf-8")
-    return csv.DictReader(text.splitlines())
+def _cells(table: str) -> list[dict[str, str]]:
+    return [cells for _, cells in read_rows(Path(__file__).parent / "data" / table)[1]]
 
 
 def _row(cells: Mapping[str, str]) -> dict[str, Any]:

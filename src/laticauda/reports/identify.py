@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -153,7 +154,7 @@ def identification_tables(done: Validation) -> "dict[str, DataFrame]":
         "starts": _starts(done),
         "correlations": _correlations(done),
         "began": _began(done),
-        "errors": [] if done.error(done.found.predictions) is None else _errors(done),
+        "errors": [] if done.error(done.found.predictions) is None else errors_of({"this fit": done}),
     }
     return {name: DataFrame(found) for name, found in rows.items() if found}
 
@@ -254,16 +255,21 @@ def _groups(done: Validation) -> list[Row]:
     return rows
 
 
-def _errors(done: Validation) -> list[Row]:
-    """Mean errors of the speeds, fitted and left out, beside null models."""
-    found, by_group = done.found, None if done.by_group is None else done.by_group.predictions
-    errors = (done.error(found.predictions), done.error(done.left_out), done.error(by_group))
-    models = [("this fit", len(found.estimates), *errors)]
-    models += [
-        (f"null model: {null.name}", null.n_parameters, null.fitted, finite(null.left_out), finite(null.group_left_out))
-        for null in done.null_models
-    ]
-    heads = ("model", "numbers fitted", "fitted [%]", "measurement left out [%]", "group left out [%]")
+def errors_of(every: Mapping[str, Validation]) -> list[Row]:
+    """Mean errors of the speeds, fitted and left out, of fits to the same measurements, beside null models.
+
+    Args:
+        every: At least one, by what the table calls it.
+    """
+    models: list[tuple[Any, ...]] = []
+    for name, done in every.items():
+        by_group = None if done.by_group is None else done.by_group.predictions
+        errors = [done.error(one) for one in (done.found.predictions, done.left_out, by_group)]
+        models.append((name, len(done.found.estimates), done.found.chi2, *errors))
+    for null in next(iter(every.values())).null_models:
+        errors = [finite(one) for one in (null.fitted, null.left_out, null.group_left_out)]
+        models.append((f"null model: {null.name}", null.n_parameters, None, *errors))
+    heads = ("model", "numbers fitted", "chi^2", "fitted [%]", "measurement left out [%]", "group left out [%]")
     return [dict(zip(heads, model, strict=True)) for model in models]
 
 

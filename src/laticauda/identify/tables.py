@@ -1,0 +1,121 @@
+"""Measurements from tables of speeds: the paper's Table 1, and one's own."""
+
+from collections import Counter
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from laticauda.errors import RobotFileError, TrialFileError, one_of, positive
+from laticauda.gaits import Gait
+from laticauda.identify.measurements import Measurement
+from laticauda.robot import Robot, load_robot
+from laticauda.scenarios import scenario
+from laticauda.trial import MeasuredTrials
+from laticauda.trial.null_models import group_name
+from laticauda.trial.speeds import load_speeds
+
+TABLE_SIGMA = 0.05
+"""Noise of a table's numbers as a share of each value, unless one says otherwise; the paper states none [-]."""
+TABLE_SELECTED_FROM = 3
+"""Of how many settings as good as it a starred row of Table 1 is taken for the best [-]."""
+FIGURES = ("forward_velocity", "mean_power")
+_LONGEST_STRIDE = 2.0  # of any swimmer, in its lengths
+
+
+def from_table1(
+    figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, selected_from: int = TABLE_SELECTED_FROM
+) -> tuple[Measurement, ...]:
+    """The rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
+
+    The paper states no noise: each row has the same share of its value, which is best taken for a guess and estimated
+    from the residuals (`noise="estimated"`). Rows with a star are the maxima of sweeps.
+
+    Args:
+        figure: forward_velocity, or mean_power.
+        sigma: Standard deviation of the noise as a share of the value [-].
+        selected_from: See `Measurement`, of the rows with a star.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+    one_of("figure", figure, FIGURES)
+    positive("sigma", sigma)
+    robots = cache(load_robot)
+    return tuple(
+        Measurement(
+            name=_name(trial.gait, trial.has_fin),
+            scenario=scenario(robots(trial.robot), trial.gait),
+            figures={figure: (value, sigma * value)},
+            selected_from=selected_from if trial.is_maximum else 1,
+        )
+        for trial in MeasuredTrials.named("table1")().trials()
+        if (value := getattr(trial, figure)) is not None
+    )
+
+
+def from_table(
+    file: str | Path, figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, robot: str = "mamba"
+) -> tuple[Measurement, ...]:
+    """Speeds or powers of one's own, from a CSV file with one row a trial; `laticauda.trial.speeds` says its columns.
+
+    Args:
+        file: Where it is.
+        figure: forward_velocity, or mean_power, of the rows that have one.
+        sigma: Standard deviation of the noise as a share of the value, of rows that do not say their own [-].
+        robot: What swam in rows that do not say it, a preset or a TOML file.
+
+    Raises:
+        TrialFileError: If anything in it is wrong.
+        ValueError: If an argument is out of its range.
+    """
+    positive("sigma", sigma)
+    is_speed = one_of("figure", figure, FIGURES) == FIGURES[0]
+    robots, seen, found = cache(_robot), Counter[str](), list[Measurement]()
+    for row in load_speeds(file):
+        value, own = (row.v_m_s, row.v_sigma_m_s) if is_speed else (row.P_avg_W, row.P_sigma_W)
+        if value is None:
+            continue
+        swam, gait = robots(row.robot or robot, row.config), row.motion
+        stride = 2.0 * np.pi * row.v_m_s / gait.frequency / swam.length
+        if stride > _LONGEST_STRIDE:
+            raise TrialFileError(
+                f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is {stride:.3g} lengths of "
+                f"`{swam.name}` per cycle, further than anything swims; is one in another unit, as cm/s, rad/s or Hz?"
+            )
+        name = _name(gait, swam.caudal_fin is not None)
+        seen[name] += 1
+        found.append(
+            Measurement(
+                name=name if seen[name] == 1 else f"{name} ({seen[name]})",
+                scenario=scenario(swam, gait, row.duration_s),
+                figures={figure: (value, own or sigma * value)},
+                selected_from=row.selected_from,
+            )
+        )
+    if not found:
+        raise TrialFileError(f"{file}: no row of it has a {figure.replace('_', ' ')}.")
+    return tuple(found)
+
+
+def _robot(name: str, config: str | None) -> Robot:
+    """What swam: a preset without a fin has one of its own with it."""
+    robot = load_robot(name)
+    if config == "nofin":
+        return replace(robot, caudal_fin=None)
+    if config is None or robot.caudal_fin is not None:
+        return robot
+    try:
+        return load_robot(f"{name}-fin")
+    except RobotFileError:
+        raise TrialFileError(f"`config` must be nofin for `{name}`, which has no caudal fin.") from None
+
+
+def _name(gait: Gait, has_fin: bool) -> str:
+    return f"{group_name(gait.kind, has_fin)}, {setting_of(gait)}"
+
+
+def setting_of(gait: Gait) -> str:
+    """Amplitude, frequency and phase shift as names of measurements have them, in degrees: 30/130/40."""
+    return "/".join(f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift))

@@ -1,0 +1,101 @@
+import csv
+from math import degrees
+
+import pytest
+from identify.trials import FRICTION
+
+from laticauda.errors import TrialFileError
+from laticauda.identify import compare_laws, fit, from_table, from_table1
+from laticauda.trial import MeasuredTrials
+from laticauda.trial.speeds import KINDS
+
+ROW = {"gait": "LU", "alpha_deg": 30, "omega_deg_s": 130, "delta_deg": 40, "v_m_s": 0.15}
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(*rows):
+        path = tmp_path / "mine.csv"
+        with open(path, "w", newline="") as file:
+            table = csv.DictWriter(file, list(rows[0]))
+            table.writeheader()
+            table.writerows(rows)
+        return path
+
+    return write
+
+
+def table1_rows():
+    short = {kind: name for name, kind in KINDS.items()}
+    for trial in MeasuredTrials.named("table1")().trials():
+        if trial.forward_velocity is not None:
+            gait = trial.gait
+            yield {
+                "gait": short[gait.kind],
+                "config": "fin" if trial.has_fin else "nofin",
+                "alpha_deg": round(degrees(gait.amplitude), 9),
+                "omega_deg_s": round(degrees(gait.frequency), 9),
+                "delta_deg": round(degrees(gait.phase_shift), 9),
+                "v_m_s": trial.forward_velocity,
+                "P_avg_W": trial.mean_power or "",
+                "selected_from": 3 if trial.is_maximum else 1,
+            }
+
+
+def test_table_1_as_a_file_gives_the_same_numbers(written):
+    path = written(*table1_rows())
+    mine = from_table(path)
+    for one, other in zip(mine, from_table1(), strict=True):
+        assert (one.name, one.figures, one.selected_from) == (other.name, other.figures, other.selected_from)
+        assert one.scenario == other.scenario
+    found, printed = (fit(rows, parameters=[FRICTION], noise="estimated", n_starts=1) for rows in (mine, from_table1()))
+    assert f"{found[FRICTION]}" == f"{printed[FRICTION]}"
+    printed = {one.name: one.figures for one in from_table1("mean_power")}
+    assert all(one.figures == printed[one.name] for one in from_table(path, "mean_power"))
+
+
+def test_a_row_may_say_its_robot_and_noise_and_settings_may_repeat(written):
+    own = {**ROW, "robot": "mamba-modules", "v_sigma_m_s": 0.004, "duration_s": 20}
+    first, second, third = from_table(written(own, own, {**own, "gait": "EEL", "robot": ""}), robot="amphibot")
+    assert first.scenario.robot.name == "mamba-modules"
+    assert (first.figures["forward_velocity"], first.scenario.duration) == ((0.15, 0.004), 20.0)
+    assert second.name == f"{first.name} (2)"
+    assert (third.scenario.gait.kind, third.scenario.robot.name) == ("eel_like", "amphibot")
+    finned, bare = from_table(written({**ROW, "config": "fin"}, {**ROW, "config": "nofin"}))
+    assert (finned.scenario.robot.caudal_fin is None, bare.scenario.robot.caudal_fin is None) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"v_m_s": 15.0}, "`v_m_s` of 15 at `omega_deg_s` of 130"),
+        ({"omega_deg_s": 2.3}, "`v_m_s` of 0.15 at `omega_deg_s` of 2.3"),
+        ({"omega_deg_s": 0.36}, "further than anything swims; is one in another unit, as cm/s, rad/s or Hz?"),
+        ({"alpha_deg": 0.52}, "column `alpha_deg` goes to 0.52, which can hardly be deg; is it in radians?"),
+        ({"delta_deg": 0.7}, "column `delta_deg` goes to 0.7"),
+        ({"omega_rad_s": 2.3}, "row 1: column `omega_rad_s` is not known; did you mean `omega_deg_s`?"),
+        ({"v_cm_s": 15}, "row 1: column `v_cm_s` is not known; did you mean `v_m_s`?"),
+        ({"config": "fin", "robot": "amphibot"}, "`config` must be nofin for `amphibot`, which has no caudal fin"),
+    ],
+)
+def test_wrong_units_and_wrong_robots_are_refused_by_name(written, changes, words):
+    with pytest.raises(TrialFileError) as refused:
+        from_table(written({**ROW, **changes}))
+    assert words in str(refused.value)
+
+
+def test_a_table_without_a_power_has_none_to_identify_from(written):
+    with pytest.raises(TrialFileError, match="no row of it has a mean power"):
+        from_table(written(ROW), "mean_power")
+
+
+def test_laws_are_fitted_one_by_one_to_the_same_measurements(written):
+    rows = from_table(written(*({**ROW, "omega_deg_s": omega, "v_m_s": omega / 900} for omega in (90, 110, 130))))
+    found = compare_laws(rows, ["paper", "mamba-identified"], parameters=[FRICTION], n_starts=1)
+    assert list(found) == ["paper", "mamba-identified"]
+    for name, one in found.items():
+        (alone,) = compare_laws(rows, [name], parameters=[FRICTION], n_starts=1).values()
+        assert (one.values, one.chi2) == (alone.values, alone.chi2)
+        assert [m.figures for m in one.problem.measurements] == [m.figures for m in rows]
+    joints = {type(one.problem.model.joints).__name__ for one in found.values()}
+    assert len(joints) == 2
