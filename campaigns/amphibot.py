@@ -16,6 +16,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.robot import textbook_of
 from laticauda.robot.files import PRESETS
+from laticauda.simulate import spread, stated
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
 LINK = 0.0965  # m
@@ -95,6 +96,12 @@ def measured() -> dict[str, float]:
     return {**{name: speed for name, (_, _, speed) in SPANS.items()}, "start": came(seen.time, seen.place.mean(axis=1))}
 
 
+def stated_intervals(trial: lc.Trial) -> dict[str, tuple[float, float]]:
+    """Between what the figures lie, by what is known of the coefficients and by what the model missed such motion."""
+    kinds = {"swim": "swimming", "glide": "gliding", "start": "starting"}
+    return {name: stated(one, kinds[name.split()[0]]) for name, one in spread(trial, figures=figures).items()}
+
+
 def null_models() -> dict[str, dict[str, float]]:
     """The same, as far as models without hydrodynamics go."""
     robot, tail = lc.load_robot("amphibot"), 2.0 * 0.092  # m, from side to side, of the last LED
@@ -127,13 +134,18 @@ def main() -> None:
     real, seen = measured(), track()
     print(" " * 34 + "".join(f"{name:>16}" for name in real))
     print(f"{'measured [m/s, m]':34}" + "".join(f"{one:>16.3f}" for one in real.values()))
+    bare = {"textbook, no shed edge": textbook(trailing_edge="none")}
     waters = {f"textbook, beta {beta}": textbook(drag=lc.TotalSpeedDrag(beta=beta)) for beta in (0.5, 0.0, 1.0)}
-    for name, water in {**waters, "paper-lateral": lc.load_water("paper-lateral")}.items():
+    for name, water in {**waters, **bare, "paper-lateral": lc.load_water("paper-lateral")}.items():
         trial = swum(water)
         time, gap = marker_distance(trial, seen, ALONG, fitted=(0.4, 1.1))
         print(row(name, figures(trial), real), f"  LEDs {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s")
     for name, found in null_models().items():
         print(row(name, found, real))
+    trial = swum(textbook())
+    ranges = {"coefficients in their intervals": spread(trial, figures=figures), "stated": stated_intervals(trial)}
+    for words, found in ranges.items():
+        print(f"{words:34}" + "".join(f"{f'{low:.3f} to {high:.3f}':>16}" for low, high in found.values()))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Can this robot do it? What Table 1's gaits take of Mamba's joints in the models, beside the servo that it has.
+"""Can this robot do it? What the gaits of the docs take of every preset, and Table 1's of Mamba's joints in the models.
 
-The robot swam all of them. So a row beyond its published servo (2.9 N m, 7.5 rad/s) says that the model's water or its
-joints ask for too much, or that there is more gear between servo and joint than was published.
+The real Mamba swam all of Table 1. So a row beyond its published servo (2.9 N m, 7.5 rad/s) says that the model's water
+or its joints ask for too much, or that there is more gear between servo and joint than was published.
 
     python examples/17_can_it_do_it.py
 """
@@ -10,8 +10,19 @@ import math
 
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
-from laticauda.robot import load_parameters, parameter_names
+from laticauda.robot import load_parameters, parameter_names, robot_names
 from laticauda.trial.feasibility import feasibility
+
+KINDS = {"lateral": lc.lateral_undulation, "eel": lc.eel_like}
+GAITS = [("lateral", 30, 130, 40), ("lateral", 30, 90, 40), ("eel", 50, 110, 40), ("eel", 40, 90, 40)]
+
+print("share used of joints, motors and room, 30 s with prescribed joints and the default water; above 1: beyond it")
+print(" " * 18 + "".join(f"{kind:>9} {a} {w:>3} {d}" for kind, a, w, d in GAITS))
+for name in robot_names():
+    gaits = [KINDS[kind](amplitude_deg=a, frequency_deg_s=w, phase_shift_deg=d) for kind, a, w, d in GAITS]
+    stated = "" if lc.load_robot(name).joints[0].actuator.stated else "  no actuator is stated"
+    shares = [lc.swim(name, gait).utilization for gait in gaits]
+    print(f"{name:18}" + "".join(f"{share:19.2f}" for share in shares) + stated)
 
 for name in parameter_names():
     model = load_parameters(name)

@@ -11,10 +11,13 @@ from scipy.interpolate import CubicSpline
 
 import laticauda as lc
 from laticauda.cli import main
+from laticauda.cli.report import as_text
 from laticauda.errors import TrialFileError
+from laticauda.figures import swim_sheet
 from laticauda.gaits import Generator
 from laticauda.gaits.reference import between_knots
 from laticauda.identify import Measurement, fit
+from laticauda.pictures.render import words
 from laticauda.simulate import sensitivities
 
 ANGLES = lc.JointAngles(
@@ -198,3 +201,14 @@ def test_the_water_of_recorded_trials_is_identified():
     guessed = [replace(one, scenario=replace(one.scenario, environment=guess)) for one in trials]
     found = fit(guessed, parameters=["water.normal_drag"], n_starts=1)
     assert found["water.normal_drag"].value == pytest.approx(WATER.normal_drag, rel=1e-5)
+
+
+def test_it_is_called_what_it_is_wherever_a_gait_is_named():
+    alone, both = swum(lc.recorded_gait(ANGLES)), swum(replace(WAVE, recorded=ANGLES))
+    assert "gait    recorded motion: 2 joints, 0 to " in as_text(alone)
+    assert "amplitude" not in as_text(alone).split("\n")[1]
+    assert "recorded motion" in as_text(both) and "eel-like: amplitude" in as_text(both)
+    titles = [swim_sheet(one).get_suptitle() for one in (alone, both)]
+    assert titles[0] == "chain, recorded motion"
+    assert titles[1].startswith("chain, recorded motion (") and " deg/s" in titles[1]
+    assert words(alone)[1] == "recorded motion" and "°/s" in words(both)[1]

@@ -22,6 +22,7 @@ def test_the_presets_are_there():
         "mamba-modules",
         "mamba-modules-fin",
         "mamba-thruster",
+        "tendon-fish",
     )
     assert water_names() == ("paper-eel", "paper-lateral", "paper-vortex", "published-2015")
     assert ground_names() == ("coulomb", "viscous")

@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 import laticauda as lc
 from laticauda.gaits import Wave
 from laticauda.robot import Robot
+from laticauda.robot.adjustments import adjusted
 from laticauda.studies.trials import swim_points
 from laticauda.trial import feasibility
 
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
 
 
-def with_actuators(robot: Robot, **changes: float) -> Robot:
+def with_actuators(robot: Robot, **changes: float | bool) -> Robot:
     joints = tuple(replace(joint, actuator=replace(joint.actuator, **changes)) for joint in robot.joints)
     return replace(robot, joints=joints)
 
@@ -167,3 +168,13 @@ def test_links_that_cross_are_looked_for_in_every_posture_where_there_are_no_mor
     still, counts = np.zeros((4, 8, 1)), np.full((4, 1), True)
     found = feasibility.peaks([robot], angle[..., np.newaxis], still, still, counts, most=4)
     assert found["utilization"][0] == feasibility.overlap(robot, angle)[0] > 1.0
+
+
+def test_a_motor_whose_numbers_are_not_stated_judges_nothing_and_stated_ones_do(trial: lc.Trial):
+    unknown = with_actuators(trial.robot, stated=False, stall_torque=0.01, no_load_speed=0.01)
+    found = feasibility.feasibility(unknown, trial, trial.period)
+    assert found.problems == ()
+    assert found.words.endswith("no actuator is stated")
+    assert found.figures["utilization"] == pytest.approx(trial.peak_joint_angle / trial.robot.joints[0].limit)
+    assert feasibility.feasibility(adjusted(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period).problems
+    assert not any(joint.actuator.stated for name in ("amphibot", "chain") for joint in lc.load_robot(name).joints)

@@ -176,7 +176,9 @@ def _title(trial: Trial) -> str:
     if trial.gait is not None:
         gait = trial.gait
         angles = (gait.amplitude, gait.frequency, gait.phase_shift)
-        text += ", {} ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(gait.words, *np.degrees(angles))
+        text += f", {gait.words}"
+        if gait.recorded is None or gait.amplitude:
+            text += " ({:.3g} deg, {:.3g} deg/s, {:.3g} deg)".format(*np.degrees(angles))
         if gait.offset:
             text += f", offset {math.degrees(gait.offset):.3g} deg"
     return text

@@ -156,7 +156,7 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
         gait = trial.gait
         numbers = f"{math.degrees(gait.amplitude):.0f}°, {math.degrees(gait.frequency):.0f}°/s"
         shift = f"phase shift {math.degrees(gait.phase_shift):.0f}°"
-        lines.append(f"{gait.words}, {numbers}, {shift}")
+        lines.append(gait.words if gait.recorded and not gait.amplitude else f"{gait.words}, {numbers}, {shift}")
         if gait.pitch is not None:
             numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
             lines.append(f"pitch wave, {numbers}")

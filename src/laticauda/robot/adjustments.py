@@ -57,8 +57,9 @@ def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
         ValueError: If a number does not go with what the robot has.
     """
     changes: dict[str, Any] = dict(adjustments.get("robot", {}))
-    of_joint, of_actuator = adjustments.get("joint", {}), adjustments.get("actuator", {})
+    of_joint, of_actuator = adjustments.get("joint", {}), dict(adjustments.get("actuator", {}))
     if of_joint or of_actuator:
+        of_actuator |= {"stated": True} if of_actuator else {}
         new = {
             joint: replace(joint, actuator=replace(joint.actuator, **of_actuator), **of_joint)
             for joint in set(robot.joints)

@@ -21,6 +21,9 @@ class Actuator:
     30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They hold at the output shaft, so the gear's losses at
     stall and at full speed are in them already, and the friction given here comes on top of them: 0 by default.
 
+    Of a robot whose motors are not known, `stated` is false: the numbers here are then Mamba's, and no run of the robot
+    is judged by them (`Trial.feasibility`).
+
     `tracking` says how much of its reference a joint does that is `prescribed`, the offset not counted: joints under
     `pd` control or with `servo`s lose amplitude by themselves and do not look at it.
 
@@ -33,6 +36,7 @@ class Actuator:
         [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
     """
 
+    stated: bool = option("Whether the motor's numbers are the robot's own", default=True)
     proportional_gain: float = quantity("N m/rad", "k_p of the `pd` law", ge=0.0, default=20.0)
     derivative_gain: float = quantity("N m s/rad", "k_d of the `pd` law", ge=0.0, default=5.0)
     stall_torque: float = quantity("N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9)

@@ -131,6 +131,7 @@ def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
         servo += f", idle current {actuator.idle_current:g} A"
     rows = [(f"{name}, prescribed", f"{actuator.tracking:g} of the amplitude")] if actuator.tracking != 1.0 else []
     gains = f"k_p {actuator.proportional_gain:g} N m/rad, k_d {actuator.derivative_gain:g} N m s/rad"
+    servo = servo if actuator.stated else f"not stated; if it were Mamba's: {servo}"
     return [*rows, (f"{name}, pd", gains), (f"{name}, servo", servo)]
 
 

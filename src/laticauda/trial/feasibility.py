@@ -70,6 +70,9 @@ def _has(robots: Sequence[Robot]) -> np.ndarray:
 
 
 def _motor(actuator: Actuator) -> tuple[float, float, float, float]:
+    """Its torque-speed line; nothing is beyond a motor whose numbers are not stated."""
+    if not actuator.stated:
+        return math.inf, math.inf, 0.0, 0.0
     return actuator.stall_torque, actuator.no_load_speed, actuator.friction_torque, actuator.viscous_friction
 
 
@@ -208,6 +211,10 @@ def _said(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[st
     beyond = used.max(axis=(1, 2, 3)) > 1.0 + ROUNDING
     if beyond[0]:
         problems.append(f"{names[0]} bends {bends:.3g} deg; its limit is {end:.3g}")
+    if not any(joint.actuator.stated for joint in robot.driven_joints):
+        fastest, strongest = math.degrees(np.abs(rate).max()), np.abs(torque).max()
+        takes = f"joints turn at up to {fastest:.3g} deg/s and need up to {strongest:.3g} N m"
+        return f"{names[0]} bends {bends:.3g} of {end:.3g} deg, {takes}; no actuator is stated", problems
     if beyond[2] and lacks:
         problems.append(f"{names[2]} needs {needs:.3g} N m {at}; its servo has {has:.3g}")
     elif beyond[1]:

@@ -1,0 +1,55 @@
+"""A fish robot that nobody fitted: what the textbook's water makes of a broad fin, as far as the docs say it."""
+
+import campaign_scripts
+import numpy as np
+import pytest
+
+fish = campaign_scripts.campaign("tendon_fish")
+SWIMS = fish.swims()
+FAST = SWIMS[-1]
+
+
+def test_its_strides_grow_and_it_slips_far_more_than_animals_do():
+    strides = [one.speed / one.frequency for one in SWIMS]
+    assert strides == sorted(strides)
+    assert all(1.7 < 2.0 * one.tip * one.frequency / one.speed < 3.5 for one in SWIMS)
+
+
+def test_its_wave_travels_from_head_to_tail():
+    for one in SWIMS[1:]:
+        lag = np.unwrap(np.angle(one.joints))
+        assert np.all(np.diff(lag) > 0.0)  # tail first: each joint leads the one behind it
+
+
+def test_the_textbook_is_far_too_fast_and_the_shed_edge_is_why():
+    assert fish.speed(FAST, fish.textbook(FAST)) / FAST.speed == pytest.approx(3.62, rel=0.02)
+    assert fish.speed(FAST, fish.textbook(FAST, trailing_edge="none")) / FAST.speed == pytest.approx(0.74, rel=0.02)
+
+
+def test_models_without_hydrodynamics_miss_it_too():
+    for name, speed in fish.null_models(FAST).items():
+        assert speed > 2.5 * FAST.speed, name
+
+
+def test_a_row_is_what_the_markers_say(tmp_path):
+    """Markers made from known joints, in pixels, are reduced to these joints."""
+    time = np.arange(300) / fish.RATE
+    phase = 2.0 * np.pi * 1.2 * time
+    joints = 0.15 * np.exp(1j * np.array([0.6, 0.3, 0.0, -0.3, -0.6]))  # head first
+    lean = np.cumsum(np.real(joints * np.exp(1j * phase)[:, None]), axis=1)
+    step = np.diff(fish.JOINTS) * np.exp(1j * lean[:, :-1])
+    joint = np.concatenate((np.zeros((300, 1)), np.cumsum(step, axis=1)), axis=1) + fish.JOINTS[0]
+    tail = np.concatenate((joint, joint[:, -1:]), axis=1) + fish.BEHIND * np.exp(
+        1j * np.column_stack((lean, lean[:, -1]))
+    )
+    body = np.tile([-fish.NOSE, fish.HEAD - fish.NOSE, 0.28], (300, 1))
+    places = (np.column_stack((body, tail)) - 0.2 * time[:, None]) * np.exp(0.4j) * 1000.0
+    pixels = np.stack((places.real, -places.imag), axis=2).reshape(300, -1)
+    np.savetxt(tmp_path / "markers_1_20.csv", pixels, delimiter=",")
+    found = fish.reduced("1_20", tmp_path)
+    assert found.frequency == pytest.approx(1.2, abs=1e-3)
+    assert found.speed == pytest.approx(0.2, rel=1e-3)
+    turn = sum(found.joints) / -sum(joints)  # the row's phases count from the fin's tip
+    known = -joints[::-1] * turn / abs(turn)
+    np.testing.assert_allclose(found.joints, known, atol=0.04)  # evened out between neighbors
+    assert abs(turn) == pytest.approx(1.0, abs=0.02)  # which the direction of the fin is not
