@@ -190,10 +190,14 @@ def test_a_batch_is_bit_for_bit_that_of_single_runs_and_a_run_goes_on():
     np.testing.assert_array_equal(after.center_of_mass[-1], singles[0].center_of_mass[-1])
 
 
-def test_the_model_in_space_agrees_with_that_in_the_plane():
+def test_the_model_in_space_agrees_with_that_in_the_plane_with_friction_and_skin():
     pytest.importorskip("mujoco")
-    planar = lc.swim("mamba-fin", GAIT, 3.0, joints=SLOW, dt=0.001)
-    spatial = lc.swim("mamba-fin", GAIT, 3.0, joints=SLOW, dt=0.001, model="spatial", root="planar")
+    rubbing = {"actuator": {"friction_torque": 0.1, "viscous_friction": 0.05}}
+    robot = adjusted(load_robot("mamba-fin"), {**rubbing, "joint": {"stiffness": 0.5, "damping": 0.1}})
+    planar = lc.swim(robot, GAIT, 3.0, joints=SLOW, dt=0.001)
+    spatial = lc.swim(robot, GAIT, 3.0, joints=SLOW, dt=0.001, model="spatial", root="planar")
+    free = lc.swim("mamba-fin", GAIT, 3.0, joints=SLOW, dt=0.001)
+    assert np.abs(planar.joint_angle).max() < 0.995 * np.abs(free.joint_angle).max()
     length = np.linalg.norm(planar.center_of_mass[-1])
     np.testing.assert_allclose(spatial.center_of_mass[:, :2], planar.center_of_mass, atol=2e-3 * length)
     np.testing.assert_allclose(spatial.joint_angle, planar.joint_angle, atol=2e-3)
