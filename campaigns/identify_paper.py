@@ -1,43 +1,44 @@
-"""Can one parameter set explain the paper's tank trials, both gaits, with and without the fin?
+"""Which water, which drive and which place of the drag explain the tank trials of two robots?
 
-Question: many models, at most four fitted numbers each, are fitted to the speeds of Table 1. Which holds when a group
-is left out, and what does it say of Table 2, which nothing was fitted to or chosen by? What was decided beforehand,
-and the last answer, are in `identify_paper.md`.
+Question: 72 models of two fitted numbers each are fitted to the speeds of the paper's Table 1. Which holds when a group
+of gait and fin is left out, which says most of another robot, and what do the chosen ones say of Table 2, which nothing
+was fitted to or chosen by? What was decided beforehand, and the answer, are in `identify_paper.md`.
 
-    python campaigns/identify_paper.py                  # all candidates, some ten minutes of one core
-    python campaigns/identify_paper.py --only geared    # those whose name holds a word; none is chosen
-    python campaigns/identify_paper.py --table-1        # without Table 2
-    python campaigns/identify_paper.py --output FILE    # keep what came out as JSON, for --fitted FILE next time
+    python campaigns/identify_paper.py --interval             # Table 1 from textbook water, nothing compared
+    python campaigns/identify_paper.py --output FILE          # all candidates; Table 2 and power by the chosen
+    python campaigns/identify_paper.py --only "beta 1"        # those whose name holds a word; none is chosen
 """
 
 import argparse
+import csv
+import itertools
 import json
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import amphibot
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, nnls
 
 import laticauda as lc
 from laticauda.control import StraightLine
-from laticauda.fluid.laws import PolynomialDrag
-from laticauda.gaits import Gait
-from laticauda.interfaces import Start
+from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.paper.path_following import figures_of
 from laticauda.paper.settings import path_following_settings
-from laticauda.robot import Robot, Water
-from laticauda.simulate import plant, run
-from laticauda.simulate.numbers import changed
+from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
+from laticauda.robot.adjustments import adjusted
+from laticauda.simulate import intervals_of, plant, run, spread
 from laticauda.trial import Trial
-from laticauda.trial.null_models import NULL_MODELS, Row, fit, group_name, left_out, mape, predict
+from laticauda.trial.null_models import group_name, mape
 
-Values = Mapping[str, float]
+Numbers = tuple[float, float]
+"""What is fitted: a drag, and the joints' speed [rad/s]."""
 
 ROWS = tuple(row for row in efficiency_trials() if row.forward_velocity is not None)
 MEASURED = np.array([row.forward_velocity for row in ROWS])
@@ -46,527 +47,361 @@ GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for 
 FOLLOWED = path_following_trials()
 FOLLOWED_SPEED = np.array([row.forward_velocity for row in FOLLOWED])
 FOLLOWED_GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in FOLLOWED])
-BANDWIDTHS = (10.0, 4.0)  # of the steering filter; the first is the one that counts [rad/s]
-
-WATER = Water(name="identified", tangential_friction=0.15, normal_drag=1.75, added_mass=1.5)
+LOOP_DELAY = 0.12  # committed beforehand: cameras, computer, bus, servo [s]
+LAGS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)  # from heading to joint, shown beside it [s]
 FIN = {"tangential_friction": 0.005, "normal_drag": 2.0, "added_mass": 1.0}
-SERVO_POWER = 2.9 * 7.5  # stall torque x no-load speed of the published servo; a gear keeps it [W]
+SERVO_POWER = 2.9 * 7.5  # stall torque x no-load speed of the published servo, which a gear keeps [W]
+BAND = math.radians(10.0)  # error at which a position loop asks for the whole speed
+SPEEDS = (0.2, 7.5)  # rad/s
+HERE = Path(__file__).parent
 
-RANGES: dict[str, tuple[float, float]] = {
-    "water.tangential_friction": (0.03, 0.5),
-    "water.drag.reference_speed": (0.05, 1.0),
-    "water.added_mass": (0.8, 2.0),
-    "water.drag.sway_friction": (0.02, 5.0),
-    "water.friction_taper": (-0.9, 0.9),
-    "robot.joint.actuator.tracking": (0.3, 1.2),
-    "speed_limit": (0.2, 7.5),
-    "geared.no_load_speed": (0.2, 7.5),
-    "robot.joint.actuator.no_load_speed": (0.2, 7.5),
-    "robot.joint.actuator.servo_gain": (1.0, 30.0),
-    "pd.proportional_gain": (2.0, 300.0),
-    "robot.joint.damping": (0.05, 30.0),
-    "robot.joint.stiffness": (0.05, 30.0),
-    "robot.caudal_fin.flexural_rigidity": (0.01, 30.0),
+DRAGS: Mapping[str, Any] = {
+    "linear + quadratic": PolynomialDrag(),
+    "beta 0": TotalSpeedDrag(beta=0.0),
+    "beta 0.5": TotalSpeedDrag(beta=0.5),
+    "beta 1": TotalSpeedDrag(beta=1.0),
 }
-SIGNED = ("water.friction_taper",)  # not fitted as a logarithm
-SHORT = {
-    "water.tangential_friction": "C_f",
-    "water.drag.reference_speed": "U_ref",
-    "water.added_mass": "C_A",
-    "water.drag.sway_friction": "sway",
-    "water.friction_taper": "taper",
-    "robot.joint.actuator.tracking": "tracking",
-    "speed_limit": "limit",
-    "geared.no_load_speed": "no-load",
-    "robot.joint.actuator.no_load_speed": "no-load",
-    "robot.joint.actuator.servo_gain": "gain",
-    "pd.proportional_gain": "k_p",
-    "robot.joint.damping": "d_skin",
-    "robot.joint.stiffness": "k_skin",
-    "robot.caudal_fin.flexural_rigidity": "EI",
+PLACES: Mapping[str, tuple[float, float, float]] = {
+    "body": (0.2, 0.005, 1.0),
+    "tail": (30.0, 0.5, 200.0),
+    "head": (30.0, 0.5, 200.0),
 }
-C_F, U_REF, LIMIT, GEARED = (
-    "water.tangential_friction",
-    "water.drag.reference_speed",
-    "speed_limit",
-    "geared.no_load_speed",
-)
-GAIN, EI, SWAY = "robot.joint.actuator.servo_gain", "robot.caudal_fin.flexural_rigidity", "water.drag.sway_friction"
-DAMPING, STIFFNESS = "robot.joint.damping", "robot.joint.stiffness"
+"""Where the fitted drag is: start and range of C_f, or of half of rho times the drag area of a point [kg/m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """A model with some numbers left open."""
+    """A water, a drive, and where the drag is."""
 
-    name: str
-    joints: str
-    start: Values
-    """The fitted numbers, and where their search begins."""
-    water: Mapping[str, Any] = field(default_factory=dict)
-    """What differs from `WATER`."""
-    fin: Mapping[str, Any] = field(default_factory=dict)
-    """What differs from `FIN`."""
-    actuator: Values = field(default_factory=dict)
-    n_links: int = 9
-    is_motor: bool = False
-    """Whether the drive has a motor in it."""
-    is_limit: bool = False
-    """Whether no motor can be like that."""
+    drag: str
+    mass: str
+    drive: str
+    place: str
 
-    def model(self, values: Values) -> "Model":
-        """The model with these numbers."""
-        plain = {name: value for name, value in values.items() if name.split(".")[0] in ("water", "robot")}
-        actuator = dict(self.actuator)
-        if GEARED in values:
-            actuator |= {"no_load_speed": values[GEARED], "stall_torque": SERVO_POWER / values[GEARED]}
-        if "pd.proportional_gain" in values:
-            gain = values["pd.proportional_gain"]
-            actuator |= {"proportional_gain": gain, "derivative_gain": gain / 4.0}
-        plain |= {f"robot.joint.actuator.{name}": value for name, value in actuator.items()}
-        bendable = {"n_hinges": 2, "flexural_rigidity": 1.0} if EI in values else {}
+    @property
+    def name(self) -> str:
+        return f"{self.drag}, {self.mass}, {self.drive}, drag on the {self.place}"
+
+    def water(self, robot: Robot) -> Water:
+        """The water of a robot with nothing fitted."""
+        book = replace(textbook_of(robot), drag=DRAGS[self.drag])
+        if self.mass == "kirchhoff":
+            return book
+        form = {"added_mass_form": "relative", "trailing_edge": "none", "rotational": "paper"}
+        return replace(book, **form, normal_drag=1.75, added_mass=1.5)
+
+    def model(self, numbers: Numbers) -> "Model":
+        """The model of Mamba with these numbers."""
+        drag, speed = numbers
+        actuator, joints = _drive(self.drive, speed)
         robots: dict[bool, Robot] = {}
-        water = replace(WATER, **self.water)
         for has_fin in (False, True):
-            robot = lc.load_robot("mamba-fin" if has_fin else "mamba").with_links(self.n_links)
-            if robot.caudal_fin is not None:
-                robot = replace(robot, caudal_fin=replace(robot.caudal_fin, **{**FIN, **self.fin, **bendable}))
-            own = plain if has_fin else {name: value for name, value in plain.items() if "caudal_fin" not in name}
-            other = changed(lc.Scenario(robot=robot, motion=ROWS[0].gait, environment=water), own)
-            robots[has_fin], changed_water = other.robot, other.environment
-        return Model(robots=robots, water=changed_water, joints=self.joints, limit=values.get(LIMIT))
+            robot = lc.load_robot("mamba-fin" if has_fin else "mamba")
+            robot = adjusted(robot, {"actuator": actuator, **({"caudal_fin": FIN} if has_fin else {})})
+            if self.place == "tail":
+                robot = replace(robot, tether=Tether(drag=drag))
+            elif self.place == "head":
+                plate = {"lift_slope": 0.0, "stall_angle": math.pi / 2.0, "parasitic_drag": 1.0}
+                own = PectoralFin(link=robot.n_links - 1, area=drag / 500.0, **plate)
+                robot = replace(robot, pectoral_fins=(own,))
+            robots[has_fin] = robot
+        water = self.water(lc.load_robot("mamba"))
+        water = replace(water, tangential_friction=drag) if self.place == "body" else water
+        return Model(robots=robots, water=water, joints=joints)
+
+
+def _drive(name: str, speed: float) -> tuple[dict[str, float], Any]:
+    """The actuator and the joint law."""
+    if name == "servo":
+        return {"no_load_speed": speed, "stall_torque": SERVO_POWER / speed}, "servo"
+    ratio = 200.0 / 2.9 if name == "speed-servo" else 7.5 / (1.5 * speed)
+    of_motor = {"stall_torque": 2.9 * ratio}
+    of_motor |= {"stall_current": 4.6 * ratio} if name == "speed-servo" else {"no_load_speed": 1.5 * speed}
+    gain = 200.0 / speed if name == "speed-servo" else 2.9 * ratio / (0.1 * speed)
+    return of_motor, lc.SpeedServo(speed_limit=speed, position_gain=speed / BAND, speed_gain=gain)
+
+
+CANDIDATES = tuple(
+    Candidate(drag=drag, mass=mass, drive=drive, place=place)
+    for mass, drag, drive, place in itertools.product(
+        ("relative", "kirchhoff"), DRAGS, ("servo", "speed-servo", "geared speed-servo"), PLACES
+    )
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
-    """A candidate with numbers: what swims, where, and how it is driven."""
+    """What swims, where, and how it is driven."""
 
     robots: Mapping[bool, Robot]
     water: Water
-    joints: str
-    limit: float | None
-
-    def gait(self, gait: Gait) -> Gait:
-        """What the joints do of a gait if their speed is limited and they are prescribed."""
-        if self.limit is None:
-            return gait
-        n = self.robots[False].n_links
-        envelope = [
-            g / math.sqrt(1.0 + (gait.amplitude * g * gait.frequency / self.limit) ** 2) for g in gait.joint_envelope(n)
-        ]
-        return replace(gait, kind="custom", envelope=tuple(envelope))
+    joints: Any
 
 
-def forward_velocities(models: Sequence[Model], rows: Sequence[Any]) -> np.ndarray:
-    """Speeds of the rows of Table 1, one line per model [m/s]; 1 mm/s where a run blows up."""
-    found = lc.swim_many(
-        [model.robots[row.has_fin] for model in models for row in rows],
-        [model.gait(row.gait) for model in models for row in rows],
-        30.0,
-        environments=[model.water for model in models for row in rows],
-        joints=models[0].joints,
-        threads=1,
-    )
-    speeds = np.where(found.succeeded, found.forward_velocity, 0.001)
-    return np.maximum(speeds.reshape(len(models), len(rows)), 0.001)
+def forward_velocities(models: Sequence[Model], rows: Sequence[Any] = ROWS) -> np.ndarray:
+    """Speeds of rows of Table 1, one line per model [m/s]; 1 mm/s where a run blows up."""
+    laws = [model.joints for model in models]
+    found: list[np.ndarray] = []
+    for model, law in zip(models, laws, strict=True):  # a joint law's numbers are one set per batch
+        robots = [model.robots[row.has_fin] for row in rows]
+        batch = lc.swim_many(
+            robots, [row.gait for row in rows], 30.0, environments=model.water, joints=law, dt=0.004, threads=1
+        )
+        found.append(np.maximum(np.where(batch.succeeded, batch.forward_velocity, 0.001), 0.001))
+    return np.stack(found)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Fitted:
-    """What a fit found."""
+def fitted(candidate: Candidate, keep: np.ndarray, start: Numbers | None = None) -> tuple[Numbers, bool]:
+    """Least squares of log(simulated / measured) over the rows to keep; and whether a number is at an end."""
+    rows, goal = [row for row, kept in zip(ROWS, keep, strict=True) if kept], np.log(MEASURED[keep])
+    usual, *ends = PLACES[candidate.place]
+    low, high = np.log(np.array([ends, SPEEDS])).T
 
-    values: dict[str, float]
-    at_an_end: bool
-    without: Callable[[int], dict[str, float]]
-    """The numbers that one Gauss-Newton step without a row leads to."""
-
-
-def fitted(candidate: Candidate, keep: np.ndarray, start: Values | None = None, most: int = 25) -> Fitted:
-    """Least squares of log(simulated / measured) over the rows to keep."""
-    names = list(candidate.start)
-    if not names:
-        return Fitted(values={}, at_an_end=False, without=lambda row: {})
-    rows = [row for row, kept in zip(ROWS, keep, strict=True) if kept]
-    log_measured = np.log(MEASURED[keep])
-
-    def into(name: str, value: float) -> float:
-        return value if name in SIGNED else math.log(value)
-
-    def out_of(x: np.ndarray) -> dict[str, float]:
-        return {name: float(v) if name in SIGNED else math.exp(v) for name, v in zip(names, x, strict=True)}
-
-    low, high = (np.array([into(name, RANGES[name][end]) for name in names]) for end in (0, 1))
-    width = high - low
-    x = np.clip([into(name, (start or candidate.start)[name]) for name in names], low + 1e-3, high - 1e-3)
-
-    def residuals(x: np.ndarray) -> np.ndarray:
-        return np.log(forward_velocities([candidate.model(out_of(x))], rows)[0]) - log_measured
+    def logs(*points: np.ndarray) -> np.ndarray:
+        return np.log(forward_velocities([candidate.model(tuple(np.exp(x))) for x in points], rows)) - goal
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        step = np.where(x + 1e-3 <= high, 1e-3, -1e-3)
-        points = [x, *(x + step[i] * np.eye(len(x))[i] for i in range(len(x)))]
-        logs = np.log(forward_velocities([candidate.model(out_of(point)) for point in points], rows))
-        return ((logs[1:] - logs[0]) / step[:, None]).T
+        here, *there = logs(x, *(x - 1e-3 * np.eye(2)))
+        return (here - np.array(there)).T / 1e-3
 
-    found = least_squares(residuals, x, slopes, bounds=(low, high), max_nfev=most, xtol=1e-5, ftol=1e-6)
-    near = np.minimum(found.x - low, high - found.x) < 0.01 * width
-
-    def without(row: int) -> dict[str, float]:
-        others = np.arange(len(rows)) != row
-        step = np.linalg.lstsq(found.jac[others], -found.fun[others])[0]
-        return out_of(np.clip(found.x + step, low, high))
-
-    return Fitted(values=out_of(found.x), at_an_end=bool(np.any(near)), without=without)
-
-
-def leave_one_out_error(candidate: Candidate, found: Fitted) -> float:
-    """Mean absolute percentage error of rows that the fit did not see: one Gauss-Newton step away from the fit [%]."""
-    if not found.values:
-        return mape(MEASURED, forward_velocities([candidate.model({})], ROWS)[0])
-    speeds = [forward_velocities([candidate.model(found.without(i))], [row])[0, 0] for i, row in enumerate(ROWS)]
-    return mape(MEASURED, np.array(speeds))
-
-
-def leave_one_group_out_error(candidate: Candidate, values: Values) -> float:
-    """The same with a whole group left out, fitted anew [%]."""
-    speeds = np.empty_like(MEASURED)
-    for number in range(4):
-        out = GROUP == number
-        refit = fitted(candidate, ~out, start=values or None, most=12)
-        rows = [row for row, is_out in zip(ROWS, out, strict=True) if is_out]
-        speeds[out] = forward_velocities([candidate.model(refit.values)], rows)[0]
-    return mape(MEASURED, speeds)
-
-
-def fin_gains(speeds: np.ndarray) -> list[float]:
-    """v_fin / v_nofin - 1 of both gaits in Table 1, the mean over the settings that were measured both ways."""
-    gains: list[float] = []
-    for kind in ("lateral_undulation", "eel_like"):
-        pairs = [
-            speeds[j] / speeds[i] - 1.0
-            for i, bare in enumerate(ROWS)
-            for j, fin in enumerate(ROWS)
-            if bare.gait == fin.gait and bare.gait.kind == kind and fin.has_fin and not bare.has_fin
-        ]
-        gains.append(float(np.mean(pairs)))
-    return gains
-
-
-def followed_gains(speeds: np.ndarray) -> list[float]:
-    """The same in Table 2: of the mean speeds of the cases."""
-    means = [float(np.mean(speeds[FOLLOWED_GROUP == group])) for group in range(4)]
-    return [means[1] / means[0] - 1.0, means[3] / means[2] - 1.0]
-
-
-def follow(model: Model, bandwidth: float) -> list[Trial]:
-    """The cases of Table 2."""
-    settings = path_following_settings()
-    found: list[Trial] = []
-    for row in FOLLOWED:
-        body = plant(model.robots[row.has_fin], model.water, joints=model.joints, offset_bandwidth=bandwidth)
-        controller = settings.steering().controller(model.gait(row.gait), StraightLine(), settings.control_interval)
-        start = Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
-        found.append(run(body, controller, settings.duration, start=start, until=_is_there(settings.distance)))
-    return found
-
-
-def _is_there(distance: float) -> Callable[[Any], bool]:
-    return lambda seen: bool(seen.center_of_mass[0] >= distance)
-
-
-def of(name: str, joints: str, start: Values, **more: Any) -> Candidate:
-    return Candidate(name=name, joints=joints, start=start, **more)
-
-
-_FEW = {C_F: 0.15, LIMIT: 0.7}
-_BASIC = {C_F: 0.13, LIMIT: 0.8, U_REF: 0.4}
-_MOTOR = {C_F: 0.17, GEARED: 0.66, U_REF: 0.25}
-_SKIN = {C_F: 0.12, U_REF: 0.4, DAMPING: 4.0}
-_ELASTIC = {"n_hinges": 2, "flexural_rigidity": 1.0}
-CANDIDATES: tuple[Candidate, ...] = (
-    of("prescribed", "prescribed", {C_F: 0.2}),
-    of("prescribed, a share", "prescribed", {C_F: 0.2, "robot.joint.actuator.tracking": 0.8}),
-    of("prescribed, limited", "prescribed", _FEW),
-    of("prescribed, limited, U", "prescribed", _BASIC),
-    of("prescribed, limited, U, elastic", "prescribed", {**_BASIC, EI: 8.0}),
-    of("prescribed, limited, U, sway", "prescribed", {**_BASIC, SWAY: 0.5}),
-    of("prescribed, limited, U, taper", "prescribed", {**_BASIC, "water.friction_taper": 0.0}),
-    of("prescribed, limited, sway", "prescribed", {**_FEW, SWAY: 1.0}),
-    of("prescribed, limited, C_A", "prescribed", {**_FEW, "water.added_mass": 1.5}),
-    of(
-        "prescribed, limited, sway, quadratic",
-        "prescribed",
-        {**_FEW, SWAY: 1.0},
-        water={"drag": PolynomialDrag(linear=False)},
-    ),
-    of("prescribed, limited, U, kirchhoff", "prescribed", _BASIC, water={"added_mass_form": "kirchhoff"}),
-    of("prescribed, limited, U, 10 links", "prescribed", _BASIC, n_links=10),
-    of("prescribed, limited, U, steady fin", "prescribed", _BASIC, fin={"normal_drag": 1.2}),
-    of("pd, U", "pd", {C_F: 0.2, U_REF: 0.2, "pd.proportional_gain": 40.0}),
-    of("pd, U, elastic", "pd", {C_F: 0.25, U_REF: 0.2, "pd.proportional_gain": 20.0, EI: 1.0}),
-    of("servo with skin", "servo", _SKIN, is_motor=True),
-    of("servo with skin, elastic", "servo", {**_SKIN, EI: 0.3}, is_motor=True),
-    of("servo with stiff skin", "servo", {**_SKIN, STIFFNESS: 5.0}, is_motor=True),
-    of("servo with stiff skin, elastic", "servo", {C_F: 0.1, DAMPING: 5.0, STIFFNESS: 5.0, EI: 0.3}, is_motor=True),
-    of("geared", "servo", {C_F: 0.12, GEARED: 0.55}, is_motor=True),
-    of("geared, gain", "servo", {C_F: 0.1, GEARED: 0.5, GAIN: 4.0}, is_motor=True),
-    of("geared, U", "servo", _MOTOR, is_motor=True),
-    of("geared, U, gain", "servo", {**_MOTOR, GAIN: 4.0}, is_motor=True),
-    of("geared, U, elastic", "servo", {**_MOTOR, EI: 8.0}, is_motor=True),
-    of("geared, U, sway", "servo", {**_MOTOR, SWAY: 0.5}, is_motor=True),
-    of("geared, gain, elastic", "servo", {C_F: 0.1, GEARED: 0.5, GAIN: 4.0, EI: 8.0}, is_motor=True),
-    of("geared, gain, C_A", "servo", {C_F: 0.1, GEARED: 0.5, GAIN: 4.0, "water.added_mass": 1.5}, is_motor=True),
-    of("geared, gain, sway", "servo", {C_F: 0.1, GEARED: 0.5, GAIN: 4.0, SWAY: 0.5}, is_motor=True),
-    of(
-        "geared, U, gain, kirchhoff",
-        "servo",
-        {**_MOTOR, GAIN: 4.0},
-        water={"added_mass_form": "kirchhoff"},
-        is_motor=True,
-    ),
-    of("geared, U, gain, 10 links", "servo", {**_MOTOR, GAIN: 4.0}, n_links=10, is_motor=True),
-    of("geared, U, gain, steady fin", "servo", {**_MOTOR, GAIN: 4.0}, fin={"normal_drag": 1.2}, is_motor=True),
-    of(
-        "unlimited torque, U",
-        "servo",
-        {C_F: 0.18, "robot.joint.actuator.no_load_speed": 0.67, U_REF: 0.25},
-        actuator={"stall_torque": 200.0},
-        is_motor=True,
-        is_limit=True,
-    ),
-)
+    first = np.clip(np.log(start or (usual, 0.8)), low + 2e-3, high - 2e-3)
+    found = least_squares(lambda x: logs(x)[0], first, slopes, bounds=(low, high), max_nfev=20, xtol=1e-4, ftol=1e-5)
+    near = np.minimum(found.x - low, high - found.x) < 0.01 * (high - low)
+    return (float(np.exp(found.x[0])), float(np.exp(found.x[1]))), bool(np.any(near))
 
 
 def on_table_1(candidate: Candidate) -> dict[str, Any]:
-    """Fit, and the errors on Table 1."""
+    """Fit, the errors on Table 1, and by groups."""
     every = np.ones(len(ROWS), dtype=bool)
-    best = fitted(candidate, every)
-    speeds = forward_velocities([candidate.model(best.values)], ROWS)[0]
-    gains, measured_gains = fin_gains(speeds), fin_gains(MEASURED)
+    numbers, at_an_end = fitted(candidate, every)
+    speeds = forward_velocities([candidate.model(numbers)])[0]
+    without, refits = np.empty_like(speeds), []
+    for number in range(4):
+        out = number == GROUP
+        refits.append(fitted(candidate, ~out, numbers)[0])
+        rows = [row for row, is_out in zip(ROWS, out, strict=True) if is_out]
+        without[out] = forward_velocities([candidate.model(refits[-1])], rows)[0]
     return {
         "name": candidate.name,
-        "n": len(candidate.start),
-        "values": best.values,
-        "at_an_end": best.at_an_end,
-        "is_motor": candidate.is_motor,
-        "is_limit": candidate.is_limit,
+        "numbers": numbers,
+        "at_an_end": at_an_end or bool(np.any(speeds <= 0.001)),
         "speeds": speeds.tolist(),
         "error": mape(MEASURED, speeds),
-        "groups": [mape(MEASURED[GROUP == g], speeds[GROUP == g]) for g in range(4)],
-        "largest": 100.0 * float(np.max(np.abs(speeds / MEASURED - 1.0))),
-        "leave_one_out": leave_one_out_error(candidate, best),
-        "leave_one_group_out": leave_one_group_out_error(candidate, best.values),
-        "gain_ratios": [g / m for g, m in zip(gains, measured_gains, strict=True)],
+        "by_groups": mape(MEASURED, without),
+        "refits": refits,
+        "gains": gain_ratios(speeds),
     }
 
 
-def on_table_2(candidate: Candidate, result: Mapping[str, Any], bandwidths: Sequence[float]) -> dict[str, Any]:
-    """What it says of Table 2."""
-    model = candidate.model(result["values"])
-    found: dict[str, Any] = {}
-    for bandwidth in bandwidths:
-        trials = follow(model, bandwidth)
-        runs = [figures_of(trial, path_following_settings().distance) if trial.succeeded else None for trial in trials]
-        speeds = np.array([0.0 if one is None else one.forward_velocity for one in runs])
-        gains, measured = followed_gains(speeds), followed_gains(FOLLOWED_SPEED)
-        by_group = [(FOLLOWED_SPEED[FOLLOWED_GROUP == g], speeds[FOLLOWED_GROUP == g]) for g in range(4)]
-        found[f"{bandwidth:g}"] = {
-            "speeds": speeds.tolist(),
-            "error": mape(FOLLOWED_SPEED, speeds),
-            "groups": [mape(was, says) for was, says in by_group],
-            "bias": [100.0 * float(np.mean(says / was - 1.0)) for was, says in by_group],
-            "converging": sum(one is not None and one.converged for one in runs),
-            "gain_ratios": [g / m for g, m in zip(gains, measured, strict=True)],
-        }
+def on_amphibot(candidate: Candidate) -> dict[str, float]:
+    """Simulated over measured - 1 of run 1: two swims, two glides, the start."""
+    real, found = amphibot.measured(), amphibot.figures(amphibot.swum(candidate.water(lc.load_robot("amphibot"))))
+    return {name: found[name] / real[name] - 1.0 for name in real}
+
+
+def swims_of(found: Mapping[str, float]) -> float:
+    """The score on AmphiBot [%]."""
+    return 50.0 * sum(abs(found[name]) for name in ("swim 1", "swim 2"))
+
+
+# ---- what the fin brings ---------------------------------------------------------------------------------------------
+
+
+def gains(speeds: np.ndarray) -> list[list[float]]:
+    """v_fin / v_nofin of both gaits in Table 1, of every setting that was measured both ways."""
+    return [
+        [
+            speeds[j] / speeds[i]
+            for (i, bare), (j, fin) in itertools.product(enumerate(ROWS), enumerate(ROWS))
+            if bare.gait == fin.gait and bare.gait.kind == kind and fin.has_fin and not bare.has_fin
+        ]
+        for kind in ("lateral_undulation", "eel_like")
+    ]
+
+
+def followed_gains(speeds: np.ndarray) -> list[list[float]]:
+    """The same in Table 2, case by case."""
+    return [[speeds[FOLLOWED_GROUP == a + 1][k] / speeds[FOLLOWED_GROUP == a][k] for k in range(3)] for a in (0, 2)]
+
+
+def gain_ratios(speeds: np.ndarray) -> list[float]:
+    """Simulated over measured gain v_fin / v_nofin - 1 of both gaits, means over the settings."""
+    pairs = zip(*(map(np.mean, of(s)) for of, s in ((gains, speeds), (gains, MEASURED))), strict=True)
+    return [float((ours - 1.0) / (theirs - 1.0)) for ours, theirs in pairs]
+
+
+def gains_in_words(simulated: list[list[float]], measured: list[list[float]]) -> str:
+    """Both gains with the standard error of the measured mean, and their ratio."""
+    found: list[str] = []
+    for gait, ours, theirs in zip(("lateral", "eel-like"), simulated, measured, strict=True):
+        here, there = np.mean(ours) - 1.0, np.mean(theirs) - 1.0
+        error = np.std(theirs, ddof=1) / math.sqrt(len(theirs))
+        found.append(f"{gait} {here:.2f} against {there:.2f} +- {error:.2f} ({here / there:.2f})")
+    return "; ".join(found)
+
+
+# ---- Table 2 and power -----------------------------------------------------------------------------------------------
+
+
+def follow(model: Model, delay: float) -> list[Trial]:
+    """The cases of Table 2, without a steering filter."""
+    settings = path_following_settings()
+    found: list[Trial] = []
+    for row in FOLLOWED:
+        how = {"joints": model.joints, "offset_bandwidth": 1e6, "loop_delay": delay}
+        body = plant(model.robots[row.has_fin], model.water, **how)
+        controller = settings.steering().controller(row.gait, StraightLine(), settings.control_interval)
+        start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+        there = lambda seen: bool(seen.center_of_mass[0] >= settings.distance)  # noqa: E731
+        found.append(run(body, controller, settings.duration, start=start, until=there))
     return found
 
 
-def chosen(results: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
-    """By the rule of `identify_paper.md`, which knows nothing of Table 2."""
-    allowed = [r for r in results if r["n"] <= 4 and not r["at_an_end"] and not r["is_limit"]]
-    if not allowed:
-        return None
-    best = min(r["leave_one_group_out"] for r in allowed)
-    equal = [r for r in allowed if r["leave_one_group_out"] <= best + 1.0]
-    equal = [r for r in equal if r["is_motor"]] or equal
-    least = min(r["leave_one_out"] for r in equal)
-    return min((r for r in equal if r["leave_one_out"] <= least + 0.2), key=lambda r: (r["n"], r["leave_one_out"]))
+def table_2(trials: Sequence[Trial]) -> dict[str, Any]:
+    """How far they are from what was measured, and how many converge."""
+    runs = [figures_of(trial, path_following_settings().distance) for trial in trials]
+    speeds = np.array([one.forward_velocity for one in runs])
+    error = speeds / FOLLOWED_SPEED - 1.0
+    return {
+        "error": mape(FOLLOWED_SPEED, speeds),
+        "bias": [100.0 * float(np.mean(error[g == FOLLOWED_GROUP])) for g in range(4)],
+        "converging": sum(one.converged for one in runs),
+        "gains": gains_in_words(followed_gains(speeds), followed_gains(FOLLOWED_SPEED)),
+        "speeds": speeds.tolist(),
+    }
 
 
-def null_results() -> list[dict[str, Any]]:
-    """The same figures of the models without physics."""
-    rows = [Row(gait=row.gait, has_fin=row.has_fin) for row in ROWS]
-    others = [Row(gait=row.gait, has_fin=row.has_fin) for row in FOLLOWED]
-    groups = sorted({row.group for row in rows})
-    found: list[dict[str, Any]] = []
-    for name in NULL_MODELS:
-        columns, known = NULL_MODELS[name](rows, groups)
-        target = np.log(MEASURED) - known
-        speeds = np.exp(columns @ fit(columns, target) + known)
-        one, group = (np.exp(left_out(columns, target, by) + known) for by in (np.arange(len(ROWS)), GROUP))
-        followed = predict(name, rows, MEASURED, others)[0]
-        found.append(
-            {
-                "name": f"null: {name}",
-                "n": columns.shape[1],
-                "error": mape(MEASURED, speeds),
-                "groups": [mape(MEASURED[GROUP == g], speeds[GROUP == g]) for g in range(4)],
-                "leave_one_out": mape(MEASURED, one),
-                "leave_one_group_out": mape(MEASURED, group) if np.all(np.isfinite(group)) else None,
-                "table_2": mape(FOLLOWED_SPEED, followed),
-                "table_2_groups": [
-                    mape(FOLLOWED_SPEED[FOLLOWED_GROUP == g], followed[FOLLOWED_GROUP == g]) for g in range(4)
-                ],
-            }
-        )
-    return found
+def powers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
+    """Electrical power of all 30 measured rows by one model each, no coefficient negative.
 
-
-def power_answers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
-    """Electrical power of all 30 measured rows, with one model each, with and without an idle offset in Table 2.
-
-    The hypothesis: of all rows only those of Table 2 without the fin had the idle 41.3 W taken off, or had it twice.
+    The hypothesis: only the rows of Table 2 without the fin had the idle 41.3 W taken off, or had it twice.
     """
     first = [row for row in efficiency_trials() if row.mean_power is not None]
     trials = [
-        lc.swim(model.robots[r.has_fin], model.gait(r.gait), environment=model.water, joints=model.joints)
-        for r in first
-    ]
-    trials += list(followed)
+        lc.swim(model.robots[row.has_fin], row.gait, environment=model.water, joints=model.joints) for row in first
+    ] + list(followed)
     measured = np.array([row.mean_power for row in (*first, *FOLLOWED)], dtype=float)
     bare = np.array([False] * len(first) + [not row.has_fin for row in FOLLOWED])
     torque = np.array([np.sum(np.mean(t.joint_torque**2, axis=0)) for t in trials])
     rate = np.array([np.sum(np.mean(np.abs(t.joint_rate), axis=0)) for t in trials])
-    one = np.ones_like(measured)
+    one, work = np.ones_like(measured), np.array([t.mechanical_power for t in trials])
     columns = {
         "constant": [one],
         "constant + torque^2": [one, torque],
+        "constant + mechanical": [one, work],
         "constant + torque^2 + |rate|": [one, torque, rate],
-        "constant + mechanical": [one, np.array([t.mechanical_power for t in trials])],
     }
-    known = {}
-    if model.joints == "servo":
-        motor = np.array([t.electrical_power for t in trials])
-        columns["constant + motor x factor"] = [one, motor]
-        known["constant + motor as published"] = motor
     found: list[dict[str, Any]] = []
-    for offset in (False, True):
-        target = measured + (41.3 * bare if offset else 0.0)
-        for name in (*columns, *known):
-            given = known.get(name, np.zeros_like(measured))
-            table = np.stack(columns.get(name, [one]), axis=1)
-            # Relative errors count: every line divided by what was measured.
-            matrix, wanted = table / target[:, None], (target - given) / target
-            numbers = np.linalg.lstsq(matrix, wanted)[0]
-            out = [np.linalg.lstsq(np.delete(matrix, i, 0), np.delete(wanted, i))[0] for i in range(len(target))]
-            says = table @ numbers + given
-            held = np.array([table[i] @ out[i] + given[i] for i in range(len(target))])
-            found.append(
-                {
-                    "name": name,
-                    "offset": offset,
-                    "numbers": numbers.tolist(),
-                    "error": mape(target, says),
-                    "leave_one_out": mape(target, held),
-                    "table_1": mape(target[: len(first)], says[: len(first)]),
-                    "table_2": mape(target[len(first) :], says[len(first) :]),
-                    "says": says.tolist(),
-                    "target": target.tolist(),
-                }
-            )
+    for is_idle, (name, parts) in itertools.product((False, True), columns.items()):
+        target = measured + (41.3 * bare if is_idle else 0.0)
+        matrix = np.stack(parts, axis=1) / target[:, None]  # relative errors count
+        numbers = nnls(matrix, one)[0]
+        left = [float(matrix[i] @ nnls(np.delete(matrix, i, 0), one[1:])[0]) for i in range(len(target))]
+        error, out = (100.0 * float(np.mean(np.abs(says - 1.0))) for says in (matrix @ numbers, np.array(left)))
+        found.append({"name": name, "idle": is_idle, "numbers": numbers.tolist(), "error": error, "left_out": out})
     return found
 
 
-def line_1(r: Mapping[str, Any], mark: str = " ") -> str:
-    """A candidate's figures on Table 1."""
-    numbers = ", ".join(f"{SHORT[name]} {value:.3g}" for name, value in r["values"].items())
-    groups = " ".join(f"{g:5.1f}" for g in r["groups"])
-    gains = " ".join(f"{g:.2f}" for g in r["gain_ratios"])
-    note = " (at an end of its range)" if r["at_an_end"] else " (no motor is like that)" if r["is_limit"] else ""
-    return (
-        f"{mark}{r['name']:38s} {r['n']} {r['error']:6.1f} {groups} {r['leave_one_out']:6.1f} "
-        f"{r['leave_one_group_out']:6.1f}   {gains}   {numbers}{note}"
-    )
+# ---- the choice ------------------------------------------------------------------------------------------------------
 
 
-def line_2(r: Mapping[str, Any], mark: str = " ") -> str:
-    """A candidate's figures on Table 2."""
-    parts: list[str] = []
-    for found in r["table_2"].values():
-        groups = " ".join(f"{b:+6.1f}" for b in found["bias"])
-        gains = " ".join(f"{g:.2f}" for g in found["gain_ratios"])
-        parts.append(f"{found['error']:6.1f} {groups} {found['converging']:3d}/12  {gains}")
-    return f"{mark}{r['name']:38s} {r['n']} " + "  |  ".join(parts)
+def chosen(results: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+    """By the rule of `identify_paper.md`, which knows nothing of Table 2."""
+    allowed = [one for one in results if not one["at_an_end"]]
+    least = min(one["by_groups"] for one in allowed)
+    equal = [one for one in allowed if one["by_groups"] <= least + 0.5]
+    return {
+        "Mamba's": min(equal, key=lambda one: swims_of(one["amphibot"])),
+        "shared": min(allowed, key=lambda one: max(one["by_groups"], swims_of(one["amphibot"]))),
+        "by Mamba alone": min(allowed, key=lambda one: one["by_groups"]),
+        "by AmphiBot alone": min(allowed, key=lambda one: (round(swims_of(one["amphibot"]), 6), one["by_groups"])),
+    }
 
 
-HEAD_1 = (
-    f" {'Table 1, mean error [%]':38s} n    all    LU  LUfin   EEL EELfin   LOO   LOGO   fin gain LU EEL, simulated / "
-    "measured; numbers"
-)
-HEAD_2 = (
-    f" {'Table 2, not fitted [%]':38s} n  per bandwidth: all, signed mean LU LUfin EEL EELfin, converging, "
-    "fin gain LU EEL, simulated / measured"
-)
+def interval() -> None:
+    """Every row of Table 1 in the textbook's water, into a file, beside nothing."""
+    with (HERE / "identify_paper_interval.csv").open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("gait", "fin", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "low_m_s", "high_m_s"))
+        for row in ROWS:
+            robot = replace(lc.load_robot("mamba-fin" if row.has_fin else "mamba"), surface="skinned")
+            trial = lc.swim(robot, row.gait, environment=textbook_of(robot))
+            low, high = spread(trial, intervals_of(trial.scenario))["forward_velocity"]
+            angles = (math.degrees(getattr(row.gait, one)) for one in ("amplitude", "frequency", "phase_shift"))
+            speeds = (f"{v:.4f}" for v in (trial.forward_velocity, low, high))
+            writer.writerow((row.gait.kind, int(row.has_fin), *(f"{a:.0f}" for a in angles), *speeds))
 
 
-HEAD_3 = f" {'Power of 30 rows, mean error [%]':38s} with 41.3 W; n, all, LOO, Table 1, Table 2; numbers"
+def line(one: Mapping[str, Any]) -> str:
+    """A candidate's figures."""
+    a, (drag, speed) = one["amphibot"], one["numbers"]
+    amphi = " ".join(f"{100 * a[name]:+4.0f}" for name in a)
+    gain = " ".join(f"{g:.2f}" for g in one["gains"])
+    end = " (at an end of its range)" if one["at_an_end"] else ""
+    errors = f"{one['error']:5.1f} {one['by_groups']:5.1f}  {gain}  {swims_of(a):5.1f} ({amphi})"
+    return f"{one['name']:66s} {errors}  {drag:.3g}, {speed:.3g} rad/s{end}"
+
+
+HEAD = f"{'':66s} Table 1, by groups, fin gain LU EEL, AmphiBot (swims, glides, start); drag, joint speed"
+
+
+def report(candidate: Candidate, one: Mapping[str, Any], what: str) -> None:
+    """What a chosen candidate says of Table 2 and of power."""
+    model = candidate.model(one["numbers"])
+    print(f"\n{what}: {candidate.name}, {one['numbers'][0]:.4g}, {one['numbers'][1]:.4g} rad/s")
+    print("  fin gain, Table 1:", gains_in_words(gains(np.array(one["speeds"])), gains(MEASURED)))
+    lag = BAND / one["numbers"][1]
+    for delay in (LOOP_DELAY, *(whole - lag for whole in LAGS if whole >= lag)):
+        trials = follow(model, delay)
+        found = table_2(trials)
+        bias = " ".join(f"{b:+.0f}" for b in found["bias"])
+        mark = ", committed" if delay == LOOP_DELAY else ""
+        print(
+            f"  Table 2, delay {delay:.3f} s{mark}, lag {delay + lag:.2f} s: {found['error']:.1f} % ({bias}), ", end=""
+        )
+        print(f"{found['converging']}/12 converge, fin gain {found['gains']}", flush=True)
+        if delay == LOOP_DELAY:
+            for power in powers(model, trials):
+                numbers = ", ".join(f"{number:.3g}" for number in power["numbers"])
+                idle = "with idle" if power["idle"] else "as printed"
+                errors = f"{power['error']:.1f} %, a row left out {power['left_out']:.1f} %"
+                print(f"  power {idle}, {power['name']}: {errors}; {numbers}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--interval", action="store_true", help="write the interval of Table 1 and end")
     parser.add_argument("--only", default="", help="part of the names of the candidates")
-    parser.add_argument("--table-1", action="store_true", help="do not run Table 2")
-    parser.add_argument("--bandwidth", type=float, nargs="+", default=BANDWIDTHS, help="of the steering filter, rad/s")
-    parser.add_argument("--fitted", type=Path, help="take the fits from the --output of an earlier run")
-    parser.add_argument("--output", type=Path, help="JSON file for what came out")
+    parser.add_argument("--output", type=Path, help="JSON file of what came out, which the next run goes on with")
     arguments = parser.parse_args()
-    candidates = [candidate for candidate in CANDIDATES if arguments.only in candidate.name]
-    tell: Callable[[str], None] = lambda text: print(text, file=sys.stderr, flush=True)  # noqa: E731
-    results: list[dict[str, Any]] = []
-    known = {r["name"]: r for r in json.loads(arguments.fitted.read_text())["results"]} if arguments.fitted else {}
-    for i, candidate in enumerate(candidates):
-        begin = time.perf_counter()
-        results.append(known.get(candidate.name) or on_table_1(candidate))
-        tell(f"{i + 1}/{len(candidates)} {line_1(results[-1]).strip()} [{time.perf_counter() - begin:.0f} s]")
-    best = chosen(results) if len(candidates) == len(CANDIDATES) else None  # the rule is for all of them
-    if not arguments.table_1:
-        for i, (candidate, result) in enumerate(zip(candidates, results, strict=True)):
-            result["table_2"] = on_table_2(candidate, result, arguments.bandwidth)
-            tell(f"{i + 1}/{len(candidates)} {line_2(result).strip()}")
-    nulls = null_results()
-    print(HEAD_1)
-    for null in nulls:
-        group = null["leave_one_group_out"]
-        print(
-            f" {null['name']:38s} {null['n']} {null['error']:6.1f} {' '.join(f'{g:5.1f}' for g in null['groups'])} "
-            f"{null['leave_one_out']:6.1f} {'     -' if group is None else f'{group:6.1f}'}"
-        )
-    for result in results:
-        print(line_1(result, "*" if result is best else " "))
-    if not arguments.table_1:
-        print(HEAD_2)
-        for null in nulls:
-            groups = " ".join(f"{g:6.1f}" for g in null["table_2_groups"])
-            print(f" {null['name']:38s} {null['n']} {null['table_2']:6.1f} {groups} (without sign)")
-        for result in results:
-            print(line_2(result, "*" if result is best else " "))
-    powers: list[dict[str, Any]] = []
-    if best is not None and not arguments.table_1:
-        candidate = next(one for one in candidates if one.name == best["name"])
-        model = candidate.model(best["values"])
-        powers = power_answers(model, follow(model, BANDWIDTHS[0]))
-        print(HEAD_3)
-        for found in powers:
-            numbers = ", ".join(f"{number:.3g}" for number in found["numbers"])
-            with_offset = "yes" if found["offset"] else "no "
-            print(
-                f" {found['name']:38s} {with_offset} {len(found['numbers'])} {found['error']:6.1f} "
-                f"{found['leave_one_out']:6.1f} {found['table_1']:6.1f} {found['table_2']:6.1f}   {numbers}"
-            )
-    if arguments.output:
-        arguments.output.write_text(
-            json.dumps({"chosen": best and best["name"], "results": results, "null": nulls, "power": powers})
-        )
+    if arguments.interval:
+        return interval()
+    known: dict[str, Any] = {}
+    if arguments.output and arguments.output.exists():
+        known = json.loads(arguments.output.read_text())
+    wanted = [candidate for candidate in CANDIDATES if arguments.only in candidate.name]
+    abroad: dict[tuple[str, str], dict[str, float]] = {}
+    for candidate in wanted:
+        if candidate.name not in known:
+            begin, water = time.process_time(), (candidate.drag, candidate.mass)
+            abroad[water] = abroad.get(water) or on_amphibot(candidate)
+            known[candidate.name] = {**on_table_1(candidate), "amphibot": abroad[water]}
+            spent = time.process_time() - begin
+            print(f"{line(known[candidate.name])} [{spent:.0f} s]", file=sys.stderr, flush=True)
+            if arguments.output:
+                arguments.output.write_text(json.dumps(known))
+    results = [known[candidate.name] for candidate in wanted]
+    print(HEAD)
+    for one in results:
+        print(line(one))
+    if len(wanted) < len(CANDIDATES):
+        return None
+    found = chosen(results)
+    print()
+    for what, one in found.items():
+        print(f"{what}: {line(one)}")
+    for what in ("Mamba's", "shared"):
+        report(next(one for one in CANDIDATES if one.name == found[what]["name"]), found[what], what)
 
 
 if __name__ == "__main__":
