@@ -16,7 +16,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -48,6 +48,7 @@ FOLLOWED = path_following_trials()
 FOLLOWED_SPEED = np.array([row.forward_velocity for row in FOLLOWED])
 FOLLOWED_GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in FOLLOWED])
 LOOP_DELAY = 0.12  # committed beforehand: cameras, computer, bus, servo [s]
+KICK = 2.0  # joints that torque does not limit start with a kick, which says nothing of power [s]
 LAGS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)  # from heading to joint, shown beside it [s]
 FIN = {"tangential_friction": 0.005, "normal_drag": 2.0, "added_mass": 1.0}
 SERVO_POWER = 2.9 * 7.5  # stall torque x no-load speed of the published servo, which a gear keeps [W]
@@ -282,9 +283,12 @@ def powers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
     ] + list(followed)
     measured = np.array([row.mean_power for row in (*first, *FOLLOWED)], dtype=float)
     bare = np.array([False] * len(first) + [not row.has_fin for row in FOLLOWED])
-    torque = np.array([np.sum(np.mean(t.joint_torque**2, axis=0)) for t in trials])
-    rate = np.array([np.sum(np.mean(np.abs(t.joint_rate), axis=0)) for t in trials])
-    one, work = np.ones_like(measured), np.array([t.mechanical_power for t in trials])
+
+    def total(of: Callable[[Trial], np.ndarray]) -> np.ndarray:
+        return np.array([np.sum(np.mean(of(t)[t.time > KICK], axis=0)) for t in trials])
+
+    torque, rate = total(lambda t: t.joint_torque**2), total(lambda t: np.abs(t.joint_rate))
+    one, work = np.ones_like(measured), total(lambda t: np.abs(t.joint_torque * t.joint_rate))
     columns = {
         "constant": [one],
         "constant + torque^2": [one, torque],
@@ -400,7 +404,8 @@ def main() -> None:
     print()
     for what, one in found.items():
         print(f"{what}: {line(one)}")
-    for what in ("Mamba's", "shared"):
+    found["drag on the body"] = chosen([one for one in results if one["name"].endswith("body")])["shared"]
+    for what in ("Mamba's", "shared", "drag on the body"):
         report(next(one for one in CANDIDATES if one.name == found[what]["name"]), found[what], what)
 
 

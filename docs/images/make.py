@@ -144,7 +144,8 @@ def identified() -> Figure:
 
     def body(row: MeasuredTrial | MeasuredPathFollowing) -> lc.Plant[Any]:
         robot = parameters.robot(lc.load_robot("mamba-fin" if row.has_fin else "mamba"), row.gait.kind)
-        return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints)
+        loop = {"offset_bandwidth": 1e6, "loop_delay": 0.12}  # as it was committed before Table 2 was run
+        return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints, **loop)
 
     def followed(row: MeasuredPathFollowing) -> float:
         controller = settings.steering().controller(row.gait, lc.StraightLine(), settings.control_interval)

@@ -98,7 +98,7 @@ def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, 
 def test_parameters_bring_their_water_their_robot_and_their_joint_law(ask):
     parameters = lc.load_parameters("mamba-identified")
     about = ask("reset", parameters="mamba-identified", gait={"kind": "eel-like"})
-    assert about["settings"]["joints"] == (parameters.joints or "prescribed")
+    assert about["settings"]["joints"] == "speed-servo"
     figures = ask("run", duration=5.0, parameters="mamba-identified", gait={"kind": "eel-like"})["figures"]
     assert figures["environment"] == parameters.water("eel_like").name
 

@@ -17,18 +17,15 @@ HEAD = 'kind = "identification"\nparameters = ["water.normal_drag"]\n'
 def test_the_preset_is_where_its_file_leads():
     # One Gauss-Newton step from the preset's numbers: it should stay well within their uncertainty.
     task, preset = load_task(EXAMPLE), lc.load_parameters("mamba-identified")
-    put = make_problem(task.measurements, task.unknowns, threads=1, joints="servo")
-    water, actuator = preset.every_gait, preset.changes["actuator"]
-    values = np.array(
-        [water.tangential_friction, water.drag.reference_speed, actuator["no_load_speed"], actuator["servo_gain"]]
-    )
+    put = make_problem(task.measurements, task.unknowns, threads=1, joints=preset.joints)
+    values = np.array([preset.every_gait.tangential_friction, preset.joints.speed_limit])
     found, rows = predict(put, values), scaled_jacobian(put, values)
     off = (put.observed - found.values) / put.sigma
     step = np.linalg.lstsq(rows, off)[0]
-    noise = np.sqrt(np.sum(off**2) / (20 - 4))
+    noise = np.sqrt(np.sum(off**2) / (20 - 2))
     sigma = noise * np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
-    assert np.all(np.abs(step) < 0.25 * sigma)
-    assert np.mean(np.abs(found.values / put.observed - 1.0)) < 0.065
+    assert np.all(np.abs(step) < 0.05 * sigma)
+    assert np.mean(np.abs(found.values / put.observed - 1.0)) < 0.0505
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ def test_the_docs_say_of_every_preset_whether_it_can_swim_the_gaits_of_the_docs(
     assert f"| `{name}`{'' if known else ' (no actuator is stated)'} | {' | '.join(used)} |" in PAGE
 
 
-@pytest.mark.parametrize("name", ["paper", "mamba-speed-limited", "mamba-identified"])
+@pytest.mark.parametrize("name", ["paper", "mamba-identified", "mamba-textbook"])
 def test_the_docs_count_the_gaits_of_table_1_that_are_beyond_the_published_servo(name: str):
     model, rows, beyond, most = load_parameters(name), Counter[bool](), Counter[bool](), 0.0
     for row in efficiency_trials():

@@ -96,11 +96,11 @@ def test_names_become_values():
 
 
 def test_parameters_say_robot_water_and_joint_law_unless_a_law_is_asked_for():
-    found = lc.load_parameters("mamba-speed-limited")
-    chosen = Choice(parameters="mamba-speed-limited").resolved(EEL)
+    found = lc.load_parameters("mamba-textbook")
+    chosen = Choice(parameters="mamba-textbook").resolved(EEL)
     assert chosen.environment == found.water("eel_like")
     assert chosen.robot == found.robot(lc.load_robot("mamba"), "eel_like")
-    assert chosen.model.joints == Choice(joints=found.joints).resolved(EEL).model.joints
+    assert chosen.model.joints == found.joints
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ Kind = TypeVar("Kind", Robot, Water, Ground)
 
 KINDS: dict[str, type[Described]] = {"robot": Robot, "water": Water, "ground": Ground}
 PRESETS = Path(__file__).parent / "presets"
+_GONE = {"mamba-speed-limited": "mamba-identified"}
 FOLDERS = {"robot": "robots", "water": "waters", "ground": "grounds", "parameter": "parameters", "motion": "motions"}
 
 
@@ -115,6 +116,8 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     if not is_path:
         if given in names:
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
+        if given in _GONE:
+            raise RobotNotFound(f"the {kind} preset `{given}` is gone; take `{_GONE[given]}`")
         raise RobotNotFound(
             f"there is no {kind} preset named `{given}`{nearest(given, names)} "
             f"(presets: {', '.join(names)}; a path ends in {ending})"
