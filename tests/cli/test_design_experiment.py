@@ -8,9 +8,9 @@ WANTED = "water.tangential_friction water.normal_drag"
 def test_the_next_trials_are_listed_with_their_reasons_and_drawn(run, folder: Path):
     done = run(f"design-experiment --parameters {WANTED} --trials 3 --output next.png {FEW}")
     assert (done.status, done.err) == (0, "")
-    assert "The best 3 of 7 candidates, criterion D." in done.out
+    assert "The best 3 of 9 candidates, criterion D." in done.out
     assert "what is known now" in done.out
-    assert "straight tow" in done.out
+    assert "best tow: " in done.out
     assert "After the best 3 trials that swim, water.tangential_friction is " in done.out
     assert (folder / "next.png").stat().st_size > 0
 
@@ -34,6 +34,21 @@ def test_after_an_identification_its_fit_is_what_is_known(run, folder: Path):
     found = json.loads(done.out)
     assert found["relative_sigma_before"]["water.tangential_friction"] < 0.3
     assert {one["trial"].split(", ")[-1] for one in found["candidates"]} >= {"with fin"}
+
+
+def test_rivals_are_told_apart_by_an_oblique_tow(run):
+    done = run(f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1 --json")
+    assert (done.status, done.err) == (0, "")
+    found = json.loads(done.out)
+    assert [one["trial"] for one in found["trials"]] == ["oblique tow, 15 deg, at 0.4 m/s"]
+    straight = next(one for one in found["candidates"] if one["trial"] == "straight tow at 0.4 m/s")
+    assert (
+        straight["distance"]["textbook / paper-vortex"]
+        < 1e-6
+        < found["trials"][0]["distance"]["textbook / paper-vortex"]
+    )
+    text = run(f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1").out
+    assert "Chance that the wrong one of two fits better:" in text
 
 
 def test_bad_input_is_named(run):

@@ -7,9 +7,10 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
-from laticauda.identify.candidates import Tow, coast_down, information_of, straight_tow, swims
-from laticauda.identify.design import best_of, design, known_from, prior_information, sigma_of
+from laticauda.identify.candidates import coast_down, swims, towed
+from laticauda.identify.design import best_of, design, information_of, known_from, prior_information, sigma_of
 from laticauda.identify.identifiability import marginal
+from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
 from laticauda.interfaces import Start
 from laticauda.trial.metrics import towing_drag
@@ -24,7 +25,7 @@ def put_of(candidates, wanted=WANTED):
 @pytest.fixture(scope="module")
 def choice():
     swimming = swims(ROBOT, gaits(4), WATER, {"speed": 0.005}, duration=8.0)
-    straight = [straight_tow(ROBOT, WATER, Tow(speed=0.4)), coast_down(ROBOT, WATER, 0.4, duration=2.0)]
+    straight = [towed(ROBOT, WATER, Tow(speed=0.4)), coast_down(ROBOT, WATER, 0.4, duration=2.0)]
     return put_of(swimming), [*swimming, *straight]
 
 
@@ -85,12 +86,12 @@ def test_swimming_does_not_see_the_common_scale_and_a_tow_does(choice):
 
 
 def test_the_force_of_a_tow_says_the_friction_in_closed_form():
-    tow = Tow(speed=0.3, sigma=0.1, share=0.0)
-    candidate = straight_tow(FINNED, WATER, tow)
+    tow = Tow(speed=0.3)
+    candidate = towed(FINNED, WATER, tow, sigma=0.1, share=0.0)
     put = put_of([candidate], ["water.tangential_friction"])
     (information,) = information_of(put, [candidate], put.start, None)
     assert information[0, 0] == pytest.approx((towing_drag(FINNED, WATER, 0.3) / 0.1) ** 2, rel=0.3)
-    without_fin = straight_tow(ROBOT, WATER, tow)
+    without_fin = towed(ROBOT, WATER, tow, sigma=0.1, share=0.0)
     (information,) = information_of(
         put_of([without_fin], ["water.tangential_friction"]), [without_fin], put.start, None
     )
@@ -117,8 +118,17 @@ def test_a_coast_down_says_less_where_its_first_speed_has_to_be_found_too():
     one = coast_down(ROBOT, WATER, 0.4, duration=2.0)
     put = put_of([one], WANTED[:1])
     (unsure,) = information_of(put, [one], put.start, None)
-    (sure,) = information_of(put, [replace(one, kind="swim")], put.start, None)
+    known = replace(one, measurement=replace(one.measurement, free_start=False))
+    (sure,) = information_of(put, [known], put.start, None)
     assert 0.0 < unsure[0, 0] < 0.9 * sure[0, 0]
+
+
+def test_a_design_takes_starts_for_unknown_as_a_fit_does():
+    (one,) = swims(ROBOT, gaits(1), WATER, {"path": 0.005}, duration=8.0)
+    exact = replace(one, measurement=replace(one.measurement, free_start=False))
+    put = put_of([exact], WANTED[:1])
+    free, known = (float(information[0, 0]) for information in information_of(put, [one, exact], put.start))
+    assert 1.5 < (known / free) ** 0.5 < 4.0
 
 
 def test_the_speed_at_the_begin_can_be_identified():
@@ -144,18 +154,20 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
     for one in swimming:
         m = one.measurement
         trial = lc.swim(replace(m.scenario, sample_interval=0.5))
-        path = trial.center_of_mass[1:] + 0.005 * rng.standard_normal(trial.center_of_mass[1:].shape)
-        measured.append(replace(m, time=trial.time[1:], series={"center_of_mass": (path, 0.005)}, free_start=False))
+        path = trial.center_of_mass + 0.005 * rng.standard_normal(trial.center_of_mass.shape)
+        start = Start(center_of_mass=tuple(path[0]))
+        measured.append(replace(within(m, start=start), time=trial.time, series={"center_of_mass": (path, 0.005)}))
     found = fit(measured, parameters=WANTED[:2], n_starts=1, threads=1)
     for k, name in enumerate(WANTED[:2]):
         estimate = found[name]
         assert estimate.sigma / estimate.value == pytest.approx(expected[k], rel=0.3)
         assert abs(np.log(estimate.value / put.start[k])) < 4.0 * expected[k]
-    np.testing.assert_allclose(sigma_of(known_from(found)), [e.sigma / e.value for e in found.estimates], rtol=1e-6)
+    known = marginal(known_from(found), [0, 1])
+    np.testing.assert_allclose(sigma_of(known), [found[e].sigma / found[e].value for e in WANTED[:2]], rtol=1e-6)
 
 
 def test_a_prior_counts_and_what_is_left_out_of_sight_stays_unknown():
-    candidate = straight_tow(ROBOT, WATER, Tow(speed=0.3))
+    candidate = towed(ROBOT, WATER, Tow(speed=0.3))
     put = put_of([candidate], [Unknown(name=WANTED[0], prior=(0.3, 0.03)), WANTED[1]])
     found = design(put, [candidate], 1)
     assert found.before[0] == pytest.approx(0.1)

@@ -1,7 +1,7 @@
 """`laticauda design-experiment`: the next trials that would tell the most."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any, Literal
@@ -13,15 +13,17 @@ from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.gaits import Envelope, Gait
-from laticauda.identify.candidates import SENSORS, Candidate, Tow, coast_down, straight_tow, swims
-from laticauda.identify.design import Design, Step, design, known_from
+from laticauda.identify.candidates import SENSORS, Candidate, coast_down, swims, towed
+from laticauda.identify.design import Design, design, known_from
+from laticauda.identify.discrimination import Discrimination, Judged, discriminate, wrong
 from laticauda.identify.identifiability import LIMIT, marginal
+from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.tasks import load_task
 from laticauda.identify.unknowns import Unknown
 from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import load_robot
+from laticauda.robot import TEXTBOOK, load_robot, water_names
 from laticauda.scenarios import Choice, Scenario
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, as water.normal_drag=1.75+-0.5"
@@ -49,6 +51,11 @@ class Unknowns:
         "its deviation",
         default="D",
     )
+    rivals: Words = option(
+        "NAME: waters or parameter files of which only one is true: choose the trials that tell them apart, whatever "
+        "the parameters are",
+        default=(),
+    )
     trials: int = quantity("", "How many trials to choose", ge=1, default=4)
 
 
@@ -68,12 +75,16 @@ class Candidates:
         default=("speed",),
     )
     tow: tuple[float, ...] = quantity(
-        "m/s", "Speeds of straight tows whose force would be measured", default=(0.1, 0.4)
+        "m/s", "Speeds of tows of the straight robot whose loads would be measured", default=(0.1, 0.4)
+    )
+    tow_angles: tuple[float, ...] = quantity(
+        "rad", "Angles of the robot to its way in these tows; 0: along itself", default=_degrees(0, 15)
     )
     coast_down: tuple[float, ...] = quantity(
         "m/s", "Speeds from which the straight robot would be let go", default=(0.4,)
     )
     no_tow: bool = option("Neither tow nor coast-down", default=False)
+    no_swims: bool = option("Nothing that swims", default=False)
     duration: float = quantity("s", "Of a swim", gt=0.0, default=30.0)
     threads: int | None = quantity("", "How many trials run at once; one per core if left out", ge=1, default=None)
 
@@ -94,6 +105,7 @@ class DesignExperiment(Command):
         "A parameter file with the numbers that are not identified, and a joint law; the paper's if left out",
         default=None,
     )
+    water: str | None = option("A preset, a TOML file or textbook, instead of the base's", default=None)
     joints: str | None = option(
         "How the joints follow the gait; the base's law, or prescribed, if left out", default=None
     )
@@ -103,13 +115,26 @@ class DesignExperiment(Command):
     def run(self) -> Outcome:
         """Judge, choose and draw."""
         show = progress(SHARE, what="judged", patience=PATIENCE)
+        if self.unknowns.rivals:
+            found = discriminate(self._rivals(), self.unknowns.trials, progress=show)
+            return _rivals_said(found)
         problem, known = self._problem()
         candidates = self._candidates(problem)
         criterion = self.unknowns.criterion
         found = design(problem, candidates, self.unknowns.trials, **known, criterion=criterion, progress=show)
         if self.output is not None:
             _draw(found, self.output)
-        return Outcome(facts=_facts(found), text=_text(found))
+        return _design_said(found)
+
+    def _rivals(self) -> dict[str, tuple[Problem, list[Candidate]]]:
+        """By name of the water or parameter file, the same candidates as each has them."""
+        found: dict[str, tuple[Problem, list[Candidate]]] = {}
+        for name in self.unknowns.rivals:
+            of = "water" if name in (*water_names(), TEXTBOOK) else "base"
+            one = replace(self, **{of: name})
+            problem, _ = one._problem()
+            found[name] = problem, one._candidates(problem)
+        return found
 
     def _problem(self) -> tuple[Problem, dict[str, Any]]:
         """The unknowns, and what is known of them."""
@@ -118,11 +143,8 @@ class DesignExperiment(Command):
                 raise BadArgument("parameters", "must not be given with --after, whose file says them")
             fit = load_task(self.unknowns.after).run(threads=self.candidates.threads)
             keep = fit.problem.of_interest
-            put = replace(
-                fit.problem, unknowns=tuple(fit.problem.unknowns[k] for k in keep), moves=fit.problem.moves[:, keep]
-            )
-            values = fit.best[keep]
-            return put, {"values": values, "information": marginal(known_from(fit), keep)}
+            known = {"values": fit.best[keep], "information": marginal(known_from(fit), keep)}
+            return fit.problem.without_starts, known
         if not self.unknowns.parameters:
             raise BadArgument("parameters", "must name at least one number to identify, as water.normal_drag, got none")
         swims = self._swims()
@@ -132,11 +154,11 @@ class DesignExperiment(Command):
             joints=self._names.resolved(swims[0].measurement.scenario.gait).model.joints,
             threads=self.candidates.threads,
         )
-        return problem, {}
+        return problem.without_starts, {}
 
     @property
     def _names(self) -> Choice:
-        return Choice(robot=self.robot or "mamba", parameters=self.base, joints=self.joints)
+        return Choice(robot=self.robot or "mamba", water=self.water, parameters=self.base, joints=self.joints)
 
     def _swims(self, fitted: Sequence[Scenario] = ()) -> list[Candidate]:
         """A candidate per gait and robot: those of a fit, or what the names stand for."""
@@ -154,16 +176,14 @@ class DesignExperiment(Command):
         return found
 
     def _candidates(self, put: Problem) -> list[Candidate]:
-        found = self._swims(put.scenarios)
-        if self.candidates.no_tow:
-            return found
-        first: dict[str, Candidate] = {}
-        for one in found:
-            first.setdefault(one.measurement.scenario.robot.name, one)
-        for one in first.values():
-            robot, water = one.measurement.scenario.robot, one.measurement.scenario.environment
-            found += [straight_tow(robot, water, Tow(speed=v)) for v in self.candidates.tow]
-            found += [coast_down(robot, water, v) for v in self.candidates.coast_down]
+        flags, swum = self.candidates, self._swims(put.scenarios)
+        found = [] if flags.no_swims else swum
+        for one in {one.measurement.scenario.robot.name: one.measurement.scenario for one in reversed(swum)}.values():
+            where = one.robot, one.environment
+            if not flags.no_tow:
+                tows = product(flags.tow, flags.tow_angles)
+                found = [*found, *(towed(*where, Tow(speed=v, angle=angle)) for v, angle in tows)]
+                found += [coast_down(*where, v) for v in flags.coast_down]
         return found
 
 
@@ -185,43 +205,64 @@ def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _facts(found: Design) -> dict[str, Any]:
-    """The trials in their order, and the expected standard deviations after each."""
+def _by_name(names: Iterable[str], found: Iterable[float]) -> dict[str, float | None]:
+    return {name: float(one) if math.isfinite(one) else None for name, one in zip(names, found, strict=True)}
 
-    def shares(sigma: Iterable[float]) -> dict[str, float | None]:
-        values = [float(value) if math.isfinite(value) else None for value in sigma]
-        return dict(zip(found.names, values, strict=True))
 
-    def listed(steps: Iterable[Step]) -> list[dict[str, Any]]:
-        named = [(step.candidate, shares(step.sigma)) for step in steps]
-        return [{"trial": one.name, "kind": one.kind, "relative_sigma": sigma} for one, sigma in named]
+def _listed(key: str, names: Sequence[str], judged: Iterable[Judged]) -> list[dict[str, Any]]:
+    return [{"trial": one.name, "kind": one.kind, key: _by_name(names, found)} for one, found in judged]
 
-    return {
+
+def _tables(
+    labels: Sequence[str], steps: Iterable[tuple[str, Any]], alone: Iterable[Judged], shown: Callable[[float], str]
+) -> list[str]:
+    """What becomes of some numbers by one trial after the other, and by the best one of each kind."""
+    kinds: dict[str, tuple[str, Any]] = {}
+    for one, found in alone:
+        kinds.setdefault(one.kind, (f"best {one.kind}: {one.name}", found))
+    right = range(1, len(labels) + 1)
+    return [
+        aligned([[head, *labels], *([name, *map(shown, found)] for name, found in rows)], right=right)
+        for head, rows in (("after", steps), ("by itself", kinds.values()))
+    ]
+
+
+def _design_said(found: Design) -> Outcome:
+    """The trials in their order, the expected standard deviations after each, and what each is good for."""
+    steps = [(step.candidate, step.sigma) for step in found.steps]
+    alone = [(step.candidate, step.sigma) for step in found.alone]
+    facts = {
         "criterion": found.criterion,
-        "values": dict(zip(found.names, map(float, found.values), strict=True)),
-        "relative_sigma_before": shares(found.before),
-        "trials": listed(found.steps),
-        "candidates": listed(found.alone),
+        "values": _by_name(found.names, found.values),
+        "relative_sigma_before": _by_name(found.names, found.before),
+        "trials": _listed("relative_sigma", found.names, steps),
+        "candidates": _listed("relative_sigma", found.names, alone),
         "version": __version__,
     }
-
-
-def _text(found: Design) -> str:
-    """The same for people, with what each trial is good for."""
     labels = [name if one.is_log else f"{name} *" for name, one in zip(found.names, found.unknowns, strict=True)]
-    rows = [["after", *labels], ["what is known now", *map(_shown, found.before)]]
-    rows += [[f"{i + 1}. {step.candidate.name}", *map(_shown, step.sigma)] for i, step in enumerate(found.steps)]
-    kinds = {step.candidate.kind: step for step in reversed(found.alone)}
-    best = sorted(kinds.values(), key=found.alone.index)
-    alone = [["by itself", *labels]]
-    alone += [[f"best {s.candidate.kind}: {s.candidate.name}", *map(_shown, s.sigma)] for s in best]
-    right = range(1, len(labels) + 1)
+    rows = [("what is known now", found.before), *_numbered(steps)]
     title = (
-        f"The best {len(found.steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
+        f"The best {len(steps)} of {found.n_candidates} candidates, criterion {found.criterion}. Expected "
         "standard deviations (shares of the value; *: in the unit); -: not known."
     )
+    after, by_itself = _tables(labels, rows, alone, _shown)
     reasons = "\n".join(found.reasons).replace("`", "")
-    return "\n\n".join([title, aligned(rows, right=right), reasons, aligned(alone, right=right)])
+    return Outcome(facts=facts, text="\n\n".join([title, after, reasons, by_itself]))
+
+
+def _rivals_said(found: Discrimination) -> Outcome:
+    """The trials in their order, and the chance of a wrong verdict about every two models after each."""
+    names = [" / ".join(pair) for pair in found.pairs]
+    listed = {key: _listed("distance", names, of) for key, of in (("trials", found.steps), ("candidates", found.alone))}
+    title = (
+        f"The best {len(found.steps)} of {len(found.alone)} candidates. Chance that the wrong one of two fits better:"
+    )
+    tables = _tables(names, _numbered(found.steps), found.alone, lambda apart: f"{100.0 * wrong(apart):.2g} %")
+    return Outcome(facts={**listed, "version": __version__}, text="\n\n".join([title, *tables]))
+
+
+def _numbered(steps: Iterable[Judged]) -> list[tuple[str, Any]]:
+    return [(f"{i + 1}. {one.name}", found) for i, (one, found) in enumerate(steps)]
 
 
 def _shown(sigma: float) -> str:

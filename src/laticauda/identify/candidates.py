@@ -1,9 +1,10 @@
 """Trials that could be done next, and what each would say about the unknowns.
 
-Besides swimming, with what sensors there are, a straight tow (the force that pulls the straight robot at a constant
-speed) and a coast-down (the path of the straight robot that is let go with a speed).
+Besides swimming, with what sensors there are, a tow (the loads that hold the straight robot at a constant velocity,
+along itself or at an angle) and a coast-down (the path of the straight robot that is let go with a speed).
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,22 +12,16 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, positive
+from laticauda.errors import instance, one_of, positive
 from laticauda.gaits import Gait
-from laticauda.identify.identifiability import marginal
-from laticauda.identify.measurements import Measurement
-from laticauda.identify.model import predict, scaled_jacobian
-from laticauda.identify.problem import Problem, other_measurements
-from laticauda.identify.resolution import with_tied
+from laticauda.identify.measurements import LOADS, Measurement, Tow
+from laticauda.identify.model import predict
+from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.identify.tables import setting_of
-from laticauda.identify.unknowns import NUISANCE, ResolvedUnknown
 from laticauda.interfaces import Start
-from laticauda.quantities import quantity, value
 from laticauda.robot import Environment, Robot, Water
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import changed
 from laticauda.simulate.runner import Progress
-from laticauda.trial.metrics import towing_drag
 
 SENSORS: Mapping[str, tuple[str, str, float]] = {
     "speed": ("figure", "forward_velocity", 0.005),
@@ -37,24 +32,12 @@ SENSORS: Mapping[str, tuple[str, str, float]] = {
     "joint-torque": ("series", "joint_torque", 0.05),
 }
 """By word: whether it gives a figure or a series, which one, and the standard deviation of its noise."""
-FORCE_SIGMA = 0.05
-"""Of a force that is measured in a tow [N]."""
-FORCE_SHARE = 0.02
-"""The same as a share of the force [-]."""
+FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
+"""Noise of the loads of a tow: of a force [N], as a share of it [-], and of the angle [rad]."""
+STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
+"""No motion of the joints."""
 INTERVAL = 0.5
 """Between samples of a series that count [s]."""
-_DIFFERENCE = 2.0**-12
-
-
-@value
-class Tow:
-    """The force that pulls the straight robot along itself at a constant speed."""
-
-    speed: float = quantity("m/s", "Through the water", gt=0.0)
-    sigma: float = quantity("N", "Standard deviation of the noise of the force", default=FORCE_SIGMA, gt=0.0)
-    share: float = quantity(
-        "", "The same as a share of the force: speed, alignment and calibration", default=FORCE_SHARE, ge=0.0
-    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,8 +50,6 @@ class Candidate:
     """swim, tow or coast-down."""
     measurement: Measurement
     """Robot, water and gait, and what would be measured; the numbers in it do not count."""
-    tow: Tow | None = None
-    """How it is towed; None: it is not."""
 
 
 def swims(
@@ -110,31 +91,73 @@ def coast_down(
         duration: [s].
     """
     start = Start(velocity=positive("speed", speed, "m/s"))
-    scenario = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, start=start, duration=duration)
+    scenario = Scenario(robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration)
     return _candidate("coast-down", f"coast-down from {speed:g} m/s{_fin(robot)}", scenario, {"path": sigma}, 0.1)
 
 
-def straight_tow(robot: Robot, environment: Environment, tow: Tow) -> Candidate:
-    """The straight robot pulled at a constant speed, the force measured.
+def from_tow(
+    robot: Robot,
+    environment: Environment,
+    tow: Tow,
+    loads: Mapping[str, float] | None = None,
+    *,
+    name: str = "",
+    sigma: float = FORCE_SIGMA,
+    share: float = FORCE_SHARE,
+    misalignment: float = MISALIGNMENT,
+) -> Measurement:
+    """The loads of a tow as a measurement.
+
+    Args:
+        robot: What is pulled, straight.
+        environment: Where, a water; what an angle that is not quite right does is taken from it.
+        tow: How.
+        loads: By name, of `LOADS`; None: what the water says, of a straight tow the drag only.
+        name: What tables and messages call it; empty: as it is towed.
+        sigma: Standard deviation of the noise of a force [N]; of the moment, half the robot's length times as much.
+        share: The same as a share of the load, for speed and calibration [-].
+        misalignment: Standard deviation of the angle [rad].
+
+    Raises:
+        ValueError: If an argument is out of its range.
+    """
+    instance("environment", environment, Water)
+    scenario = Scenario(robot=robot, motion=STRAIGHT, environment=environment, duration=1.0)
+    seen = {one: load for one, load in tow.loads(scenario).items() if one == "drag" or tow.angle}
+    ends = [replace(tow, angle=tow.angle + end).loads(scenario) for end in (-misalignment, misalignment)]
+    figures: dict[str, tuple[float, float]] = {}
+    for one, load in (seen if loads is None else loads).items():
+        arm = 0.5 * robot.length if one == "yaw_moment" else 1.0
+        turned = 0.5 * (ends[1][one] - ends[0][one])
+        figures[one_of("loads", one, tuple(LOADS))] = load, math.hypot(arm * sigma, share * load, turned)
+    how = f"oblique tow, {math.degrees(tow.angle):.3g} deg," if tow.angle else "straight tow"
+    name = name or f"{how} at {tow.speed:g} m/s"
+    return Measurement(name=name, scenario=scenario, figures=figures, tow=tow, group="tow")
+
+
+def towed(robot: Robot, environment: Environment, tow: Tow, **noise: Any) -> Candidate:
+    """The straight robot pulled at a constant velocity, its loads measured: of a straight tow the drag, else all three.
 
     Args:
         robot: What is pulled.
         environment: Where.
         tow: How.
+        noise: See `from_tow`.
+
+    Raises:
+        ValueError: If it is not in water.
     """
-    name = f"straight tow at {tow.speed:g} m/s{_fin(robot)}"
-    still = Scenario(robot=robot, motion=_STRAIGHT, environment=environment, duration=1.0)
-    at_rest = Measurement(name=name, scenario=still, figures={"x": (0.0, 1.0)})
-    return Candidate(name=name, kind="tow", measurement=at_rest, tow=tow)
+    measured = from_tow(robot, environment, tow, **noise)
+    return Candidate(name=f"{measured.name}{_fin(robot)}", kind="tow", measurement=measured)
 
 
-def information_of(
+def rows_of(
     problem: Problem,
     candidates: Sequence[Candidate],
     values: Float[np.ndarray, " n_unknowns"],
-    progress: Progress | None,
-) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
-    """What each candidate would say, as information to the coordinates of the unknowns.
+    progress: Progress | None = None,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What each candidate would measure, and the derivatives of that to the coordinates of the unknowns.
 
     Args:
         problem: The unknowns.
@@ -142,81 +165,37 @@ def information_of(
         values: Of the unknowns.
         progress: Called with the share that is finished.
 
+    Returns:
+        By candidate, in standard deviations of the noise: numbers, and rows of the Jacobian; after the columns of the
+        unknowns those of where it begins, which is unknown as it is to a fit, with rows for what is known of that.
+
     Raises:
         ValueError: If a candidate cannot be simulated.
     """
-    slope = problem.slopes(values)
-    found = np.zeros((len(candidates), values.size, values.size))
-    swimming = [i for i, one in enumerate(candidates) if one.kind == "swim"]
-    for begin in range(0, len(swimming), _AT_ONCE):
-        members = swimming[begin : begin + _AT_ONCE]
-        part = other_measurements(problem, [candidates[i].measurement for i in members])
-        predicted = predict(part, values, jacobian=True)
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    for begin in range(0, len(candidates), _AT_ONCE):
+        members = candidates[begin : begin + _AT_ONCE]
+        part = with_starts(other_measurements(problem, [one.measurement for one in members]))
+        every = np.concatenate([values, part.start[values.size :]])
+        predicted = predict(part, every, jacobian=True)
         assert predicted.jacobian is not None
         for name, status in predicted.failures.items():
             raise ValueError(f"`candidates` must be trials that can be simulated, got `{name}`: {status}")
-        rows = predicted.jacobian / part.sigma[:, np.newaxis] * slope
-        rows = np.where(np.isfinite(rows), rows, 0.0)
-        for place, i in enumerate(members):
-            mine = rows[part.owner == place]
-            found[i] = mine.T @ mine
+        rows = np.nan_to_num(predicted.jacobian / part.sigma[:, np.newaxis] * part.slopes(every))
+        numbers, priors = np.nan_to_num(predicted.values / part.sigma), part.prior_slopes(every)
+        for place in range(len(members)):
+            data = part.owner == place
+            begins = values.size + np.flatnonzero(part.moves[place, values.size :])
+            known = priors[np.any(priors[:, begins] != 0.0, axis=1)]
+            columns = np.concatenate([np.arange(values.size), begins])
+            rows_and_priors = np.concatenate([rows[data], known])[:, columns]
+            found.append((np.concatenate([numbers[data], np.zeros(len(known))]), rows_and_priors))
         if progress is not None:
-            progress((begin + len(members)) / len(candidates))
-    for i, one in enumerate(candidates):
-        if one.kind == "coast-down":
-            found[i] = _coasted(problem, one, values)
-        elif one.tow is not None:
-            force, slopes = _towed(problem, one, values)
-            row = slopes / np.hypot(one.tow.sigma, one.tow.share * force) * slope
-            found[i] = np.outer(row, row)
-    if progress is not None:
-        progress(1.0)
+            progress(len(found) / len(candidates))
     return found
 
 
 _AT_ONCE = 64
-_STRAIGHT = Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
-
-
-def _coasted(problem: Problem, one: Candidate, values: np.ndarray) -> np.ndarray:
-    """What a coast-down says where nobody knows exactly where and how fast it began: its path has to say that too."""
-    part = other_measurements(problem, [one.measurement])
-    unknown = [
-        ResolvedUnknown(name=name, parameter=NUISANCE[name], start=0.0, is_log=False, size=0.1)
-        for name in ("start.x", "start.velocity")
-    ]
-    moves = np.concatenate([part.moves, np.ones((1, len(unknown)), dtype=bool)], axis=1)
-    part = replace(part, unknowns=(*part.unknowns, *unknown), moves=moves)
-    every = np.concatenate([values, np.zeros(len(unknown))])
-    rows = scaled_jacobian(part, every)
-    return marginal(rows.T @ rows, range(values.size))
-
-
-def _towed(problem: Problem, one: Candidate, values: np.ndarray) -> tuple[float, np.ndarray]:
-    """The force, and its derivative to every unknown; of order two, of a smooth function in closed form."""
-    part = other_measurements(problem, [one.measurement])
-    assert one.tow is not None
-    (scenario,) = part.scenarios_at(values)
-    found = np.zeros(values.size)
-    for k, unknown in enumerate(part.unknowns):
-        name = unknown.parameter.name
-        if not part.moves[0, k] or name in NUISANCE:
-            continue
-        step = _DIFFERENCE * (abs(float(values[k])) or unknown.size)
-        ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
-        low, high = (
-            _force(scenario, one.tow.speed, with_tied(scenario, name, float(end), unknown.tied)) for end in ends
-        )
-        found[k] = (high - low) / (ends[1] - ends[0])
-    return _force(scenario, one.tow.speed, {}), found
-
-
-def _force(scenario: Scenario, speed: float, values: Mapping[str, float]) -> float:
-    swims = changed(scenario, values)
-    if not isinstance(swims.environment, Water):
-        raise BadArgument("candidates", "must be in water for a tow, got ground")
-    tether = getattr(swims.robot.tether, "drag", 0.0) * speed**2
-    return towing_drag(swims.robot, swims.environment, speed) + tether
 
 
 def _candidate(kind: str, name: str, scenario: Scenario, sensors: Mapping[str, float], interval: float) -> Candidate:

@@ -18,8 +18,8 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import BadArgument, one_of, whole
-from laticauda.identify.candidates import Candidate, information_of
-from laticauda.identify.identifiability import LIMIT, combination_of, deviations
+from laticauda.identify.candidates import Candidate, rows_of
+from laticauda.identify.identifiability import LIMIT, combination_of, deviations, marginal
 from laticauda.identify.model import scaled_jacobian
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit
@@ -157,6 +157,17 @@ def design(
     )
 
 
+def information_of(
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    values: Float[np.ndarray, " n_unknowns"],
+    progress: Progress | None = None,
+) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
+    """What each candidate would say, as information to the coordinates of the unknowns; arguments as of `rows_of`."""
+    found = [rows for _, rows in rows_of(problem, candidates, values, progress)]
+    return np.array([marginal(rows.T @ rows, range(values.size)) for rows in found])
+
+
 def _swimming_alone(
     candidates: Sequence[Candidate], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
 ) -> np.ndarray | None:
@@ -168,7 +179,10 @@ def _swimming_alone(
 
 
 def best_of(
-    added: Float[np.ndarray, "n_candidates n n"], known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+    added: np.ndarray,
+    known: np.ndarray,
+    n_trials: int,
+    score: Callable[[np.ndarray], float],
 ) -> list[int]:
     """Numbers of the candidates to take, in order: greedily, then by exchange, then ordered greedily again.
 

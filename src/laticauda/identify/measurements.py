@@ -12,16 +12,42 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, finite, instance, one_of, positive, whole
 from laticauda.gaits import Gait
 from laticauda.interfaces import Start
+from laticauda.planar.model import PlanarPlant
+from laticauda.quantities import quantity, value
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import UNITS
 from laticauda.trial import Trial
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series that a trial can be compared with, and their units."""
+LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
+"""What a tow gives, and the units: see `Tow`."""
 
 Numbers = Float[np.ndarray, " n"]
 Run = dict[str, Any]
 """What a run gave, by name of figure or series; complex if it has a derivative."""
+
+
+@value
+class Tow:
+    """A straight robot that is pulled at a constant velocity, and the loads that hold it: `LOADS`.
+
+    The drag is along the body, the side force across it, positive for a positive angle as the yaw moment about the
+    middle of the links is where it turns the robot further away.
+    """
+
+    speed: float = quantity("m/s", "Through the water", gt=0.0)
+    angle: float = quantity("rad", "From the direction of the tow to the heading", default=0.0)
+
+    def loads(self, scenario: Scenario) -> dict[str, float]:
+        """The loads of the water.
+
+        Args:
+            scenario: Of robot and water; what else it has does not count.
+        """
+        plant = PlanarPlant(robot=scenario.robot, environment=scenario.environment)
+        along, across, moment = plant.towing_load(self.speed, self.angle)
+        return dict(zip(LOADS, (-along, across, moment), strict=True))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,6 +76,8 @@ class Measurement:
     """Of how many settings that are about as good it was taken for being the best; 1: it was not selected [-]."""
     free_start: bool = True
     """Whether where it began is unknown to a fit, if a path or a heading counts; False: the start is exact."""
+    tow: Tow | None = None
+    """How the straight robot was towed; then nothing swam, and figures are loads."""
 
     def __post_init__(self) -> None:
         """Check every field once, and freeze what it holds."""
@@ -69,18 +97,19 @@ class Measurement:
             checked["time"] = self._checked_time(self.time)
             series = {name: self._one_series(name, pair, checked["time"].size) for name, pair in self.series.items()}
             checked["series"] = MappingProxyType(series)
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        for name, one in checked.items():
+            object.__setattr__(self, name, one)
         if not self.figures and not self.series:
             raise BadArgument(
                 "figures", f"or `series` of `{self.name}` must hold something that was measured, got nothing"
             )
 
     def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
-        known = one_of(f"figures` of `{self.name}", name, tuple(UNITS))
+        units = UNITS if self.tow is None else LOADS
+        known = one_of(f"figures` of `{self.name}", name, tuple(units))
         where = f"figures[{known!r}]` of `{self.name}"
         value, sigma = _pair(where, pair)
-        return finite(where, value, UNITS[known]), positive(f"sigma of {where}", sigma, UNITS[known])
+        return finite(where, value, units[known]), positive(f"sigma of {where}", sigma, units[known])
 
     def _checked_time(self, given: object) -> Numbers:
         time = _frozen(f"time` of `{self.name}", given)

@@ -26,6 +26,7 @@ from laticauda.simulate.numbers import UNITS, changed
 from laticauda.simulate.runner import swim
 from laticauda.trial import Trial
 
+TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
 DIFFERENCE = 1e-3  # a step of the 3D twin's differences, as a share of what is a large change
 
 Values = Float[np.ndarray, " n_unknowns"]
@@ -91,10 +92,12 @@ def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[
 
 def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
     """What every measurement's run gives."""
-    everyone = range(len(scenarios))
-    raw: list[Raw] = [{} for _ in everyone]
+    tows = [one.tow for one in problem.measurements]
+    raw: list[Raw] = [{} if tow is None else dict(tow.loads(one)) for tow, one in zip(tows, scenarios, strict=True)]
     failures: dict[str, str] = {}
-    for duration, members in _by_duration(scenarios, everyone).items():
+    swum = [i for i, tow in enumerate(tows) if tow is None]
+    for duration, places in _by_duration(scenarios, swum).items():
+        members = [swum[place] for place in places]
         runs = runs_of([scenarios[i] for i in members])
         found = collected(
             runs,
@@ -123,6 +126,8 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
         if name in NUISANCE and name not in SIMULATED:
             nuisance = problem.nuisance(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
             jacobian[data_of[i], k] = np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
+        elif problem.measurements[i].tow is not None:
+            jacobian[data_of[i], k] = _towed_slope(problem, scenarios[i], i, k, values)
         else:
             simulated.append((i, k))
     for duration, places in _by_duration(scenarios, [i for i, _ in simulated]).items():
@@ -144,6 +149,17 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
             predicted = measured_values(problem.measurements[i], mine[place], problem.nuisance(i, values))
             jacobian[data_of[i], k] = np.imag(predicted) / STEP if found.succeeded[place] else np.nan
     return jacobian
+
+
+def _towed_slope(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> np.ndarray:
+    """Derivative of a tow's loads to one unknown; of order two, of smooth functions in closed form."""
+    measurement, unknown = problem.measurements[i], problem.unknowns[k]
+    step = TOW_DIFFERENCE * (abs(float(values[k])) or unknown.size)
+    ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper).tolist()
+    assert measurement.tow is not None
+    runs = [measurement.tow.loads(_changed(scenario, unknown.parameter.name, unknown.tied, end)) for end in ends]
+    low, high = (measured_values(measurement, run, {}) for run in runs)
+    return (high - low) / (ends[1] - ends[0])
 
 
 def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> Number:
@@ -200,6 +216,9 @@ def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list
     raw: list[Raw] = []
     failures: dict[str, str] = {}
     for measurement, scenario in zip(problem.measurements, scenarios, strict=True):
+        if measurement.tow is not None:
+            raw.append(dict(measurement.tow.loads(scenario)))
+            continue
         trial = swim(scenario)
         if trial.succeeded:
             raw.append(_raw_of(trial, measurement))

@@ -122,6 +122,12 @@ class Problem:
         """Numbers of the unknowns that figures and tables show: all but where single trials began."""
         return [k for k, one in enumerate(self.unknowns) if not one.parameter.name.startswith("start.")]
 
+    @property
+    def without_starts(self) -> "Problem":
+        """The same without unknowns of where single trials began."""
+        keep = self.of_interest
+        return replace(self, unknowns=tuple(self.unknowns[k] for k in keep), moves=self.moves[:, keep])
+
     def values_of(self, x: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """The values of coordinates."""
         return np.array([unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)])
@@ -219,11 +225,15 @@ def make_problem(
     names = [split_name(unknown, scopes, known) for unknown in asked]
     moves = dependence(names, scopes, known)
     unknowns = tuple(resolve(one, *names[k], scenarios, known, moves[:, k]) for k, one in enumerate(asked))
-    return _with_starts(Problem(measurements=given, unknowns=unknowns, moves=moves, threads=threads))
+    return with_starts(Problem(measurements=given, unknowns=unknowns, moves=moves, threads=threads))
 
 
-def _with_starts(problem: Problem) -> Problem:
-    """The same with where every trial began among the unknowns, as far as nobody looks for it already."""
+def with_starts(problem: Problem) -> Problem:
+    """The same with where every trial began among the unknowns, as far as nobody looks for it already.
+
+    Args:
+        problem: Measurements and unknowns.
+    """
     added: list[tuple[int, ResolvedUnknown]] = []
     for i, one in enumerate(problem.measurements):
         known = {unknown.parameter.name for k, unknown in enumerate(problem.unknowns) if problem.moves[i, k]}

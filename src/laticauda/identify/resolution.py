@@ -126,7 +126,8 @@ def resolve(
         if value is not None:
             is_allowed(value, f"`{end}` of `{unknown.name}` must be in the range of the field, got {value:g}")
     may_be_less = name in NUISANCE or _is_allowed(is_allowed, -1e-9 * max(1.0, abs(start)))
-    is_log = unknown.scale == "log" if unknown.scale else start > 0.0 and not may_be_less
+    positive_only = start > 0.0 and not may_be_less and unknown.lower != 0.0
+    is_log = unknown.scale == "log" if unknown.scale else positive_only
     if is_log and start <= 0.0:
         raise BadArgument(f"start` of `{unknown.name}", f"must be > 0 on a log scale, got {start:g}")
     low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)

@@ -140,6 +140,27 @@ class PlanarPlant(Plant[Planar]):
         S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
         return np.concatenate((S, table.ravel()))
 
+    def towing_load(self, speed: float, angle: float = 0.0) -> tuple[float, float, float]:
+        """What the water does to the straight robot that is towed at a constant velocity.
+
+        Args:
+            speed: Through the water [m/s].
+            angle: From the direction of the tow to the heading, counter-clockwise [rad].
+
+        Returns:
+            Force along the body, force across it to the left [N], yaw moment about the middle of its links [N m].
+        """
+        a, S = self.layout, self.layout.template.copy()
+        S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
+        S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)
+        locked = np.zeros(a.n_bodies, dtype=bool)
+        self._kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras)
+        bodies = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+        moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()  # of all bodies, about the end
+        length = bodies[:, rows.LENGTH]
+        middle = float(np.sum(length[: a.tail_link]) + 0.5 * np.sum(length[a.tail_link :]))
+        return along, across, moment - middle * across
+
     @property
     def _size(self) -> int:
         return rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
