@@ -362,7 +362,7 @@ def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path
     if own is not None:
         files.append(folder / own.file)
         rows += from_table(files[0], own.figure, sigma=own.sigma, robot=said.robot or "mamba")
-    if said.table1:
+    if said.table1 is not None and said.table1 is not False:
         arguments = {} if said.table1 is True else table_of(said.table1, "table1")
         check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
         with arguments_of("table1"):
