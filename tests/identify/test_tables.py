@@ -28,18 +28,17 @@ def written(tmp_path):
 def table1_rows():
     short = {kind: name for name, kind in KINDS.items()}
     for trial in MeasuredTrials.named("table1")().trials():
-        if trial.forward_velocity is not None:
-            gait = trial.gait
-            yield {
-                "gait": short[gait.kind],
-                "config": "fin" if trial.has_fin else "nofin",
-                "alpha_deg": round(degrees(gait.amplitude), 9),
-                "omega_deg_s": round(degrees(gait.frequency), 9),
-                "delta_deg": round(degrees(gait.phase_shift), 9),
-                "v_m_s": trial.forward_velocity,
-                "P_avg_W": trial.mean_power or "",
-                "selected_from": 3 if trial.is_maximum else 1,
-            }
+        gait = trial.gait
+        yield {
+            "gait": short[gait.kind],
+            "config": "fin" if trial.has_fin else "nofin",
+            "alpha_deg": round(degrees(gait.amplitude), 9),
+            "omega_deg_s": round(degrees(gait.frequency), 9),
+            "delta_deg": round(degrees(gait.phase_shift), 9),
+            "v_m_s": trial.forward_velocity or "",
+            "P_avg_W": trial.mean_power or "",
+            "selected_from": 3 if trial.is_maximum else 1,
+        }
 
 
 def test_table_1_as_a_file_gives_the_same_numbers(written):
@@ -50,8 +49,8 @@ def test_table_1_as_a_file_gives_the_same_numbers(written):
         assert one.scenario == other.scenario
     found, printed = (fit(rows, parameters=[FRICTION], noise="estimated", n_starts=1) for rows in (mine, from_table1()))
     assert f"{found[FRICTION]}" == f"{printed[FRICTION]}"
-    printed = {one.name: one.figures for one in from_table1("mean_power")}
-    assert all(one.figures == printed[one.name] for one in from_table(path, "mean_power"))
+    powers = [one.figures for one in from_table1("mean_power")]
+    assert [one.figures for one in from_table(path, "mean_power")] == powers
 
 
 def test_a_row_may_say_its_robot_and_noise_and_settings_may_repeat(written):

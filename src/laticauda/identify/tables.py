@@ -78,7 +78,7 @@ def from_table(
         if value is None:
             continue
         swam, gait = robots(row.robot or robot, row.config), row.motion
-        stride = 2.0 * np.pi * row.v_m_s / gait.frequency / swam.length
+        stride = 2.0 * np.pi * (row.v_m_s or 0.0) / gait.frequency / swam.length
         if stride > _LONGEST_STRIDE:
             raise TrialFileError(
                 f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is {stride:.3g} lengths of "

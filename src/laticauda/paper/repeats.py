@@ -10,7 +10,7 @@ from laticauda.gaits import Gait
 from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.operate.series import mean_and_deviation
 from laticauda.trial.null_models import Row
-from laticauda.trial.speeds import SpeedTrial, load_speeds
+from laticauda.trial.speeds import load_speeds
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
 """Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
@@ -56,15 +56,16 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
     Raises:
         TrialFileError: As `load_speeds`.
     """
-    trials: dict[tuple[Gait, bool], list[SpeedTrial]] = {}
+    trials: dict[tuple[Gait, bool], list[tuple[float, float | None]]] = {}
     for one in load_speeds(path):
-        trials.setdefault((one.motion, one.config == "fin"), []).append(one)
+        if one.v_m_s is not None:
+            trials.setdefault((one.motion, one.config == "fin"), []).append((one.v_m_s, one.P_avg_W))
     return tuple(
         Repeat(
             gait=gait,
             has_fin=has_fin,
-            forward_velocity=tuple(one.v_m_s for one in found),
-            mean_power=tuple(one.P_avg_W for one in found),
+            forward_velocity=tuple(speed for speed, _ in found),
+            mean_power=tuple(power for _, power in found),
         )
         for (gait, has_fin), found in trials.items()
     )

@@ -6,9 +6,9 @@ The first row has the columns' names, in any order:
     LU,nofin,30,130,40,0.1514,106.63
     LU,nofin,30,130,40,0.1498,105.10
 
-`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward velocity (5). The
-electrical power above idle, P_avg_W, may be missing, as a column or in single rows, and so may all that `SpeedTrial`
-has a default for. A column says its unit, and numbers that can only be in another one are refused.
+`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward velocity (5). A speed
+may be missing; the electrical power above idle, P_avg_W, may be missing as a column, too, and so may all else that
+`SpeedTrial` has a default for. A column says its unit, and numbers that can only be in another one are refused.
 """
 
 import math
@@ -34,7 +34,7 @@ class SpeedTrial:
     alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
     omega_deg_s: float = quantity("deg/s", "Frequency", gt=0.0)
     delta_deg: float = quantity("deg", "Phase shift")
-    v_m_s: float = quantity("m/s", "Forward velocity", gt=0.0)
+    v_m_s: float | None = quantity("m/s", "Forward velocity; empty: not available", gt=0.0, default=None)
     P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
     robot: str | None = option("What swam, a preset or a TOML file", default=None)
     duration_s: float = quantity("s", "Of the trial, from rest", gt=0.0, default=30.0)
@@ -72,7 +72,7 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
     found: list[SpeedTrial] = []
     for number, row in rows:
         try:
-            cells = {name: _cell(name, text) for name, text in row.items() if text or name in _NEEDED}
+            cells = {name: _cell(name, text) for name, text in row.items() if text or name in _NEEDED[:-1]}
             found.append(SpeedTrial(**cells))
         except ValueError as error:
             raise TrialFileError(f"{path}: row {number}: {error}") from None
