@@ -68,8 +68,11 @@ def test_drag_grows_with_gaps_wrinkles_and_bluntness():
     robot = chain()
     smooth, jointed, skinned = (friction(robot, surface=one) for one in ("smooth", "jointed", "skinned"))
     assert smooth < jointed < skinned
-    faired, rounded, blunt = (friction(replace(robot, nose=one)) for one in ("faired", "round", "blunt"))
+    faired, rounded, blunt = (friction(replace(robot, nose=one, tail=one)) for one in ("faired", "round", "blunt"))
     assert faired < rounded < blunt
+    end = math.pi * 0.0275 * 0.0185 / (math.pi * 0.023 * robot.length)  # of its section, over what C_f refers to
+    bullet = friction(replace(robot, nose="faired", tail="blunt"))
+    assert (bullet - faired) / end + 0.05 == pytest.approx(0.295, rel=0.1)  # of a bullet
     _, high = textbook_water(robot, surface="skinned").intervals["water.tangential_friction"]
     assert high == pytest.approx(10.0 * skinned)
 

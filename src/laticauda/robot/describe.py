@@ -73,7 +73,7 @@ def _robot_rows(robot: Robot) -> list[Row]:
     if tether.drag or any(tether.force):
         rows.append(("tether", f"drag {tether.drag:g} kg/m, force ({tether.force[0]:g}, {tether.force[1]:g}) N"))
     book = textbook_water(robot)
-    rows.append(("surface, ends", f"{robot.surface}, {robot.nose}"))
+    rows.append(("surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"))
     for name, (low, high) in book.intervals.items():
         number = attrgetter(name.removeprefix("water."))(book.water)
         text = f"{name.rpartition('.')[2]} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"

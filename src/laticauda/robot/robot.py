@@ -16,6 +16,7 @@ from laticauda.robot.effectors import CaudalFin, PectoralFin, Tether, Thruster
 Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", Thruster, PectoralFin)
 Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
+End: TypeAlias = Literal["faired", "round", "blunt"]
 
 
 @value
@@ -35,7 +36,8 @@ class Robot:
     pectoral_fins: tuple[PectoralFin, ...] = option("Pectoral fins, in any order", default=())
     tether: Tether = option("The cable at the tail end", default_factory=Tether)
     surface: Surface = option("Of the body: smooth, with gaps at its joints, or in a loose skin", default="jointed")
-    nose: Literal["faired", "round", "blunt"] = option("Shape of both ends of the body", default="round")
+    nose: End = option("Shape of the body's head end", default="round")
+    tail: End = option("Shape of the body's tail end", default="round")
     electronics_power: float = quantity("W", "Drawn at rest besides its actuators' idle current", ge=0.0, default=0.0)
     active_power: float | None = quantity(
         "W", "What its electronics draw above that while it swims", ge=0.0, default=None

@@ -45,7 +45,9 @@ SEEN = {"swimming": (-0.08, 0.16), "gliding": (-0.15, 0.20), "turning": (-0.01, 
 
 Range = tuple[float, float, float]
 # Value, low and high.
-_ENDS: dict[str, Range] = {"faired": (0.05, 0.02, 0.15), "round": (0.4, 0.25, 0.6), "blunt": (0.9, 0.8, 1.0)}  # [2, 3]
+# Shares of two ends: their sums are airship, sphere, cylinder along the flow and, faired before blunt, bullet [2, 3].
+_NOSE: dict[str, Range] = {"faired": (0.02, 0.01, 0.05), "round": (0.1, 0.05, 0.2), "blunt": (0.65, 0.58, 0.72)}
+_TAIL: dict[str, Range] = {"faired": (0.03, 0.01, 0.1), "round": (0.3, 0.2, 0.4), "blunt": (0.25, 0.22, 0.28)}
 _GAPS: dict[str, Range] = {"smooth": (0.0, 0.0, 0.0), "jointed": (0.01, 0.0, 0.03), "skinned": (0.0, 0.0, 0.0)}
 _WRINKLED = 0.010, 0.014  # C_F of a rough plate, and its highest in the chart [6]
 _SKINNED = 10.0  # Mamba, in skin and on a tether, has ten times the drag of the tables
@@ -170,14 +172,14 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
     skin = (smooth, 0.5 * smooth, 1.5 * smooth)
     if robot.surface == "skinned":
         skin = (max(smooth, _WRINKLED[0]), smooth, max(smooth, _WRINKLED[1]))
-    parts = [(wetted, skin), (end, _ENDS[robot.nose]), (joints, _GAPS[robot.surface])]
+    nose, tail = _NOSE[robot.nose], _TAIL[robot.tail]
+    ends = nose[0] + tail[0], nose[1] + tail[1], nose[2] + tail[2]
+    parts = [(wetted, skin), (end, ends), (joints, _GAPS[robot.surface])]
     value = sum(area * one[0] for area, one in parts)
     less, more = (math.hypot(*(area * (one[i] - one[0]) for area, one in parts)) for i in (1, 2))
     high = _SKINNED * value if robot.surface == "skinned" else value + more
-    shown = ", ".join(
-        f"{name} {1e4 * area * one[0]:.3g}"
-        for name, (area, one) in zip(("skin (ITTC-57 [1])", f"{robot.nose} ends [2, 3]", "gaps"), parts, strict=True)
-    )
+    names = "skin (ITTC-57 [1])", f"{robot.nose} nose and {robot.tail} tail [2, 3]", "gaps"
+    shown = ", ".join(f"{name} {1e4 * area * one[0]:.3g}" for name, (area, one) in zip(names, parts, strict=True))
     text = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {shown}; interval: judgement"
     return (value / reference, (value - less) / reference, high / reference), text
 
