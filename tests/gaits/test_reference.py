@@ -18,6 +18,8 @@ from laticauda.gaits.reference import (
 )
 
 values = st.floats(-2.0, 2.0)
+# Of these a solver may square its errors: 0 / 0 is none of the filter's.
+not_minute = values.filter(lambda value: value == 0.0 or abs(value) > 1e-100)
 bandwidths = st.floats(0.5, 30.0)
 steps = st.floats(0.0, 2.0)
 durations = st.floats(0.2, 5.0)
@@ -49,7 +51,7 @@ def test_many_small_steps_of_the_filter_are_one_large_one(
 
 
 @settings(max_examples=20)
-@given(values, values, values, st.floats(0.5, 10.0), st.floats(0.05, 2.0))
+@given(not_minute, not_minute, not_minute, st.floats(0.5, 10.0), st.floats(0.05, 2.0))
 def test_a_step_of_the_filter_solves_its_differential_equation(
     y: float, rate: float, target: float, w: float, dt: float
 ):
