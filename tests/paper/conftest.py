@@ -25,14 +25,24 @@ def study() -> EfficiencyStudy:
     """The whole Table 1, and sweeps in coarse steps that still meet the ends of their ranges."""
     settings = efficiency_settings()
     coarse = tuple(replace(sweep, step=5 * sweep.step) for sweep in settings.sweeps)
-    return run_efficiency(replace(settings, sweeps=coarse))
+    return run_efficiency(replace(settings, sweeps=coarse, models=settings.models[:2]))
 
 
 @pytest.fixture(scope="session")
 def following() -> PathFollowingStudy:
     """All 12 trials of Table 2 for 18 s, which takes some of them to the path, with prescribed joints only."""
-    settings = replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",))
-    return run_path_following(settings)
+    return run_path_following(replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",), own=()))
+
+
+@pytest.fixture(scope="session")
+def beside() -> tuple[EfficiencyStudy, PathFollowingStudy]:
+    """The paper's coefficients with one of our own models beside them: Table 1, and six trials of Table 2 for 16 s."""
+    settings, following = efficiency_settings(), path_following_settings()
+    sweeps = tuple(replace(sweep, step=20 * sweep.step) for sweep in settings.sweeps)
+    settings = replace(settings, sweeps=sweeps, models=settings.models[::2])
+    short = replace(following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
+    short = replace(short, groups=following.groups[:2], own=following.own[:1])
+    return run_efficiency(settings), run_path_following(short)
 
 
 @pytest.fixture
@@ -46,7 +56,10 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
         whole = whole_plan(parameters)
         sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
         following = replace(whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
-        return replace(whole, efficiency=replace(whole.efficiency, sweeps=sweeps), path_following=following)
+        following = replace(following, own=following.own[:1])
+        models = tuple(one for one in whole.efficiency.models if one.name != "mamba-textbook")
+        efficiency = replace(whole.efficiency, sweeps=sweeps, models=models)
+        return replace(whole, efficiency=efficiency, path_following=following)
 
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(experiments, "paper_experiments", small)

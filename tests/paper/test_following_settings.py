@@ -33,8 +33,8 @@ def test_the_chosen_way_is_in_the_band_and_not_run_twice():
     assert len(SETTINGS.band("pd", 4.0)) == 6
     assert SETTINGS.band("pd", 6.0)[0] == ("pd", 6.0)
     assert len(SETTINGS.band("pd", 6.0)) == 7
-    assert SETTINGS.n_runs("pd", 4.0) == 12 * 7 + 4 + 1
-    assert SETTINGS.n_runs("pd", 6.0) == 12 * 8 + 4 + 1
+    assert SETTINGS.n_runs("pd", 4.0) == 12 * 7 + 4 + 1 + 2 * (12 * 2 + 4 + 1)
+    assert SETTINGS.n_runs("pd", 6.0) == 12 * 8 + 4 + 1 + 2 * (12 * 2 + 4 + 1)
 
 
 @pytest.mark.parametrize(

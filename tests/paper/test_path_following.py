@@ -9,7 +9,7 @@ from laticauda.errors import SimulationFailed
 from laticauda.paper import path_following_settings, run_path_following
 from laticauda.trial import following as figures
 
-SETTINGS = path_following_settings()
+SETTINGS = replace(path_following_settings(), own=())
 ONE = replace(SETTINGS, duration=15.0, joint_laws=("prescribed",), groups=(replace(SETTINGS.groups[1], figures=(15,)),))
 
 

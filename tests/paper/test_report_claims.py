@@ -4,8 +4,10 @@ from dataclasses import replace
 from paper.reading import cells, said
 
 from laticauda.paper.claims import claims, misprints
-from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, summary_chapter
+from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, own_verdicts, summary_chapter
 from laticauda.paper.scores import scores
+
+CURVES = ("forward_velocity", "mechanical_power", "steady_velocity")
 
 
 def test_the_tables_hold_every_claim_and_every_misprint(study):
@@ -62,3 +64,32 @@ def test_long_texts_break_into_lines_on_the_page_and_verdicts_do_not(study):
     html = claims_chapter(claims(study)).html({})
     assert '<td class="w">At the same setting' in html
     assert "<td>holds in part</td>" in html
+
+
+def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_papers(beside):
+    results = {"efficiency": beside[0], "path_following": beside[1]}
+    found, own = claims(*beside), own_verdicts(results)
+    assert list(own) == ["mamba-identified"]
+    assert own["mamba-identified"] == claims(replace(beside[0], judged=1), *beside[1].own)
+    rows = cells(claims_chapter(found, own), "claims")
+    assert [*rows[0]][-2:] == ["with mamba-identified", "verdict"]
+    assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
+    assert [row["with mamba-identified"] for row in rows] == [claim.verdict for claim in own["mamba-identified"]]
+    alone = replace(beside[0].settings, models=beside[0].settings.models[1:])
+    sweeps = [{name: getattr(one, name)[1:] for name in CURVES} for one in beside[0].sweeps]
+    cases = [{name: getattr(one, name)[1:] for name in CURVES[:2]} for one in beside[0].cases]
+    first = replace(
+        beside[0],
+        settings=alone,
+        sweeps=tuple(replace(one, **part) for one, part in zip(beside[0].sweeps, sweeps, strict=True)),
+        cases=tuple(replace(one, **part) for one, part in zip(beside[0].cases, cases, strict=True)),
+    )
+    judged = claims(replace(beside[0], judged=1))
+    assert [claim.verdict for claim in claims(first)] == [claim.verdict for claim in judged]
+
+
+def test_the_first_screen_names_our_own_models_apart_from_those_without_physics(beside):
+    results = {"efficiency": beside[0], "path_following": beside[1]}
+    text = said(summary_chapter(results, claims(*beside)))
+    assert "Our own models, two numbers fitted to Table 1: mamba-identified 5.0 %." in text
+    assert "a model that knows no physics (constant per group" in text

@@ -12,7 +12,7 @@ from laticauda.paper import BeyondSettings, Experiments, SideSettings, Stability
 from laticauda.paper.report.experiments import HALVES, RUNS
 from laticauda.paper.report.reproduce import CHAPTERS
 from laticauda.reports.chapter import Chapter
-from laticauda.robot import Parameters, load_robot, load_water
+from laticauda.robot import Parameters, load_parameters, load_robot, load_water
 
 module = sys.modules[reproduce.__module__]
 
@@ -132,10 +132,13 @@ def test_other_coefficients_reach_every_study():
     changes = {"actuator": {"tracking": 0.5}}
     mine = paper_experiments(Parameters(name="mine", title="my numbers", every_gait=water, changes=changes))
     mamba, eel = load_robot("mamba"), eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    assert [model.name for model in mine.efficiency.models] == ["mine", "analytical-set", "vortex-set"]
+    names = [model.name for model in paper_experiments().efficiency.models]
+    assert [model.name for model in mine.efficiency.models] == ["mine", *names]
     for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
         assert coefficients.swimmer(mamba, eel).robot.joints[0].actuator.tracking == 0.5
+    same = paper_experiments(load_parameters("mamba-identified")).efficiency.models
+    assert [model.name for model in same] == ["mamba-identified", *(one for one in names if one != "mamba-identified")]
     assert mine.efficiency.models[1].swimmer(mamba, eel).robot is mamba  # the paper's stays beside it as it is
     swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)
     swimmers = (*swimmers, *mine.beyond.turning.swimmers)

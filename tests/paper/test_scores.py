@@ -76,3 +76,12 @@ def test_null_models_meet_speeds_that_are_made_like_them(study):
 
 def test_the_papers_coefficients_are_15_to_16_percent_off(study):
     assert 15.0 < scores(study)[0].overall < 16.0
+
+
+def test_models_of_our_own_stand_beside_the_papers_with_the_numbers_that_they_were_fitted_with(beside):
+    efficiency, following = (scores(one) for one in beside)
+    assert [score.n_fitted for score in efficiency[:2]] == [None, 2]
+    assert [score.is_null for score in efficiency] == [False, False, *4 * [True]]
+    assert efficiency[1].overall == pytest.approx(5.0, abs=0.05)
+    own = [score for score in following if score.n_fitted and not score.is_null]
+    assert [score.title for score in own] == ["mamba-identified, no filter, delay 0.12 s"]

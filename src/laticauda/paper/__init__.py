@@ -38,7 +38,6 @@ if TYPE_CHECKING:
         PathFollowingStudy as PathFollowingStudy,
         run_path_following as run_path_following,
     )
-    from laticauda.paper.procedure import paper_procedure as paper_procedure
     from laticauda.paper.repeats import Repeat as Repeat, load_repeats as load_repeats, table2_series as table2_series
     from laticauda.paper.report.experiments import Experiments as Experiments, paper_experiments as paper_experiments
     from laticauda.paper.report.reproduce import reproduce as reproduce

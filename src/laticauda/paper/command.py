@@ -170,7 +170,6 @@ def _table(study: "EfficiencyStudy | PathFollowingStudy", found: "Sequence[Score
     heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
     for score in found:
-        name = score.name if score.n_fitted is None else f"null model: {score.name}"
         values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
-        rows.append([name, *("-" if value is None else number(value) for value in values)])
+        rows.append([score.title, *("-" if value is None else number(value) for value in values)])
     return aligned(rows, right=range(1, len(rows[0])))

@@ -60,6 +60,8 @@ class EfficiencyStudy(Study[EfficiencySettings]):
     """One per sweep of the settings."""
     cases: tuple[Case, ...]
     """All rows of Table 1 in its order."""
+    judged: int = 0
+    """Place of the model that the claims speak of."""
 
     @property
     def models(self) -> tuple[str, ...]:
@@ -84,10 +86,12 @@ class EfficiencyStudy(Study[EfficiencySettings]):
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
             )
             swimmers = [
-                one.swimmer(group.robot, gait, model=runs.model, duration=settings.duration) for one in settings.models
+                one.swimmer(group.robot, gait, model=one.driven(runs.model), duration=settings.duration)
+                for one in settings.models
             ]
             names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]
-            trials = [runs.swim(*one) for one in zip(names, swimmers, strict=True)]
+            tasks = [*zip(names, swimmers, strict=True)]
+            trials = [runs.swim(*task) for task in reversed(tasks)][::-1]  # what `runs.how` says is of the last run
             return [(trial.forward_velocity, trial.steady_velocity, trial.mechanical_power) for trial in trials]
 
         cases = [

@@ -123,6 +123,8 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
     """All rows of Table 2 in its order."""
     held_out: HeldOutRun
     """The trial of another publication."""
+    own: "tuple[PathFollowingStudy, ...]" = ()
+    """The same with each of the models that have joints of their own, each in its one way."""
 
     usual = staticmethod(path_following_settings)
 
@@ -144,6 +146,14 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
             for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
         ]
         runs.n_runs = settings.n_runs(law, chosen.offset_bandwidth)
+        study, own = cls._of(settings, ways, runs), list[PathFollowingStudy]()
+        for one in settings.own:
+            runs = replace(runs, model=one.driven(chosen))
+            own.append(cls._of(replace(settings, coefficients=one, own=()), [runs.model], runs))
+        return replace(study, own=tuple(own))
+
+    @classmethod
+    def _of(cls, settings: PathFollowingSettings, ways: list[Model], runs: Runs) -> "PathFollowingStudy":
         pool = _Pool(settings=settings, ways=ways, runs=runs)
         cases = [case for group in settings.groups for case in pool.cases(group)]
         how = cases[0].trial.settings

@@ -6,13 +6,15 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack
 
+from laticauda.actuation import JointLaw
 from laticauda.control import HeadingController, IntegralLineOfSight, LineOfSight, PathFollowing, StraightLine
 from laticauda.control import Path as FollowedPath
 from laticauda.errors import SimulationFailed, within
-from laticauda.gaits import Gait
+from laticauda.gaits import GAIT_WORDS, Gait
 from laticauda.packaging import __version__
 from laticauda.robot import Parameters, Robot, Water, load_robot, load_water
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
+from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import plant, run
 from laticauda.simulate.runner import Until
 from laticauda.studies.trials import Progress
@@ -57,6 +59,32 @@ class Coefficients:
     """A water for every kind of gait: itself, or its name (`load_water`)."""
     parameters: Parameters | None = None
     """What they change about a robot, if they come from a parameter file."""
+    n_fitted: int | None = None
+    """How many of its numbers are fitted to Table 1; None for what the paper or somebody else gives [-]."""
+    loop_delay: float | None = None
+    """For joints of the parameters' own, without a steering filter; None: joints and loop of the run [s]."""
+
+    @classmethod
+    def of(cls, parameters: Parameters, **more: Any) -> Self:
+        """What a parameter file says.
+
+        Args:
+            parameters: From the file.
+            more: Further fields.
+        """
+        waters = {gait: parameters.water(gait) for gait in GAIT_WORDS}
+        return cls(name=parameters.name, title=parameters.title, waters=waters, parameters=parameters, **more)
+
+    def driven(self, model: Model) -> Model:
+        """The model with joints and delay of its own, if it has any.
+
+        Args:
+            model: By which everything else is run.
+        """
+        if self.loop_delay is None or self.parameters is None or self.parameters.joints is None:
+            return model
+        joints = JointLaw.of(self.parameters.joints)
+        return replace(model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None)
 
     def water(self, gait: str) -> Water:
         """The water for a kind of gait.

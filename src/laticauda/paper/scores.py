@@ -9,7 +9,7 @@ What the fin changes, and what a meter costs, stands here too.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -17,6 +17,7 @@ from jaxtyping import Float
 from laticauda.paper.efficiency import Case, EfficiencyStudy
 from laticauda.paper.measured import PrintedChange, efficiency_trials, percent_change, printed_changes
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
+from laticauda.scenarios import loop_in_words
 from laticauda.trial.null_models import PREDICTORS, Values, compared, mape, predict
 
 AnyCase = TypeVar("AnyCase", Case, FollowingCase)
@@ -29,7 +30,7 @@ class Score:
     name: str
     """The predictor: a null model, a set of coefficients, or joint law, bandwidth and heading of a simulation."""
     n_fitted: int | None
-    """How many numbers are fitted to Table 1; None for a simulation [-]."""
+    """How many numbers are fitted to Table 1; None for a simulation with the coefficients of others [-]."""
     measured: tuple[float, ...]
     """By case that was measured, how fast the robot was [m/s]."""
     speeds: tuple[float, ...]
@@ -42,6 +43,13 @@ class Score:
     """Each row of Table 1 predicted from all others; None where nothing is fitted to what is scored [%]."""
     leave_one_group_out: float | None = None
     """Each group predicted from all others; None where that cannot be done [%]."""
+    is_null: bool = False
+    """Whether it is a null model, which knows no physics."""
+
+    @property
+    def title(self) -> str:
+        """The predictor, as tables call it."""
+        return f"null model: {self.name}" if self.is_null else self.name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,24 +103,27 @@ def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
 def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
     rows = [case.measured for case in study.measured]
     found = [
-        _scored(study, name, None, np.array([case.forward_velocity[i] for case in study.measured]))
-        for i, name in enumerate(study.models)
+        _scored(study, one.name, one.n_fitted, np.array([case.forward_velocity[i] for case in study.measured]))
+        for i, one in enumerate(study.settings.models)
     ]
     for null in compared(rows, np.array([row.forward_velocity for row in rows], dtype=float)):
         one, one_group = (None if math.isnan(error) else error for error in (null.left_out, null.group_left_out))
-        errors = {"leave_one_out": one, "leave_one_group_out": one_group}
-        found.append(_scored(study, null.name, null.n_parameters, null.speeds, **errors))
+        errors: dict[str, Any] = {"leave_one_out": one, "leave_one_group_out": one_group}
+        found.append(_scored(study, null.name, null.n_parameters, null.speeds, is_null=True, **errors))
     return tuple(found)
 
 
 def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
-    """The speeds of every way to simulate Table 2: the chosen one first, then the others of the band, the cycle mean.
+    """The speeds of every way to simulate Table 2: the chosen one, the others of the band, the cycle mean, own models.
 
     Args:
         study: What `run_path_following` returned.
     """
-    ways = [(runs[0].name, np.array([way.forward_velocity for way in runs])) for runs in in_all_ways(study)]
-    return tuple(_scored(study, name, None, speeds) for name, speeds in ways)
+    ways: list[tuple[str, int | None, list[FollowingRun]]] = [(runs[0].name, None, runs) for runs in in_all_ways(study)]
+    for one in study.own:
+        model, runs = one.settings.coefficients, [case.run for case in one.cases]
+        ways.append((f"{model.name}, {loop_in_words(vars(runs[0]))}", model.n_fitted, runs))
+    return tuple(_scored(study, name, n, np.array([run.forward_velocity for run in runs])) for name, n, runs in ways)
 
 
 def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
@@ -136,7 +147,7 @@ def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     others = [case.measured for case in study.cases]
     speeds = np.array([trial.forward_velocity for trial in known], dtype=float)
     return tuple(
-        _scored(study, name, n_fitted, predicted)
+        _scored(study, name, n_fitted, predicted, is_null=True)
         for name in PREDICTORS
         for predicted, n_fitted in [predict(name, known, speeds, others)]
     )
@@ -156,7 +167,7 @@ def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_c
 
 
 def _scored(
-    study: EfficiencyStudy | PathFollowingStudy, name: str, n_fitted: int | None, speeds: Values, **more: float | None
+    study: EfficiencyStudy | PathFollowingStudy, name: str, n_fitted: int | None, speeds: Values, **more: Any
 ) -> Score:
     cases = study.measured if isinstance(study, EfficiencyStudy) else study.cases
     measured = np.array([case.measured.forward_velocity for case in cases], dtype=float)

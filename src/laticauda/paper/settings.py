@@ -3,6 +3,7 @@
 import math
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -17,6 +18,7 @@ from laticauda.gaits import Gait, envelope_of
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
 from laticauda.paper.runs import Coefficients, Steering, Swimmer
 from laticauda.quantities import one_among, option, quantity, value
+from laticauda.robot import load_parameters
 from laticauda.trial.null_models import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
@@ -143,6 +145,7 @@ class PathFollowingSettings:
     offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Of the band: bandwidths of the reference generator")
     groups: tuple[Group, ...] = option("The parts of Table 2")
     held_out: HeldOut = option("The trial of another publication")
+    own: tuple[Coefficients, ...] = option("Models that run every trial besides, each with its own joints", default=())
 
     def __post_init__(self) -> None:
         """Check what has a range."""
@@ -188,7 +191,8 @@ class PathFollowingSettings:
             joints: The chosen joint law.
             offset_bandwidth: The chosen bandwidth [rad/s].
         """
-        return self.n_cases * (len(self.band(joints, offset_bandwidth)) + 1) + len(self.groups) + 1
+        per_case = len(self.band(joints, offset_bandwidth)) + 1 + 2 * len(self.own)
+        return self.n_cases * per_case + (len(self.groups) + 1) * (1 + len(self.own))
 
 
 @cache
@@ -197,7 +201,14 @@ def efficiency_settings() -> EfficiencySettings:
     table = _table("efficiency")
     for sweep in table["sweeps"]:
         sweep["fixed"] = {name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()}
-    return decode(EfficiencySettings, table)
+    settings = decode(EfficiencySettings, table)
+    return replace(settings, models=(*settings.models, *own_models()))
+
+
+@cache
+def own_models() -> tuple[Coefficients, ...]:
+    """The project's own models of Mamba, which stand beside the paper's coefficients."""
+    return tuple(Coefficients.of(load_parameters(own.pop("parameters")), **own) for own in _table("own"))
 
 
 @cache
@@ -206,7 +217,7 @@ def path_following_settings() -> PathFollowingSettings:
     table = _table("path_following")
     held = table["held_out"]
     held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
-    return decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients()})
+    return decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()})
 
 
 def paper_coefficients() -> Coefficients:
@@ -225,7 +236,7 @@ def swimmers(coefficients: Coefficients | None = None) -> tuple[Swimmer, ...]:
     return tuple(coefficients.swimmer(group.robot, group.followed[0].gait) for group in groups)
 
 
-def _table(study: str) -> dict[str, Any]:
+def _table(study: str) -> Any:
     return tomllib.loads(files("laticauda.paper").joinpath("paper.toml").read_text(encoding="utf-8"))[study]
 
 

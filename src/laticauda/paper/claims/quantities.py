@@ -69,15 +69,15 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
     return {
         "joints": study.how["joints"],
         "kind": study.how["model"],
-        "model": study.models[0],
+        "model": study.models[study.judged],
         **_fin(study),
         **_agreement(study),
         **_trends(study),
-        "optimum": math.degrees(phase.simulated_at[0]),
+        "optimum": math.degrees(phase.simulated_at[study.judged]),
         "measured_optimum": math.degrees(phase.measured_at),
         # A billionth less, which is rounding.
-        "distances": [math.degrees(one.distance(0) - 1e-9) for one in found],
-        "at_the_end": [one.at_the_end[0] for one in found],
+        "distances": [math.degrees(one.distance(study.judged) - 1e-9) for one in found],
+        "at_the_end": [one.at_the_end[study.judged] for one in found],
     }
 
 
@@ -113,19 +113,22 @@ def _fin(study: EfficiencyStudy) -> Numbers:
     known = [(gain, gain.measured.velocity) for gain in gains if gain.measured.velocity is not None]
     velocity = [value for _, value in known]
     power = [(gain.measured.power, value) for gain, value in known if gain.measured.power is not None]
-    simulated_power = [gain.simulated(lambda case: case.mechanical_power[0]) for gain in gains]
+    simulated_power = [gain.simulated(lambda case: case.mechanical_power[study.judged]) for gain in gains]
     by_gait = fin_by_gait(study)
     return {
-        "gains": {kind: {**found, "simulated": found["by_model"][study.models[0]]} for kind, found in by_gait.items()},
+        "gains": {
+            kind: {**found, "simulated": found["by_model"][study.models[study.judged]]}
+            for kind, found in by_gait.items()
+        },
         "gain": velocity,
         "gain_rows": [(gain.with_fin.group.name, gain.with_fin.measured.case, value) for gain, value in known],
         "gain_of_both_tables": [*velocity, *tables()["gain"]],
-        "simulated_gain": _faster([gain for gain, _ in known], 0),
+        "simulated_gain": _faster([gain for gain, _ in known], study.judged),
         "n_settings": len(gains),
         "power": [gain.measured.power for gain in gains if gain.measured.power is not None],
         "simulated_power": simulated_power,
         "energy": [_per(*pair) for pair in power],
-        "simulated_energy": [*map(_per, simulated_power, _faster(gains, 0))],
+        "simulated_energy": [*map(_per, simulated_power, _faster(gains, study.judged))],
     }
 
 
@@ -142,11 +145,12 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
     """Errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
     groups, found = study.settings.groups, scores(study)
     mean = {one.name: dict(zip((group.name for group in groups), one.by_group, strict=True)) for one in found}
-    own, by_papers = mean[study.models[0]], [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)]
+    judged, by_papers = found[study.judged], [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)]
+    own = mean[judged.name]
     papers = {group.name: [one[group.name] for one in by_papers] for group in groups if group.has_fin and by_papers}
     pairs = [(a.name, b.name) for a in groups for b in groups if a.gait == b.gait and a.has_fin < b.has_fin]
     errors: dict[str, list[float]] = {group.name: [] for group in groups}
-    for case, measured, speed in zip(study.measured, found[0].measured, found[0].speeds, strict=True):
+    for case, measured, speed in zip(study.measured, judged.measured, judged.speeds, strict=True):
         errors[case.group.name].append(percent_change(measured, speed))
     best = best_null(found)
     return {
@@ -156,10 +160,10 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
         "vortex_excess": [other - one for one, other in papers.values()],
         "pairs": pairs,
         "excess_with_fin": [own[fin] - own[bare] for bare, fin in pairs],
-        "overall": found[0].overall,
+        "overall": judged.overall,
         "n_measured": len(study.measured),
         "best": best,
-        "excess_over_null": found[0].overall - (best.leave_one_out or 0.0),
+        "excess_over_null": judged.overall - (best.leave_one_out or 0.0),
     }
 
 
@@ -174,7 +178,7 @@ def _trends(study: EfficiencyStudy) -> Numbers:
     changes = {name: percent_change(speeds[name][low], speeds[name][high]) for name, (low, high) in ends.items()}
     alike = {group.name: _alike(study, group.name) for group in study.settings.groups}
     return {
-        "explained": [_through_origin(sweep.values, curve) for curve in sweep.forward_velocity[0]],
+        "explained": [_through_origin(sweep.values, curve) for curve in sweep.forward_velocity[study.judged]],
         "by_frequency": changes,
         "frequency_changes": [*changes.values()],
         "faster_by": max(percent_change(*pair) for pair in ends.values()),
@@ -189,7 +193,7 @@ def _trends(study: EfficiencyStudy) -> Numbers:
 def _alike(study: EfficiencyStudy, group: str) -> list[bool]:
     """Whether measured and simulated power order each pair of settings alike."""
     cases = [case for case in study.cases if case.group.name == group and case.measured.mean_power is not None]
-    rows = [(case.measured.mean_power or 0.0, case.mechanical_power[0]) for case in cases]
+    rows = [(case.measured.mean_power or 0.0, case.mechanical_power[study.judged]) for case in cases]
     return [(one[0] - other[0]) * (one[1] - other[1]) > 0.0 for one, other in combinations(rows, 2)]
 
 

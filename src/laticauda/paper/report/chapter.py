@@ -82,8 +82,7 @@ def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles:
     """
     groups, rows = [f"{group.name} [%]" for group in study.settings.groups], list[Row]()
     for score in scores(study):
-        name = score.name if score.n_fitted is None else f"null model: {score.name}"
-        row: Row = {"predictor of v": titles.get(name, name), fitted: score.n_fitted or 0}
+        row: Row = {"predictor of v": titles.get(score.title, score.title), fitted: score.n_fitted or 0}
         row |= {**dict(zip(groups, score.by_group, strict=True)), "all rows [%]": score.overall}
         if isinstance(study, EfficiencyStudy):
             row["leaving one row out [%]"] = score.leave_one_out

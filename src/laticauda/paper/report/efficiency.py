@@ -45,7 +45,7 @@ def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, An
     found, gains, starred, models = scores(study), fin_gains(study.cases), maxima(study), range(len(study.models))
     sweeps, groups = study.settings.sweeps, study.settings.groups
     return {
-        "physical": [score for score in found if score.n_fitted is None],
+        "physical": [score for score in found if not score.is_null],
         "best": best_null(found),
         "n_maxima": len(starred),
         "n_near": [sum(one.distance(i) <= NEAR + 1e-9 for one in starred) for i in models],

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.beyond import BeyondSettings, run_beyond
 from laticauda.paper.efficiency import run_efficiency
 from laticauda.paper.parity import ParitySettings, run_parity
@@ -68,16 +67,12 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
     usual = Experiments()
     if parameters is None:
         return usual
-    given = Coefficients(
-        name=parameters.name,
-        title=parameters.title,
-        waters={gait: parameters.water(gait) for gait in GAIT_WORDS},
-        parameters=parameters,
-    )
+    given = Coefficients.of(parameters)
+    others = [one for one in usual.efficiency.models if one.name != given.name]
     own, beyond = swimmers(given), usual.beyond
     (same,) = (one for one in own if one.name == beyond.drift.swimmer.name)
     return Experiments(
-        efficiency=replace(usual.efficiency, models=(given, *usual.efficiency.models)),
+        efficiency=replace(usual.efficiency, models=(given, *others)),
         links=replace(usual.links, coefficients=given),
         side=replace(usual.side, coefficients=given),
         path_following=replace(usual.path_following, coefficients=given),

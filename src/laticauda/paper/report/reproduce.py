@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,6 +16,8 @@ from laticauda.errors import one_of, whole
 from laticauda.files import write
 from laticauda.packaging import __version__
 from laticauda.paper.claims import Claim, claims, misprints
+from laticauda.paper.efficiency import EfficiencyStudy
+from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report.beyond import beyond_chapter
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
@@ -119,7 +121,7 @@ def reproduce(
     results = {name: part.study for name, part in done.items()}
     judged = claims(*results.values())
     written, first = write_chapter(summary_chapter(results, judged), folder)
-    files, listed = write_chapter(claims_chapter(judged), folder)
+    files, listed = write_chapter(claims_chapter(judged, own_verdicts(results)), folder)
     found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
     text = report.render(
         title=TITLE,
@@ -150,8 +152,12 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
     def figures() -> Iterator[tuple[str, str, Any]]:
         from laticauda.paper.figures.parity import parity_sheet
 
-        points = {f"{name}: {one.name}": np.array([one.measured, one.speeds]) for name, (one, *_) in predictors.items()}
-        sheet = parity_sheet({"forward velocity [m/s]": points}, "measured")
+        shown = {
+            f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
+            for name, (first, *others) in predictors.items()
+            for one in (first, *[other for other in others if other.n_fitted and not other.is_null][:1])
+        }
+        sheet = parity_sheet({"forward velocity [m/s]": shown}, "measured")
         yield "speeds", "Speeds of the robot against those simulated.", sheet
 
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
@@ -164,13 +170,34 @@ def _counted(judged: Sequence[Claim]) -> dict[str, int]:
     return {name: counts[name] for name in VERDICTS if counts[name]}
 
 
-def claims_chapter(found: Sequence[Claim]) -> Chapter:
+def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
+    """What the claims come to with each of the project's own models in place of the paper's coefficients.
+
+    Args:
+        results: Of the studies, by their names in `Experiments`; those about single facts are not run with them.
+    """
+    studies: dict[str, list[Any]] = {}
+    for study in results.values():
+        if isinstance(study, EfficiencyStudy):
+            models = [(i, one.name) for i, one in enumerate(study.settings.models) if one.n_fitted is not None]
+            studies |= {name: [replace(study, judged=i), *studies.get(name, [])] for i, name in models}
+        for one in study.own if isinstance(study, PathFollowingStudy) else ():
+            studies.setdefault(one.settings.coefficients.name, []).append(one)
+    return {name: claims(*mine) for name, mine in studies.items()}
+
+
+def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None) -> Chapter:
     """What the claims put into the folder and the report.
 
     Args:
         found: What `laticauda.paper.claims.claims` returned.
+        own: The same with other models, by name: their verdicts, before those of `found`; None: none.
     """
     claims = [{column: getattr(claim, name) for column, name in COLUMNS.items()} for claim in found]
+    for name, others in (own or {}).items():
+        for row, other in zip(claims, others, strict=True):
+            row[f"with {name}"] = other.verdict
+            row["verdict"] = row.pop("verdict")
     misprinted = [
         {"where": entry.where, "printed": entry.printed, "instead, or against it": entry.instead}
         for entry in misprints()
