@@ -12,11 +12,10 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.pictures import lines, offscreen, render, surroundings
+from laticauda.pictures import lines, offscreen, render
 from laticauda.pictures.camera import VIEW_DEG, calm, view
 from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
-from laticauda.pictures.surroundings import PERIOD, light
 from laticauda.scenarios import Experiment
 
 pytest.importorskip("mujoco")
@@ -179,19 +178,6 @@ def test_the_trail_keeps_its_corners_where_they_were(trial):
 
 
 # ---- pictures -----------------------------------------------------------------------------------------------------
-
-
-def test_light_is_neither_lost_nor_made_and_comes_again():
-    tile = light(64, 0.3)
-    assert tile.mean() == pytest.approx(1.0)
-    assert tile.min() >= 0.0 and tile.max() > 2.0
-    np.testing.assert_array_equal(light(64, 0.3 + PERIOD), tile)
-    assert not np.array_equal(light(64, 1.3), tile)
-
-
-def test_the_floor_of_dry_land_has_no_net_of_light():
-    land = surroundings.floor_picture(surroundings.LAND, 0.0)
-    assert len(np.unique(land.reshape(-1, 3), axis=0)) <= 3  # floor, line, and where lines cross
 
 
 def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():

@@ -57,19 +57,6 @@ class Offscreen:
         mujoco.mjr_readPixels(pixels, None, whole, self._context)
         return pixels[::-1]
 
-    def set_texture(self, name: str, pixels: np.ndarray) -> None:
-        """Let a texture of the model show something else.
-
-        Args:
-            name: Of the texture.
-            pixels: As many as it had.
-        """
-        texture = self.model.texture(name)
-        start = texture.adr[0]
-        self.model.tex_data[start : start + pixels.size] = pixels.ravel()
-        self._window.make_current()
-        load_mujoco().mjr_uploadTexture(self.model, self._context, texture.id)
-
     def close(self) -> None:
         """Give back the graphics memory."""
         self._context.free()

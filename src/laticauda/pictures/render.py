@@ -20,7 +20,6 @@ from laticauda.pictures import lines
 from laticauda.pictures.camera import aim, ripple_period, view
 from laticauda.pictures.offscreen import Offscreen, Picture, check_offscreen
 from laticauda.pictures.replay import Replay
-from laticauda.pictures.surroundings import pictures_of
 from laticauda.trial import Trial
 
 WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
@@ -110,16 +109,11 @@ class _Studio:
         self._replay = Replay(trial, width, height)
         self._path = lines.path_dashes(trial, self._replay.height)
         self._screen = Offscreen(self._replay.model)
-        model = self._replay.model
-        textures = {model.texture(i).name for i in range(model.ntex)}
-        self._moving = {name: show for name, show in pictures_of(trial.environment).items() if name in textures}
 
     def picture(self, time: float, speed: float = 1.0) -> Picture:
         """The picture of a moment, words included."""
         replay, screen, trial, camera = self._replay, self._screen, self._replay.trial, load_mujoco().MjvCamera()
         replay.go_to(time)
-        for texture, show in self._moving.items():  # the net of light and the ripples
-            screen.set_texture(texture, show(time))
         aim(camera, view(trial, time, replay.height, screen.width / screen.height))
         picture = screen.picture(replay.data, camera, lambda scene: self._decorate(scene, time, camera.lookat))
         figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
