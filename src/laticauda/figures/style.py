@@ -151,6 +151,18 @@ def note(ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float
     return ax.annotate(text, at, xytext=shift, textcoords="offset points", **usual)
 
 
+def points(marker: str, size: float, color: str = INK, **look: Any) -> dict[str, Any]:
+    """How marks without a line between them are drawn.
+
+    Args:
+        marker: Their shape.
+        size: [pt].
+        color: Of face and edge, unless `look` has others.
+        look: Further properties of matplotlib's lines.
+    """
+    return {"linestyle": "none", "marker": marker, "markersize": size, "color": color, **look}
+
+
 def light_grid(ax: Axes, axis: Literal["x", "y"]) -> None:
     """Lines behind the data, from the ticks of one axis.
 

@@ -7,7 +7,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -39,6 +38,13 @@ SHOWN = {VELOCITY[0]: ("velocity", "forward_velocity"), POWERS[0]: ("power", "")
 REPEATS = "#007A5A"  # a green that is darker than the models' colors
 BESIDE = 0.035  # how far right of their setting repeated trials are drawn, as a share of the axis
 MARKER = 6.5  # [pt]
+MARKS = {
+    "measured, fastest of its sweep": style.points("*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9),
+    "measured, another setting": style.points("o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9),
+}
+"""By what the legend says."""
+TRIAL = style.points("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
+MEAN = style.points("D", 0.4 * MARKER, REPEATS)
 PANEL_HEIGHT = 2.1  # [in]
 HEAD = 0.42  # height that the title takes [in]
 LEGEND_LINE = 0.165  # height of a line of the legend [in]
@@ -151,11 +157,10 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
 
 def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
     starred = np.array([one.starred == panel.sweep.parameter for one in panel.measured], dtype=bool)
-    for maximum in (False, True):
-        shown = ~np.isnan(quantity) & (starred == maximum)
-        if not np.any(shown):  # the layout takes an empty line that is not clipped for one without end
-            continue
-        ax.plot(panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **_mark(maximum))
+    for is_fastest, look in zip((False, True), reversed(MARKS.values()), strict=True):
+        shown = ~np.isnan(quantity) & (starred == is_fastest)
+        if np.any(shown):  # the layout takes an empty line that is not clipped for one without end
+            ax.plot(panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **look)
 
 
 def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
@@ -165,46 +170,19 @@ def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
     for place, quantity in zip(panel.at(panel.repeats).tolist(), quantities, strict=True):
         known, at = quantity[~np.isnan(quantity)], place + step
         if known.size:
-            ax.plot([at] * known.size, known, clip_on=False, zorder=4, **_dot())
+            ax.plot([at] * known.size, known, clip_on=False, zorder=4, **TRIAL)
         if known.size > 1:
             mean, deviation = float(np.mean(known)), float(np.std(known, ddof=1))
-            ax.errorbar([at + 0.8 * step], [mean], yerr=[deviation], capsize=1.8, zorder=4, **_mean())
-
-
-def _dot() -> dict[str, Any]:
-    return {
-        "color": REPEATS,
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": 0.4 * MARKER,
-        "markerfacecolor": "none",
-        "markeredgewidth": 0.6,
-    }
-
-
-def _mean() -> dict[str, Any]:
-    return {"color": REPEATS, "linestyle": "none", "marker": "D", "markersize": 0.4 * MARKER}
+            ax.errorbar([at + 0.8 * step], [mean], yerr=[deviation], capsize=1.8, zorder=4, **MEAN)
 
 
 def _mean_handle() -> ErrorbarContainer:
     """How a legend shows mean and standard deviation."""
     return ErrorbarContainer(
-        (Line2D([], [], **_mean()), (), (LineCollection([], colors=REPEATS, linewidths=1.0),)),
+        (Line2D([], [], **MEAN), (), (LineCollection([], colors=REPEATS, linewidths=1.0),)),
         has_yerr=True,
         label="their mean and standard deviation",
     )
-
-
-def _mark(maximum: bool) -> dict[str, Any]:
-    face = style.INK if maximum else "white"
-    return {
-        "color": style.INK,
-        "linestyle": "none",
-        "marker": "*" if maximum else "o",
-        "markersize": 1.5 * MARKER if maximum else 0.85 * MARKER,
-        "markerfacecolor": face,
-        "markeredgewidth": 0.9,
-    }
 
 
 def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
@@ -241,10 +219,9 @@ def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
     for i, label in enumerate(panels[0].labels):
         color, dashes = style.LINES[i % len(style.LINES)]
         handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=label))
-    for maximum, label in ((True, "measured, fastest of its sweep"), (False, "measured, another setting")):
-        handles.append(Line2D([], [], label=label, **_mark(maximum)))
+    handles += [Line2D([], [], label=label, **look) for label, look in MARKS.items()]
     if any(panel.repeats for panel in panels):
-        handles.append(Line2D([], [], label="repeated trials, beside their setting", **_dot()))
+        handles.append(Line2D([], [], label="repeated trials, beside their setting", **TRIAL))
         handles.append(_mean_handle())
     return handles
 

@@ -19,32 +19,11 @@ AROUND = 1.35  # height that title, labels and legend take [in]
 GAP = 1.0  # rows between two groups, for the name of the second
 # By joint law in its order, told apart by shapes too.
 LAWS: tuple[tuple[str, str], ...] = ((style.BLUE, "o"), (style.ORANGE, "^"), (style.AMBER, "s"))
-MARKS: dict[str, dict[str, Any]] = {
-    "measured": {
-        "marker": "D",
-        "color": style.INK,
-        "markeredgecolor": "white",
-        "markeredgewidth": 0.6,
-        "markersize": 6.0,
-        "zorder": 4,
-    },
-    "chosen": {
-        "marker": "o",
-        "markerfacecolor": "none",
-        "markeredgecolor": style.INK,
-        "markeredgewidth": 0.8,
-        "markersize": 9.5,
-        "zorder": 5,
-    },
-    "mean": {
-        "marker": "o",
-        "markerfacecolor": "white",
-        "markeredgecolor": style.BLUE,
-        "markeredgewidth": 1.2,
-        "markersize": 5.5,
-        "zorder": 3,
-    },
-    "null": {"marker": "|", "color": style.GRAY, "markersize": 13.0, "markeredgewidth": 2.0, "zorder": 1},
+MARKS = {
+    "measured": style.points("D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4),
+    "chosen": style.points("o", 9.5, markerfacecolor="none", markeredgewidth=0.8, zorder=5),
+    "mean": style.points("o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3),
+    "null": style.points("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
 }
 RANGE: dict[str, Any] = {"color": "#C9DDEA", "linewidth": 5.0, "solid_capstyle": "round", "zorder": 0}
 
@@ -63,11 +42,11 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
         ax.plot([min(speeds), max(speeds)], [y, y], **RANGE)
         for (color, marker), law in zip(LAWS, _bandwidths(row), strict=False):
             runs = [run.forward_velocity for run in row.band if run.joints == law]
-            ax.plot(runs, [y] * len(runs), color=color, marker=marker, markersize=4.0, linestyle="none", zorder=3)
+            ax.plot(runs, [y] * len(runs), **style.points(marker, 4.0, color), zorder=3)
         values = {"null": predicted, "mean": row.cycle_mean.forward_velocity}
         values |= {"chosen": row.run.forward_velocity, "measured": row.measured.forward_velocity}
         for name, speed in values.items():
-            ax.plot([speed], [y], linestyle="none", clip_on=False, **MARKS[name])
+            ax.plot([speed], [y], clip_on=False, **MARKS[name])
     for i, (row, y) in enumerate(zip(rows, places, strict=True)):
         if i == 0 or row.group != rows[i - 1].group:
             ax.text(0.001, y - 0.75, row.group.name, fontsize=style.TICK, color=style.INK, weight="bold", va="center")
@@ -97,10 +76,10 @@ def following_speeds_sheet(
     following_speeds(rows, null[1], figure.subplots())
     words = {"measured": "measured in the tank", "chosen": chosen, "mean": "the same, cycle-mean heading"}
     words["null"] = null[0]
-    handles = [Line2D([], [], linestyle="none", label=label, **MARKS[name]) for name, label in words.items()]
+    handles = [Line2D([], [], label=label, **MARKS[name]) for name, label in words.items()]
     for (color, marker), (law, found) in zip(LAWS, _bandwidths(rows[0]).items(), strict=False):
         label = f"{law} joints, {' and '.join(f'{each:g}' for each in found)} rad/s, raw heading"
-        handles.append(Line2D([], [], linestyle="none", color=color, marker=marker, markersize=4.0, label=label))
+        handles.append(Line2D([], [], label=label, **style.points(marker, 4.0, color)))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
     style.legend_below(figure, handles, handlelength=1.4, handletextpad=0.7)
