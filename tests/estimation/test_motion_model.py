@@ -5,11 +5,21 @@ import pytest
 
 import laticauda as lc
 from laticauda.estimation import Mount
-from laticauda.estimation.digital_twin import Displacement
+from laticauda.estimation.digital_twin import TwinState
 from laticauda.estimation.motion_model import JOINTS, MotionModel
 
 STEP = 1e-6
-FORESEEN = Displacement(along=0.003, across=-0.001, turn=0.02)
+FORESEEN = TwinState(
+    plant=None,
+    center_of_mass=np.zeros(2),
+    velocity=np.zeros(2),
+    heading=0.0,
+    rate=0.0,
+    joint_angle=np.zeros(8),
+    along=0.003,
+    across=-0.001,
+    turn=0.02,
+)
 
 
 def model(has_twin: bool = False, swim_speed: float | None = None) -> MotionModel:

@@ -8,46 +8,21 @@ are its parameters.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 # pyright: reportMissingTypeStubs=false
 
-from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from laticauda.control.averaged import AveragedModel
 from laticauda.extras import optional_import
+
+if TYPE_CHECKING:
+    from laticauda.control.predictive import ModelPredictive
 
 Array = np.ndarray
 _N_STATES, _N_COMMANDS = 6, 2
 # An offset that wanders costs nothing in the model and wear on the robot: a little keeps it quiet [1/rad^2].
 _OFFSET_CHANGE = 30.0
 _FREQUENCY_CHANGE = 0.3
-
-
-@dataclass(frozen=True, kw_only=True)
-class HorizonProblem:
-    """What does not change from plan to plan."""
-
-    model: AveragedModel
-    """What moves."""
-    stages: tuple[float, ...]
-    """How long each command is held [s]."""
-    offset: float
-    """Largest to either side [rad]."""
-    offset_rate: float
-    """Largest to either side [rad/s]."""
-    frequency: tuple[float, float]
-    """Least and greatest [rad/s]."""
-    frequency_rate: float
-    """Largest to either side [rad/s^2]."""
-    power: float
-    """Largest mean over a cycle [W]; infinite: no limit."""
-    speed: float
-    """Along the path, that is asked for [m/s]."""
-    tolerances: tuple[float, float, float, float]
-    """Error that costs 1 per second: distance [m], course [rad], speed [m/s], power [W]."""
-    iterations: int
-    """Most that the solver takes."""
 
 
 class Given(NamedTuple):
@@ -78,11 +53,11 @@ class Plan(NamedTuple):
     """How many it took."""
 
 
-def plan(problem: HorizonProblem, given: Given, begin: Array | None) -> Plan:
+def plan(problem: "ModelPredictive", given: Given, begin: Array | None) -> Plan:
     """Solve one.
 
     Args:
-        problem: The structure; its solver is built once.
+        problem: The structure, whatever its path: its solver is built once.
         given: The numbers of this instant.
         begin: The unknowns of the last plan; None at the start.
 
@@ -105,7 +80,7 @@ def plan(problem: HorizonProblem, given: Given, begin: Array | None) -> Plan:
 
 
 @cache
-def _solver(problem: HorizonProblem) -> tuple[Any, Array, Array, Array, Array]:
+def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array]:
     """IPOPT for the problem, with the limits of the unknowns and of the rules."""
     casadi = optional_import("Model-predictive control", "CasADi", "mpc", "casadi")
     n, model = len(problem.stages), problem.model
@@ -137,24 +112,23 @@ def _solver(problem: HorizonProblem) -> tuple[Any, Array, Array, Array, Array]:
         "plan", "ipopt", {"x": unknowns, "p": parameters, "f": cost, "g": rules}, quiet | effort | warm
     )
     free = np.full(_N_STATES * n, np.inf)
-    low = np.concatenate([-free, np.tile([problem.frequency[0], -problem.offset], n)])
-    high = np.concatenate([free, np.tile([problem.frequency[1], problem.offset], n)])
+    low = np.concatenate([-free, np.tile([problem.frequencies[0], -problem.max_offset], n)])
+    high = np.concatenate([free, np.tile([problem.frequencies[1], problem.max_offset], n)])
     pace = np.tile([problem.frequency_rate, problem.offset_rate], n)
     tied = np.zeros(_N_STATES * n)
-    most = np.full(n, problem.power)
+    most = np.full(n, problem.power_limit)
     return solver, low, high, np.concatenate([tied, -pace, -np.inf * np.ones(n)]), np.concatenate([tied, pace, most])
 
 
-def _cost(problem: HorizonProblem, casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
+def _cost(problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
     """What a second of it costs. Far from the path the distance counts in proportion, not squared."""
-    model = problem.model
-    distance, course, slow, spent = problem.tolerances
     x, y, psi, _, u, w = (state[i] for i in range(_N_STATES))
     c, s = casadi.cos(psi - path[2]), casadi.sin(psi - path[2])
     cp, sp = casadi.cos(path[2]), casadi.sin(path[2])
     error = cp * (y - path[1]) - sp * (x - path[0])
     along = u * c - w * s + drift[0] * cp + drift[1] * sp
     across = u * s + w * c + drift[1] * cp - drift[0] * sp
-    total = 2.0 * (casadi.sqrt(1.0 + (error / distance) ** 2) - 1.0)
-    total += (across / problem.speed / course) ** 2 + ((problem.speed - along) / slow) ** 2
-    return total + model.power(f, offset) / spent
+    total = 2.0 * (casadi.sqrt(1.0 + (error / problem.cross_track_tolerance) ** 2) - 1.0)
+    total += (across / problem.speed / problem.course_tolerance) ** 2
+    total += ((problem.speed - along) / problem.speed_tolerance) ** 2
+    return total + problem.model.power(f, offset) / problem.power_tolerance

@@ -13,7 +13,8 @@ from laticauda.control.frames import Path, PathFrame
 from laticauda.control.guidance import LineOfSight
 from laticauda.control.heading import HeadingController
 from laticauda.control.path_following import refuse_offset
-from laticauda.control.planning import Given, HorizonProblem, Plan, plan
+from laticauda.control.paths import StraightLine
+from laticauda.control.planning import Given, Plan, plan
 from laticauda.errors import BadArgument, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
@@ -110,21 +111,15 @@ class ModelPredictive(Controller[PredictiveState]):
         """Least and greatest frequency [rad/s]."""
         return self.frequency_limits or (self.gait.frequency, self.gait.frequency)
 
+    @property
+    def stages(self) -> tuple[float, ...]:
+        """How long a plan holds each command [s]."""
+        return (self.interval, *(self.stage,) * self.horizon)
+
     @cached_property
-    def _problem(self) -> HorizonProblem:
-        tolerances = (self.cross_track_tolerance, self.course_tolerance, self.speed_tolerance, self.power_tolerance)
-        return HorizonProblem(
-            model=self.model,
-            stages=(self.interval, *(self.stage,) * self.horizon),
-            offset=self.max_offset,
-            offset_rate=self.offset_rate,
-            frequency=self.frequencies,
-            frequency_rate=self.frequency_rate,
-            power=self.power_limit,
-            speed=self.speed,
-            tolerances=tolerances,
-            iterations=self.iterations,
-        )
+    def _problem(self) -> "ModelPredictive":
+        """What does not change from plan to plan: all but the path, which may not be hashable."""
+        return replace(self, path=StraightLine())
 
     def init(self) -> PredictiveState:
         """Before the first control instant."""
@@ -162,7 +157,7 @@ class ModelPredictive(Controller[PredictiveState]):
         drift, mean = _turned(np.array(seen.drift), -chi), seen.mean
         psi = wrap_to_pi(float(mean[PSI]) - chi)
         pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
-        ahead = frame.along_track_distance + pace * np.cumsum(self._problem.stages)
+        ahead = frame.along_track_distance + pace * np.cumsum(self.stages)
         # Ends of a short piece around each point: where they are and where they go.
         piece = 0.01
         before, after = (self.path.points(ahead + sign * piece) for sign in (-1.0, 1.0))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.estimation.digital_twin import Displacement as Displacement, TwinState as TwinState
+    from laticauda.estimation.digital_twin import TwinState as TwinState
     from laticauda.estimation.filter import Estimator as Estimator
     from laticauda.estimation.filter_state import EstimatorState as EstimatorState, FilterState as FilterState
     from laticauda.estimation.filter_state import Noise as Noise

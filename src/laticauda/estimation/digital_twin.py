@@ -49,18 +49,12 @@ class TwinState:
     """Its joint angles [rad]."""
     astray: float = 0.0
     """For how long a joint has been more than `ASTRAY` from the robot's [s]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Displacement:
-    """What the twin did in one step, in its own axes at the step's start."""
-
-    along: float
-    """Way of the center of mass through the water, along the heading (6) [m]."""
-    across: float
+    along: float = 0.0
+    """Way of the center of mass through the water in the last step, along the heading (6) at its start [m]."""
+    across: float = 0.0
     """To the left of it [m]."""
-    turn: float
-    """Change of the heading [rad]."""
+    turn: float = 0.0
+    """Change of the heading in the last step [rad]."""
 
 
 def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
@@ -111,8 +105,8 @@ def step_twin(
     dt: float,
     *,
     fin: tuple[float, ...] = (),
-) -> tuple[TwinState, Displacement] | None:
-    """The twin after some time, and what it did; None if it diverged, or is not what the robot is.
+) -> TwinState | None:
+    """The twin after some time; None if it diverged, or is not what the robot is.
 
     Its joints follow phi_ref + k (phi - phi_twin): references drive it, and what the sensors say pulls it along.
 
@@ -138,19 +132,21 @@ def step_twin(
     is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
     if trouble is not None or not is_sane or astray > ASTRAY_TIME:
         return None
-    after = TwinState(
+    center_of_mass, heading = log.center_of_mass[-1, :2], float(log.heading[-1])
+    way = center_of_mass - state.center_of_mass - dt * drift
+    c, s = math.cos(state.heading), math.sin(state.heading)
+    return TwinState(
         plant=then,
-        center_of_mass=log.center_of_mass[-1, :2],
+        center_of_mass=center_of_mass,
         velocity=velocity,
-        heading=float(log.heading[-1]),
+        heading=heading,
         rate=rate,
         joint_angle=log.joint_angle[-1],
         astray=astray,
+        along=float(c * way[0] + s * way[1]),
+        across=float(c * way[1] - s * way[0]),
+        turn=heading - state.heading,
     )
-    way = after.center_of_mass - state.center_of_mass - dt * drift
-    c, s = math.cos(state.heading), math.sin(state.heading)
-    along, across = float(c * way[0] + s * way[1]), float(c * way[1] - s * way[0])
-    return after, Displacement(along=along, across=across, turn=after.heading - state.heading)
 
 
 def _held(reference: Vector, fin: tuple[float, ...] = ()) -> Command:

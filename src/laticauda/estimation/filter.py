@@ -177,18 +177,16 @@ class Estimator(StateEstimator):
 
     def _substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
         """Twin and robot after one step; the joints' lagged references are already those at its end."""
-        posterior, displacement = state.posterior, None
+        posterior = state.posterior
         if state.twin is not None and self.plant is not None:
             joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
             fin = state.fin_reference
-            then = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=fin)
-            if then is None:
-                state = replace(state, twin=None, twin_failed=True)
-                posterior = None if posterior is None else self.model.reopened(posterior)
-            else:
-                state, displacement = replace(state, twin=then[0]), then[1]
+            twin = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=fin)
+            if twin is None and posterior is not None:
+                posterior = self.model.reopened(posterior)
+            state = replace(state, twin=twin, twin_failed=twin is None)
         if posterior is not None:
-            mean, f, q = self._model_of(state).step(posterior.mean, lagged, state.frequency, dt, displacement)
+            mean, f, q = self._model_of(state).step(posterior.mean, lagged, state.frequency, dt, state.twin)
             posterior = posterior.predict(mean, f, q)
         return replace(state, posterior=posterior)
 

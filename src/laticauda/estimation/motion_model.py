@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from laticauda.estimation.digital_twin import Displacement, TwinState
+from laticauda.estimation.digital_twin import TwinState
 from laticauda.estimation.filter_state import Gaussian, Matrix, Noise, Vector
 from laticauda.estimation.samples import Mount
 from laticauda.kinematics import Posture, link_angles
@@ -132,7 +132,7 @@ class MotionModel:
         return variance
 
     def step(
-        self, mean: Vector, reference: Vector, frequency: float, dt: float, displacement: Displacement | None = None
+        self, mean: Vector, reference: Vector, frequency: float, dt: float, twin: TwinState | None = None
     ) -> tuple[Vector, Matrix, Matrix]:
         """One step of time.
 
@@ -141,7 +141,7 @@ class MotionModel:
             reference: What joint angles deviate from [rad].
             frequency: Of the gait, omega [rad/s].
             dt: [s].
-            displacement: What the twin did meanwhile; None without one.
+            twin: After its own step; None without one.
 
         Returns:
             The mean after it, F and Q.
@@ -149,7 +149,7 @@ class MotionModel:
         f, q = np.eye(self.size), np.zeros((self.size, self.size))
         after = mean.copy()
         bend = float(self.modes[0] @ (reference + mean[JOINTS::2]))
-        self._travel(mean, after, f, bend, dt, displacement)
+        self._travel(mean, after, f, bend, dt, twin)
         self._wander(after, f, q, frequency, dt)
         self._ripples(after, f, q, frequency, dt)
         places = np.arange(JOINTS, self.size, 2)
@@ -158,12 +158,10 @@ class MotionModel:
         _walk_of_rate(q, places, self.noise.joint_acceleration**2, dt)
         return after, f, q
 
-    def _travel(
-        self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, displacement: Displacement | None
-    ) -> None:
+    def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, twin: TwinState | None) -> None:
         """The smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
-        foreseen = 0.0 if displacement is None else displacement.turn
-        lever = bend if displacement is None else foreseen / dt
+        foreseen = 0.0 if twin is None else twin.turn
+        lever = bend if twin is None else foreseen / dt
         turning = mean[R] + mean[TURN] * lever
         h = mean[H] + 0.5 * (dt * turning + foreseen)
         c, s = math.cos(h), math.sin(h)
@@ -173,12 +171,12 @@ class MotionModel:
         per_bend = dt * self.modes[0]
         across = mean[S] + mean[SLIP] * bend
         turned = dt * np.array([-s * mean[U] - c * across, c * mean[U] - s * across])
-        if displacement is None:
+        if twin is None:
             f[H, JOINTS::2] = mean[TURN] * per_bend
         else:
             h0 = mean[H] + 0.5 * dt * turning
             c0, s0 = math.cos(h0), math.sin(h0)
-            ahead, aside = displacement.along, displacement.across
+            ahead, aside = twin.along, twin.across
             way = np.array([c0 * ahead - s0 * aside, s0 * ahead + c0 * aside])
             after[[X, Y]] += way
             turned += np.array([-way[1], way[0]])
