@@ -1,10 +1,7 @@
-"""The robot's CAN bus: which one of python-can's it is, how it is opened, and whether the robot's frames fit on it."""
+"""The robot's CAN bus: which one of python-can's it is, how it is opened, and what of it the robot's frames take."""
 
 import ipaddress
-import math
 import socket
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import Any, Literal, cast
 
 from laticauda.errors import BadArgument, LaticaudaError, positive, whole
@@ -122,44 +119,6 @@ SLOW_RATES = {"Loads": 20.0, "Acceleration": 20.0, "Heartbeat": 10.0}  # [Hz]
 RARE = ("EmergencyStop", "NodeCommand", "CommandReply")  # no share of the load worth counting
 
 
-@dataclass(frozen=True, kw_only=True)
-class Traffic:
-    """One kind of frame on the bus."""
-
-    name: str
-    """Its name in the DBC file [-]."""
-    identifier: int
-    """The first of its identifiers [-]."""
-    frames: int
-    """How many of them come every period [-]."""
-    rate: float
-    """[Hz]."""
-    bits: int
-    """Of one frame, in the worst case [bit]."""
-    share: float
-    """Of the bus [-]."""
-    delay: float
-    """From when the last one of them could be sent until it has arrived, in the worst case [s]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BusLoad:
-    """What the bus has to carry."""
-
-    traffic: tuple[Traffic, ...]
-    """By priority, the first one first."""
-
-    @property
-    def share(self) -> float:
-        """Of the time, the bus is busy at most so much [-]."""
-        return math.fsum(kind.share for kind in self.traffic)
-
-    @property
-    def fits(self) -> bool:
-        """Whether every frame has arrived before the next one of its kind is due."""
-        return self.share < 1.0 and all(kind.delay < 1.0 / kind.rate for kind in self.traffic)
-
-
 def frame_bits(n_bytes: int) -> int:
     """The longest that a frame with an 11-bit identifier can be on the wire, with the pause of 3 bits behind it.
 
@@ -186,12 +145,11 @@ def frame_bits(n_bytes: int) -> int:
     return 8 * n_bytes + 47 + (34 + 8 * n_bytes - 1) // 4
 
 
-def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BITRATE) -> BusLoad:
-    """The load of the robot's bus in the worst case.
+def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BITRATE) -> dict[str, float]:
+    """Shares of the robot's bus that every kind of frame takes in the worst case, by its name, by priority [-].
 
     Every period has a Sync, the references, and a JointState of every node; sensors and heartbeats come at their own
-    slower rates (`SLOW_RATES`). The delays are those of the sufficient test of Davis et al. 2007: a frame waits for the
-    longest frame that may just have begun, and for all of higher priority that can come meanwhile.
+    slower rates (`SLOW_RATES`). Frames fit while the sum is well below 1.
 
     Args:
         n_nodes: Joint modules and a driven fin's, 1 to 19.
@@ -203,31 +161,11 @@ def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BI
     """
     if whole("n_nodes", n_nodes, 1) > N_NODES:
         raise BadArgument("n_nodes", f"must be <= {N_NODES}, got {n_nodes}")
-    positive("rate", rate, "Hz")
-    positive("bitrate", bitrate, "bit/s")
-    traffic: list[Traffic] = []
-    for layout in sorted(LAYOUTS, key=lambda layout: layout.identifier):
-        name, bits = layout.kind.__name__, frame_bits(layout.length)
-        if name not in RARE:
-            often = SLOW_RATES.get(name, rate)
-            count = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}[layout.number]
-            share, first = count * often * bits / bitrate, layout.identifier + layout.numbers[0]
-            one = Traffic(name=name, identifier=first, frames=count, rate=often, bits=bits, share=share, delay=math.inf)
-            traffic.append(one)
-    delays = (_delay(traffic, at, bitrate) for at in range(len(traffic)))
-    return BusLoad(traffic=tuple(replace(one, delay=delay) for one, delay in zip(traffic, delays, strict=True)))
-
-
-def _delay(traffic: Sequence[Traffic], at: int, bitrate: float) -> float:
-    """Worst-case response time of the last frame of kind `at` [s]; infinite if there is none."""
-    own = traffic[at].bits / bitrate
-    before = max(kind.bits for kind in traffic) / bitrate + (traffic[at].frames - 1) * own
-    ahead = [(kind.frames * kind.bits / bitrate, kind.rate) for kind in traffic[:at]]
-    wait = before
-    while True:
-        needed = before + sum(math.ceil((wait + 1.0 / bitrate) * rate) * time for time, rate in ahead)
-        if needed > 1.0 / traffic[at].rate:
-            return math.inf
-        if needed <= wait:
-            return wait + own
-        wait = needed
+    period = positive("bitrate", bitrate, "bit/s") / positive("rate", rate, "Hz")
+    frames = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}
+    kinds = {one.kind.__name__: one for one in sorted(LAYOUTS, key=lambda one: one.identifier)}
+    return {
+        name: frames[one.number] * frame_bits(one.length) / period * SLOW_RATES.get(name, rate) / rate
+        for name, one in kinds.items()
+        if name not in RARE
+    }
