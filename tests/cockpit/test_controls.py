@@ -259,7 +259,7 @@ def test_forces_failure_and_reset_are_shown(cockpit):
     assert cockpit._scene._forces.points.shape == (9, 2, 3)
     assert cockpit._scene._forces_at.visible
     assert "measured in the paper" in cockpit._figures.content
-    live._simulation = replace(live._simulation, failure="The run diverged.")
+    live.simulation = replace(live.simulation, failure="The run diverged.")
     for _ in range(12):
         cockpit.frame()
     assert cockpit._figures.content.startswith("**The run diverged.**")

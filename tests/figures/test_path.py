@@ -27,7 +27,7 @@ def test_the_path_is_drawn_at_equal_scales_in_meters(ax: Axes):
 @pytest.mark.parametrize("name", ["lateral", "fin", "eel with fin"])
 def test_a_posture_has_the_robots_real_lengths(name: str):
     trial = run(name)
-    robot = postures.planar_body(trial)
+    robot = trial.chain
     for sample in (0, 100, -1):
         steps = np.diff(postures.outline(robot, trial, sample), axis=0)
         fin = robot.caudal_fin.length if robot.caudal_fin else 0.0
@@ -37,7 +37,7 @@ def test_a_posture_has_the_robots_real_lengths(name: str):
 
 def test_a_body_has_its_real_width_and_its_head_in_front(ax: Axes):
     trial = run("lateral")
-    robot = postures.planar_body(trial)
+    robot = trial.chain
     postures.draw_posture(ax, robot, postures.outline(robot, trial, 0), 0.0)
     body, head, _ = (found for found in ax.collections if isinstance(found, PolyCollection))
     corners = np.vstack([path.vertices for path in body.get_paths() + head.get_paths()])
@@ -56,7 +56,7 @@ def test_the_last_posture_is_always_drawn(name: str):
 @pytest.mark.parametrize("name", ["lateral", "eel", "fin", "curve", "circle", "ground", "north"])
 def test_postures_of_a_long_run_do_not_lie_on_each_other(name: str):
     trial = run(name)
-    robot = postures.planar_body(trial)
+    robot = trial.chain
     bodies = [postures.outline(robot, trial, sample) for sample in postures.instants(trial)]
     assert len(bodies) >= 2
     for i, one in enumerate(bodies):
@@ -75,7 +75,7 @@ def test_older_postures_are_lighter(ax: Axes):
 
 def test_a_fin_ends_at_the_trailing_edge(ax: Axes):
     trial = run("fin")
-    robot = postures.planar_body(trial)
+    robot = trial.chain
     points = postures.outline(robot, trial, 200)
     expected = Posture(robot, trial.center_of_mass[200], trial.link_angle[200]).trailing_edge
     np.testing.assert_allclose(points[0], expected)

@@ -75,7 +75,8 @@ class Live:
 
     def __init__(self, scenario: Scenario) -> None:
         self._lock = threading.RLock()
-        self._simulation = begin(scenario)
+        self.simulation: Simulation = begin(scenario)
+        """The simulation as it is."""
         self._speed = 1.0
         self._debt = 0.0
         self.paused = False
@@ -89,14 +90,9 @@ class Live:
         self._latest = self._sample()
 
     @property
-    def simulation(self) -> Simulation:
-        """The simulation as it is."""
-        return self._simulation
-
-    @property
     def scenario(self) -> Scenario:
         """What swims how."""
-        return self._simulation.scenario
+        return self.simulation.scenario
 
     @property
     def speed(self) -> float:
@@ -125,7 +121,7 @@ class Live:
         with self._lock:
             before, now = self._record.last(), _series(self._latest)
             log = {name: np.concatenate((before.get(name, one[None][:0]), one[None])) for name, one in now.items()}
-            return log_of(log), self._simulation
+            return log_of(log), self.simulation
 
     def advance(self, wall: float) -> int:
         """Let time pass.
@@ -137,7 +133,7 @@ class Live:
             How many ticks the simulation made.
         """
         with self._lock:
-            if self.paused or self._simulation.failure is not None:
+            if self.paused or self.simulation.failure is not None:
                 self._debt = 0.0
                 return 0
             self._debt += wall * self._speed
@@ -148,7 +144,7 @@ class Live:
                 n = MOST_TICKS
             for k in range(n):
                 self._tick(forces=self.link_forces and k == n - 1)
-                if self._simulation.failure is not None:
+                if self.simulation.failure is not None:
                     break
             return n
 
@@ -164,7 +160,7 @@ class Live:
         with self._lock:
             if scenario == self.scenario:
                 return
-            self._simulation = self._simulation.altered(scenario)
+            self.simulation = self.simulation.altered(scenario)
             self._record.clear()
             self._latest = self._sample()
 
@@ -176,7 +172,7 @@ class Live:
     def reset(self) -> None:
         """Begin anew with the present scenario, where it first began."""
         with self._lock:
-            self._simulation = begin(self.scenario)
+            self.simulation = begin(self.scenario)
             self._plots.clear()
             self._record.clear()
             self._debt = 0.0
@@ -193,8 +189,8 @@ class Live:
         """
         with self._lock:
             controller = self.scenario.controller
-            while math.isfinite(controller.interval) and self._simulation.ticks % self._simulation.control_ticks:
-                if self._simulation.failure is not None:
+            while math.isfinite(controller.interval) and self.simulation.ticks % self.simulation.control_ticks:
+                if self.simulation.failure is not None:
                     break
                 self._tick(forces=False)
             log, now = self.record()
@@ -215,8 +211,8 @@ class Live:
 
     def _tick(self, *, forces: bool) -> None:
         before = self._latest
-        self._simulation, log = self._simulation.advance(link_forces=forces)
-        if self._simulation.failure is not None:
+        self.simulation, log = self.simulation.advance(link_forces=forces)
+        if self.simulation.failure is not None:
             return
         # A sample is the end of a tick; what the controller said there belongs to the next one.
         self._record.append(_series(replace(before, signals={**before.signals, **log.at(0).signals})))
@@ -230,10 +226,10 @@ class Live:
         else:
             work = float(now.work[0] - before.work[0])
         row: dict[str, float | np.ndarray] = {
-            "time": self._simulation.time,
+            "time": self.simulation.time,
             "speed": float(np.linalg.norm(now.center_of_mass_velocity[:2])),
             "power": work / TICK,
-            "cross_track_error": self._simulation.cross_track_error,
+            "cross_track_error": self.simulation.cross_track_error,
             "heading": math.degrees(now.heading),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
@@ -242,7 +238,7 @@ class Live:
 
     def _sample(self) -> Log:
         """A first sample of a simulation that has just been made or changed, without letting time pass."""
-        return self._simulation.advance()[1].at(0)
+        return self.simulation.advance()[1].at(0)
 
 
 def _series(sample: Log) -> dict[str, np.ndarray]:

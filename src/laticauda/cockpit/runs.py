@@ -64,7 +64,7 @@ class Ghost:
         trial.need("a picture of the robot", "joint_angle", "heading", "link_angle")
         self.shift = np.zeros(trial.center_of_mass.shape[1])
         """By which it is shown beside its place [m]."""
-        self.robot: Robot = trial.robot if trial.center_of_mass.shape[1] == 3 else trial.robot.planar()
+        self.robot: Robot = trial.chain
         self._trial = trial
         if trial.center_of_mass.shape[1] == 3 and "orientation_w" not in trial.signals:
             raise ValueError("The trial must say which way the robot was turned in space, to be shown.")

@@ -4,6 +4,7 @@
 # pyright: reportUnknownMemberType=false
 
 import math
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -39,7 +40,7 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
         trial: Any trial, a failed one too.
         ax: Where to draw.
     """
-    robot = planar_body(trial)
+    robot = trial.chain
     half_width = max(module.section.half_width for module in robot.modules)
     samples = instants(trial)
     for k, sample in enumerate(samples):
@@ -58,7 +59,7 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
 
 def extent(trial: Trial) -> tuple[float, float]:
     """Width and height that path and postures take, with room for the times [m]."""
-    robot = planar_body(trial)
+    robot = trial.chain
     bodies = [outline(robot, trial, sample) for sample in instants(trial)]
     width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
     room = 2.0 * MARGIN * max(width, height)
@@ -114,18 +115,11 @@ def _tell_current(ax: Axes, current: tuple[float, float]) -> None:
     figure = ax.get_figure(root=True)
     assert figure is not None
     # Points, counted from the corner: the arrow keeps its size and its direction.
-    in_points = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + _at_upper_right(ax)
+    corner = ScaledTranslation(1.0, 1.0, ax.transAxes)  # pyright: ignore[reportArgumentType]  # any transform will do
+    in_points = Affine2D().scale(1.0 / 72.0) + figure.dpi_scale_trans + corner
     tip = tuple(7.0 * part / strength for part in current)
-    ax.annotate(
-        f"current {strength:.3g} m/s",
-        (-20.0, 9.0),
-        xycoords=in_points,
-        ha="right",
-        va="center",
-        fontsize=style.TICK,
-        color=style.INK,
-        annotation_clip=False,
-    )
+    look: Any = {"xycoords": in_points, "ha": "right", "va": "center", "color": style.INK, "annotation_clip": False}
+    style.note(ax, f"current {strength:.3g} m/s", (-20.0, 9.0), (0, 0), **look)
     arrow = FancyArrowPatch(
         (-10.0 - tip[0], 9.0 - tip[1]),
         (-10.0 + tip[0], 9.0 + tip[1]),
@@ -141,17 +135,7 @@ def _tell_current(ax: Axes, current: tuple[float, float]) -> None:
     ax.add_patch(arrow)
 
 
-def _at_upper_right(ax: Axes) -> ScaledTranslation:
-    """Shifts to the upper right corner of axes."""
-    return ScaledTranslation(1.0, 1.0, ax.transAxes)  # pyright: ignore[reportArgumentType]  # any transform will do
-
-
 # ---- postures ------------------------------------------------------------------------------------------------------
-
-
-def planar_body(trial: Trial) -> Robot:
-    """The robot whose links the columns of `link_angle` are."""
-    return trial.robot if trial.center_of_mass.shape[1] == 3 else trial.robot.planar()
 
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
@@ -185,12 +169,12 @@ def is_crowded(trial: Trial) -> bool:
 def _body_lengths(trial: Trial) -> float:
     """Length of the path in lengths of the body with its fin, and a little room."""
     steps = np.diff(trial.center_of_mass[:, :2], axis=0)
-    return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * planar_body(trial).reach)
+    return float(np.sum(np.linalg.norm(steps, axis=1))) / (1.06 * trial.chain.reach)
 
 
 def _apart(trial: Trial, samples: list[int]) -> list[int]:
     """Those samples whose bodies stay clear of all later ones; the last is always kept."""
-    robot = planar_body(trial)
+    robot = trial.chain
     clearance = 2.5 * max(module.section.half_width for module in robot.modules)
     kept: list[int] = []
     bodies: list[Points] = []
@@ -219,14 +203,13 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
     widths = [module.section.half_width for module in robot.modules]
     links = [_link(ends[i], ends[i + 1], width) for i, width in enumerate(widths[:-1])]
     bends = [_circle(ends[i + 1], min(widths[i], widths[i + 1])) for i in range(len(widths) - 1)]
-    body = PolyCollection([*links, *bends], facecolor=_faded(style.BLUE, age), edgecolor="none", zorder=order)
-    head = PolyCollection(
-        [_head(ends[-2], ends[-1], widths[-1])], facecolor=_faded(style.AMBER, age), edgecolor="none", zorder=order
-    )
-    ax.add_collection(body)
-    ax.add_collection(head)
     hinges = [_circle(end, 0.22 * min(widths)) for end in ends[1:-1]]
-    ax.add_collection(PolyCollection(hinges, facecolor="white", edgecolor="none", zorder=order + 0.01))
+    for polygons, color, place in (
+        ([*links, *bends], _faded(style.BLUE, age), order),
+        ([_head(ends[-2], ends[-1], widths[-1])], _faded(style.AMBER, age), order),
+        (hinges, "white", order + 0.01),
+    ):
+        ax.add_collection(PolyCollection(polygons, facecolor=color, edgecolor="none", zorder=place))
 
 
 def _draw_fin(ax: Axes, fin: CaudalFin, line: Points, age: float) -> None:

@@ -39,6 +39,7 @@ LINES: tuple[tuple[str, Any], ...] = (
     (INK, (0, (1, 1.5))),
     (AMBER, (0, (5, 1, 1, 1))),
 )
+LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
 AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # what was to be reached, or was measured
 
 
@@ -100,13 +101,12 @@ def head(figure: Figure, title: str, note: str = "") -> None:
 
 def legend(ax: Axes, **settings: Any) -> None:
     """A legend without a frame."""
-    ax.legend(fontsize=TICK, labelcolor=INK, frameon=False, handlelength=1.6, borderaxespad=0.2, **settings)
+    ax.legend(handlelength=1.6, borderaxespad=0.2, **LEGEND, **settings)
 
 
 def outside_legend(figure: Figure, ax: Axes, place: Literal["outside lower left", "outside right upper"]) -> None:
     """A legend of one panel's lines outside of all panels."""
-    handles, words = ax.get_legend_handles_labels()
-    figure.legend(handles, words, loc=place, fontsize=TICK, labelcolor=INK, frameon=False)
+    figure.legend(*ax.get_legend_handles_labels(), loc=place, **LEGEND)
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[Any] | None = None, **settings: Any) -> None:
@@ -120,8 +120,7 @@ def legend_below(figure: Figure, handles: Sequence[Any], labels: Sequence[Any] |
     """
     own: dict[str, Any] = {"ncols": 2, "handlelength": 2.6, **settings}
     named = {} if labels is None else {"labels": labels}
-    common: dict[str, Any] = {"loc": "outside lower center", "fontsize": TICK, "labelcolor": INK, "frameon": False}
-    figure.legend(handles=handles, **named, **common, **own)
+    figure.legend(handles=handles, loc="outside lower center", **named, **LEGEND, **own)
 
 
 def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:

@@ -242,29 +242,22 @@ def write_video(
         MissingProgram: If there is no ffmpeg.
         VideoFailed: If it gives up.
     """
-    path = Path(path)
-    unfinished = path.with_name(f".{path.stem}.unfinished.mp4")
+    unfinished = Path(path).with_name(f".{Path(path).stem}.unfinished.mp4")
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     words += ["-s", f"{size[0]}x{size[1]}", "-r", f"{frames_per_second:g}", "-i", "-", "-an", "-c:v", "libx264"]
     words += ["-preset", "medium", "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
     # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
-    with tempfile.TemporaryFile() as complaints:
-        process = subprocess.Popen([*words, str(unfinished)], stdin=subprocess.PIPE, stderr=complaints)
-        assert process.stdin is not None
-        try:
-            with suppress(BrokenPipeError):  # then it has ended already; its status says why
+    try:
+        with tempfile.TemporaryFile() as complaints:
+            process = subprocess.Popen([*words, str(unfinished)], stdin=subprocess.PIPE, stderr=complaints)
+            with suppress(BrokenPipeError), process:  # then it has ended already; its status says why
+                assert process.stdin is not None
                 for picture in pictures:
                     process.stdin.write(picture.tobytes())
-                process.stdin.close()
-            if process.wait() != 0:
+            if process.returncode != 0:
                 complaints.seek(0)
                 lines = complaints.read().decode(errors="replace").strip().splitlines()
                 raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
-            unfinished.replace(path)
-        finally:
-            if process.poll() is None:
-                process.kill()
-                process.wait()
-            with suppress(BrokenPipeError):
-                process.stdin.close()
-            unfinished.unlink(missing_ok=True)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
