@@ -64,7 +64,8 @@ class Cockpit:
         with tabs.add_tab("Run"):
             self._runs = Runs(gui, live, self._scene)
         with tabs.add_tab("Lab"):
-            self._operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
+            self.operated = OperatedRobot(gui, self._server.scene, self._scene, live.scenario.robot)
+            """The robot that somebody else operates, if it is connected."""
         self._gizmo = self._server.scene.add_transform_controls(
             "/handle", scale=0.35, active_axes=(True, True, False), visible=False
         )
@@ -84,11 +85,6 @@ class Cockpit:
     def pages(self) -> int:
         """How many pages are open."""
         return len(self._cameras.all())
-
-    @property
-    def operated(self) -> OperatedRobot:
-        """The robot that somebody else operates, if it is connected."""
-        return self._operated
 
     def load(self, path: Path) -> None:
         """Play back a trial or a recording as a ghost, or show a sweep as the map.
@@ -122,7 +118,7 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
-        self._operated.disconnect()
+        self.operated.disconnect()
         pages.stop(self._server)
         self._events.close()
 
@@ -145,7 +141,7 @@ class Cockpit:
             self._scene.show(robot, sample, forces=live.link_forces)
             self._board.show(sample.center_of_mass)
             self._runs.show()
-            operated = self._operated.show(with_text=self._frames % SLOW == 0)
+            operated = self.operated.show(with_text=self._frames % SLOW == 0)
             if self._frames % SLOW == 0:
                 self._scene.trail.draw()
                 self._figures.content = numbers_text(live)

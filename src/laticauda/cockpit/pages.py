@@ -82,17 +82,13 @@ class PageCamera:
     """
 
     def __init__(self, client: Any) -> None:
-        self._client = client
+        self._client, self.camera = client, client.camera
+        """As the page has reported it last, or as it has been moved since."""
         self._until = time.monotonic() + PATIENCE
         with client.gui.add_folder("This page"):
             self.follows = client.gui.add_checkbox("camera follows", True)
             client.gui.add_button("camera to the robot").on_click(self._go_home)
-        client.camera.on_update(self._reported)
-
-    @property
-    def camera(self) -> Any:
-        """As the page has reported it last, or as it has been moved since."""
-        return self._client.camera
+        self.camera.on_update(self._reported)
 
     @property
     def is_home(self) -> bool:

@@ -3,7 +3,6 @@
 # pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
 # pyright: reportUntypedBaseClass=false, reportUnknownArgumentType=false
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -62,7 +61,7 @@ class StableBaselines(VecEnv):
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """An attribute of the environment, which its lanes share. Arguments as for `VecEnv`."""
-        return [getattr(self.envs, attr_name) for _ in self._lanes(indices)]
+        return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Refused: lanes have no attributes of their own. Arguments as for `VecEnv`.
@@ -82,7 +81,4 @@ class StableBaselines(VecEnv):
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """They never are. Arguments as for `VecEnv`."""
-        return [False for _ in self._lanes(indices)]
-
-    def _lanes(self, indices: Any) -> Iterable[int]:
-        return self._get_indices(indices)
+        return [False for _ in self._get_indices(indices)]

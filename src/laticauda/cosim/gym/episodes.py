@@ -51,6 +51,8 @@ class Episodes:
     def __init__(self, task: Swimming, n: int, *, threads: int = 1) -> None:
         self.task = task
         self._school = School(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
+        self.n = self._school.n
+        """How many lanes there are."""
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
         self._sights = task.sights
@@ -59,11 +61,6 @@ class Episodes:
         # Steering adds to the offset that the gait has.
         self._middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
         self._half = np.array([0.5 * (action.high - action.low) for action in task.actions])
-
-    @property
-    def n(self) -> int:
-        """How many lanes there are."""
-        return self._school.n
 
     @property
     def motion(self) -> Motion:
