@@ -27,6 +27,10 @@ Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 
 SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
 OF_ROBOT = ("active_power", "electronics_power")
+REFUSED = {
+    "axis": "a parameter file does not turn joints",
+    "actuator": "the table `actuator` beside it is for that",
+}
 NAMES = (*SECTIONS, "robot")
 
 
@@ -86,17 +90,10 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
         check_keys(values, OF_ROBOT, path)
         with arguments_of(path):
             return {key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()}
-    if name == "joint":
-        _refuse_of_joint(values, path)
+    for key in sorted(REFUSED.keys() & values if name == "joint" else ()):
+        raise BadKey(f"{path}.{key}", f"must not be given: {REFUSED[key]}")
     read = decode(SECTIONS[name], values, path)
     return {
         field: getattr(read, field)
         for field in (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
     }
-
-
-def _refuse_of_joint(values: Mapping[str, object], path: str) -> None:
-    if "axis" in values:
-        raise BadKey(f"{path}.axis", "must not be given: a parameter file does not turn joints")
-    if "actuator" in values:
-        raise BadKey(f"{path}.actuator", "must not be given: the table `actuator` beside it is for that")

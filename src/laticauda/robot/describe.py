@@ -95,10 +95,12 @@ def _module(module: Module) -> str:
         parts.append(f"center of mass at {module.center:g} m")
     if module.inertia is not None:
         parts.append(f"moment of inertia {module.inertia:g} kg m^2")
-    for name in ("tangential_friction", "normal_drag", "added_mass", "added_inertia"):
-        if getattr(module, name) is not None:
-            parts.append(f"{name} {getattr(module, name):g}")
-    return ", ".join(parts)
+    return ", ".join([*parts, *_own(module, "tangential_friction", "normal_drag", "added_mass", "added_inertia")])
+
+
+def _own(part: Module | CaudalFin, *names: str) -> list[str]:
+    """Coefficients that a part has of its own."""
+    return [f"{name} {getattr(part, name):g}" for name in names if getattr(part, name) is not None]
 
 
 def _joint_rows(joints: Sequence[Joint]) -> list[Row]:
@@ -138,9 +140,7 @@ def _actuator_rows(name: str, actuator: Actuator) -> list[Row]:
 def _fin(fin: CaudalFin) -> str:
     opening = f"opening of {fin.opening_length:g} m" if fin.opening == "open" else "no opening"
     parts = [f"{fin.length:g} m long, {fin.height:g} m high, {opening}, {fin.mass:g} kg, {fin.n_strips} strips"]
-    for name in ("tangential_friction", "normal_drag", "added_mass"):
-        if getattr(fin, name) is not None:
-            parts.append(f"{name} {getattr(fin, name):g}")
+    parts += _own(fin, "tangential_friction", "normal_drag", "added_mass")
     if fin.n_hinges:
         hinges = "1 hinge" if fin.n_hinges == 1 else f"{fin.n_hinges} hinges"
         parts.append(
@@ -170,15 +170,13 @@ def _water_rows(water: Water) -> list[Row]:
 
 def _ground_rows(ground: Ground) -> list[Row]:
     unit = " of the weight" if ground.friction.of_weight else " N s/m per link"
-    rows = [
+    return [
         ("ground", ground.name),
         ("friction", ground.friction.words),
         ("tangential", f"{ground.tangential:g}{unit}"),
         ("normal", f"{ground.normal:g}{unit}"),
+        *([("gravity", f"{ground.gravity:g} m/s^2")] if ground.friction.of_weight else []),
     ]
-    if ground.friction.of_weight:
-        rows.append(("gravity", f"{ground.gravity:g} m/s^2"))
-    return rows
 
 
 def _runs(things: Sequence[T]) -> list[tuple[str, T]]:

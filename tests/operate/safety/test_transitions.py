@@ -9,7 +9,6 @@ from laticauda.operate.safety.transitions import (
     STATES,
     TRANSITIONS,
     phase_with,
-    state_diagram,
 )
 
 
@@ -38,6 +37,17 @@ def test_a_stop_of_the_supervisor_stops_the_operation_in_every_phase():
         for state in STATES:
             for stop in {"stopping", "fault"} - {state}:
                 assert phase_with(phase, state, stop) == "stopping"
+
+
+def state_diagram():
+    """The table in the language of mermaid."""
+    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
+    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
+        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
+    for row in TRANSITIONS:
+        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
+        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
+    return "\n".join([*lines, "    done_idle --> [*]", ""])
 
 
 def test_the_diagram_of_the_docs_is_that_of_the_table():

@@ -150,14 +150,3 @@ def granted(state: str, request: str) -> str:
         request: One of `REQUESTS`.
     """
     return _GRANTED.get((state, request), state)
-
-
-def state_diagram() -> str:
-    """The table as a state diagram in the language of mermaid; the documentation shows it."""
-    lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
-    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
-        lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
-    for row in TRANSITIONS:
-        source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
-        lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
-    return "\n".join([*lines, "    done_idle --> [*]", ""])
