@@ -16,7 +16,9 @@ def test_the_next_trials_are_listed_with_their_reasons_and_drawn(run, folder: Pa
 
 
 def test_json_has_every_candidate_and_what_is_known_before(run):
-    done = run(f"design-experiment --parameters water.normal_drag=2+-0.4 --no-tow --trials 1 --json {FEW}")
+    done = run(
+        f"design-experiment --parameters water.normal_drag=2+-0.4 --sensors path --no-tow --trials 1 --json {FEW}"
+    )
     found = json.loads(done.out)
     assert found["values"] == {"water.normal_drag": 2.0}
     assert abs(found["relative_sigma_before"]["water.normal_drag"] - 0.2) < 1e-9
@@ -49,6 +51,16 @@ def test_rivals_are_told_apart_by_an_oblique_tow(run):
     )
     text = run(f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1").out
     assert "Chance that the wrong one of two fits better:" in text
+
+
+def test_a_tank_day_begins_with_a_list_of_runs_and_its_empty_tables_say_what_to_do(run, folder: Path):
+    done = run("design-experiment --tank-day day --robot amphibot")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith("day/RUNS.md: what to do.")
+    assert (folder / "day" / "swim.csv").read_text().startswith("time_s,x_m,y_m,yaw_deg,joint_1_deg,")
+    again = run("design-experiment --tank-day day")
+    assert again.status == 2
+    assert "Nothing was filled" in again.err
 
 
 def test_bad_input_is_named(run):

@@ -4,15 +4,17 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any, Literal
 
 from laticauda import figures
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Picture, Words
+from laticauda.cli.flags import File, Picture, Place, Words
 from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.gaits import Envelope, Gait
+from laticauda.identify import tank_day
 from laticauda.identify.candidates import SENSORS, Candidate, coast_down, swims, towed
 from laticauda.identify.design import Design, design, known_from
 from laticauda.identify.discrimination import Discrimination, Judged, discriminate, wrong
@@ -112,8 +114,15 @@ class DesignExperiment(Command):
     candidates: Candidates = option("Trials that could be done", default=Candidates())
     output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
 
+    tank_day: Place = option(
+        "A new folder: it gets a list of runs and files to fill; a filled one: what its data say of robot and water",
+        default=None,
+    )
+
     def run(self) -> Outcome:
         """Judge, choose and draw."""
+        if self.tank_day is not None:
+            return self._tank_day(Path(self.tank_day))
         show = progress(SHARE, what="judged", patience=PATIENCE)
         if self.unknowns.rivals:
             found = discriminate(self._rivals(), self.unknowns.trials, progress=show)
@@ -125,6 +134,19 @@ class DesignExperiment(Command):
         if self.output is not None:
             _draw(found, self.output)
         return _design_said(found)
+
+    def _tank_day(self, folder: Path) -> Outcome:
+        """Begin a tank day, or judge what it gave."""
+        if not (folder / tank_day.DAY).exists():
+            new = tank_day.begin(folder, load_robot(self._names.robot))
+            text = f"{folder / 'RUNS.md'}: what to do. Fill the tables, then give the same command again."
+            return Outcome(facts={"output": str(folder), "files": new}, text=text)
+        day = tank_day.load_day(folder)
+        show = progress(SHARE, what="fitted", patience=PATIENCE)
+        found = tank_day.evaluate(day, threads=self.candidates.threads, progress=show)
+        files = tank_day.write_result(folder, day, found)
+        said = tank_day.facts(found) | {"output": str(folder / "result"), "files": files}
+        return Outcome(facts=said, text=f"{tank_day.words(found)}\n\n{folder / 'result'}: {', '.join(files)}")
 
     def _rivals(self) -> dict[str, tuple[Problem, list[Candidate]]]:
         """By name of the water or parameter file, the same candidates as each has them."""
