@@ -114,14 +114,11 @@ class DesignExperiment(Command):
     candidates: Candidates = option("Trials that could be done", default=Candidates())
     output: Picture = option("A figure, .png or .pdf: uncertainty over the number of trials", default=None)
 
-    tank_day: Place = option(
-        "A new folder: it gets a list of runs and files to fill; a filled one: what its data say of robot and water",
-        default=None,
-    )
+    tank_day: Place = option("A new folder gets a list of runs and files to fill, a filled one is judged", default=None)
 
     def run(self) -> Outcome:
         """Judge, choose and draw."""
-        if self.tank_day is not None:
+        if self.tank_day:
             return self._tank_day(Path(self.tank_day))
         show = progress(SHARE, what="judged", patience=PATIENCE)
         if self.unknowns.rivals:

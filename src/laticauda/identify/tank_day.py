@@ -52,6 +52,7 @@ DECISIVE = 100.0
 """Odds from which on a law counts as decided."""
 HARDLY = 0.7
 """Share of what was known before from which on the data count as having told nothing."""
+IDENTIFIED = "{value:.4g} ({low:.4g} to {high:.4g}) {unit}"
 JOINTS = ("joints.speed_limit", "joints.position_gain")
 _LOADS = {"drag": "drag_n", "side_force": "side_force_n", "yaw_moment": "yaw_moment_n_m"}
 _RUNS = ("swim", "glide", "turn")
@@ -289,10 +290,8 @@ def words(found: Evaluation) -> str:
     """
     lines = [*found.verdict, "", f"With `{next(iter(found.fits))}`, and 95 % intervals:"]
     for row in found.numbers:
-        known = (
-            "not identified" if row["value"] is None else "{value:.4g} ({low:.4g} to {high:.4g}) {unit}".format(**row)
-        )
-        lines.append(f"{row['name']:<30} {known}")
+        said = "not identified" if row["value"] is None else IDENTIFIED.format(**row)
+        lines.append(f"{row['name']:<30} {said}")
     return "\n".join(lines)
 
 
