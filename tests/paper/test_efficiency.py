@@ -56,7 +56,7 @@ def test_a_trial_that_blows_up_is_named(monkeypatch):
     monkeypatch.setattr(module, "run", fail)
     message = r"mamba, lateral_undulation, amplitude 30, frequency 130, phase shift 40 \[deg, deg/s\], paper-lateral: "
     with pytest.raises(SimulationFailed, match=message + "The run blew up at 3 s."):
-        run_efficiency()
+        run_efficiency(replace(efficiency_settings(), models=efficiency_settings().models[:1]))
 
 
 def test_a_joint_law_that_does_not_exist_is_refused():

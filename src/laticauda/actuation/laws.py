@@ -191,7 +191,14 @@ class Servo(JointLaw):
         return servo(angle, rate, reference, *drive[2:])[:3]
 
     def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
-        """Share of the supply's voltage that the motor gets, from -1 to 1; arguments as for the law [-]."""
+        """Share of the supply's voltage that the motor gets, from -1 to 1 [-].
+
+        Args:
+            angle: phi [rad].
+            rate: phi' [rad/s].
+            reference: phi_ref [rad].
+            drive: What the joint's actuator is.
+        """
         return servo(angle, rate, reference, *drive[2:])[3]
 
     @property

@@ -41,7 +41,14 @@ class SpeedServo(Servo):
         return speed_servo(angle, rate, reference, *loops, *drive[3:])[:3]
 
     def duty(self, angle: float, rate: float, reference: float, drive: Drive) -> float:
-        """See `Servo.duty`."""
+        """Share of the supply's voltage that the motor gets, from -1 to 1 [-].
+
+        Args:
+            angle: phi [rad].
+            rate: phi' [rad/s].
+            reference: phi_ref [rad].
+            drive: What the joint's actuator is.
+        """
         loops = self.position_gain, self.speed_limit, self.speed_gain
         return speed_servo(angle, rate, reference, *loops, *drive[3:])[3]
 
