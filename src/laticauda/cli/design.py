@@ -14,7 +14,6 @@ from laticauda.cli.progress import PATIENCE, SHARE, progress
 from laticauda.cli.tables import aligned, number, numbers
 from laticauda.errors import BadArgument
 from laticauda.gaits import Envelope, Gait
-from laticauda.identify import tank_day
 from laticauda.identify.candidates import SENSORS, Candidate, coast_down, swims, towed
 from laticauda.identify.design import Design, design, known_from
 from laticauda.identify.discrimination import Discrimination, Judged, discriminate, wrong
@@ -134,6 +133,8 @@ class DesignExperiment(Command):
 
     def _tank_day(self, folder: Path) -> Outcome:
         """Begin a tank day, or judge what it gave."""
+        from laticauda.identify import tank_day
+
         if not (folder / tank_day.DAY).exists():
             new = tank_day.begin(folder, load_robot(self._names.robot))
             text = f"{folder / 'RUNS.md'}: what to do. Fill the tables, then give the same command again."

@@ -191,7 +191,7 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress | None 
     joints = _joint_speed(day, best.problem.scenarios_at(best.best)[0].environment, threads)
     numbers = [row for k, row in enumerate(best.table()) if k in best.problem.of_interest]
     numbers += [_drag_area(best, speed), *(joints.table() if joints else [])]
-    verdict = _verdict(day, fits[order[0]], odds, joints)
+    verdict = _verdict(day, best, odds, joints)
     fits = {name: fits[name] for name in order}
     return Evaluation(fits=fits, odds=odds, numbers=tuple(numbers), joints=joints, verdict=tuple(verdict))
 
