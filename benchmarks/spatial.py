@@ -74,7 +74,7 @@ def wet(integrator: str, *, implicit_drag: bool = False) -> mujoco.MjModel:
     """The chain with our water."""
     model = water.compiled(chain(f'integrator="{integrator}"', ellipsoid=False))
     elements = [water.geom_element(model, f"g{i}", water.GeomCoefficients(rotational_drag=1.0)) for i in range(N)]
-    water.attach(model, elements, form="kirchhoff", implicit_drag=implicit_drag)
+    water.attach(model, elements, implicit_drag=implicit_drag)
     return model
 
 

@@ -55,7 +55,7 @@ def inertia_and_force(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     elements: Sequence[Element],
-    form: str = "relative",
+    form: str = "kirchhoff",
     current: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> tuple[np.ndarray, np.ndarray]:
     """A, and the generalized force of drag and added mass for joints that do not accelerate (tau_fluid - b_A).
@@ -95,7 +95,7 @@ def acceleration(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     elements: Sequence[Element],
-    form: str = "relative",
+    form: str = "kirchhoff",
     current: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> np.ndarray:
     """(M + A)^-1 of all forces, at the state in `data`, with a model without water."""
@@ -106,7 +106,9 @@ def acceleration(
     return np.linalg.solve(M + A, data.qfrc_smooth + fluid)
 
 
-def qfrc(model: mujoco.MjModel, data: mujoco.MjData, elements: Sequence[Element], form: str = "relative") -> np.ndarray:
+def qfrc(
+    model: mujoco.MjModel, data: mujoco.MjData, elements: Sequence[Element], form: str = "kirchhoff"
+) -> np.ndarray:
     """Way (b): qfrc = tau_fluid - b_A - A (M + A)^-1 (tau - b + tau_fluid - b_A)."""
     goal = acceleration(model, data, elements, form)
     A, fluid = inertia_and_force(model, data, elements, form)

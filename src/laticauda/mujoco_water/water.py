@@ -108,7 +108,7 @@ def attach(
     density: float = 1000.0,
     current: Sequence[float] | Current = (0.0, 0.0, 0.0),
     surface: float | None = None,
-    form: str = "relative",
+    form: str = "kirchhoff",
     implicit_drag: bool = False,
     usual_speed: float = 1.0,
     terrain: Terrain | None = None,
@@ -122,7 +122,8 @@ def attach(
         current: Velocity that the water moves to, world axes [m/s]; or a function of x, y, z [m] and t [s] that Numba
             can compile and that returns three numbers. Its own acceleration is left out: it must change slowly.
         surface: Height of the flat surface [m]; None: everything is covered.
-        form: Velocity terms of the added mass: `relative`, `kirchhoff` (keeps energy and momentum) or `classic`.
+        form: Velocity terms of the added mass: `kirchhoff`, the complete ones; `relative`, without the Munk moment; or
+            `classic`, the bare acceleration.
         implicit_drag: Take the drag's slope into the inertia of the step. Stable at any step, and of first order in
             it; for the integrators Euler and implicitfast only. The accelerations in the data are then those of the
             step, and no longer forces over inertia.
