@@ -26,7 +26,6 @@ import numpy as np
 from scipy.optimize import least_squares, nnls
 
 import laticauda as lc
-from laticauda.control import StraightLine
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.paper.path_following import figures_of
@@ -251,7 +250,7 @@ def follow(model: Model, delay: float) -> list[Trial]:
     for row in FOLLOWED:
         how = {"joints": model.joints, "offset_bandwidth": 1e6, "loop_delay": delay}
         body = plant(model.robots[row.has_fin], model.water, **how)
-        controller = settings.steering().controller(row.gait, StraightLine(), settings.control_interval)
+        controller = settings.controller(row.gait)
         start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
         there = lambda seen: bool(seen.center_of_mass[0] >= settings.distance)  # noqa: E731
         found.append(run(body, controller, settings.duration, start=start, until=there))

@@ -148,7 +148,7 @@ def identified() -> Figure:
         return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints, **loop)
 
     def followed(row: MeasuredPathFollowing) -> float:
-        controller = settings.steering().controller(row.gait, lc.StraightLine(), settings.control_interval)
+        controller = settings.controller(row.gait)
         start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
         there = settings.distance
         trial = lc.run(

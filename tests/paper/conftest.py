@@ -47,7 +47,7 @@ def beside() -> tuple[EfficiencyStudy, PathFollowingStudy]:
 
 @pytest.fixture
 def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`laticauda reproduce` in seconds: studies cut down or left out, no figures, no workers."""
+    """`laticauda reproduce` in seconds: studies cut down, no figures, no workers."""
     from laticauda.paper.report import experiments, reproduce
 
     whole_plan = experiments.paper_experiments
@@ -63,13 +63,7 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(experiments, "paper_experiments", small)
-    runs = {name: run for name, run in reproduce.RUNS.items() if name not in ("stability", "beyond")}
-    chapters = {
-        name: (title, _without_figures(chapter))
-        for name, (title, chapter) in reproduce.CHAPTERS.items()
-        if name in runs
-    }
-    monkeypatch.setattr(reproduce, "RUNS", runs)
+    chapters = {name: (title, _without_figures(chapter)) for name, (title, chapter) in reproduce.CHAPTERS.items()}
     monkeypatch.setattr(reproduce, "CHAPTERS", chapters)
 
 

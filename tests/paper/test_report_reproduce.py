@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from laticauda.gaits import eel_like
-from laticauda.paper import BeyondSettings, Experiments, SideSettings, StabilitySettings, paper_experiments, reproduce
+from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
 from laticauda.paper.report.experiments import HALVES, RUNS
 from laticauda.paper.report.reproduce import CHAPTERS
 from laticauda.reports.chapter import Chapter
@@ -21,20 +21,12 @@ module = sys.modules[reproduce.__module__]
 def small() -> Experiments:
     """Every study, cut down to seconds."""
     whole = paper_experiments()
-    fast = BeyondSettings()
     sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
     return Experiments(
         efficiency=replace(whole.efficiency, sweeps=sweeps, models=whole.efficiency.models[:1]),
         side=replace(SideSettings(), phase_shifts=sweeps[2], duration=10.0),
         path_following=replace(
             whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,)
-        ),
-        stability=StabilitySettings(look_ahead_distances=(0.18, 1.62), gains=(0.4,), raw_gains=(), duration=20.0),
-        beyond=replace(
-            fast,
-            drift=replace(fast.drift, duration=24.0),
-            curved=replace(fast.curved, swimmers=fast.curved.swimmers[:2]),
-            turning=replace(fast.turning, offsets=fast.turning.offsets[::5]),
         ),
     )
 
@@ -61,11 +53,11 @@ def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, 
     told: list = []
     done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
     assert sorted(done.files) == sorted(file.name for file in done.folder.iterdir())
-    assert {"figure-04.png", "figure-04.pdf", "stability.png"} < set(done.files)
+    assert {"figure-04.png", "figure-04.pdf", "table2-speeds.png"} < set(done.files)
     assert {"report.html", "efficiency.nc", "path_following.nc", "table1.csv", "table2.csv", "claims.csv"} < set(
         done.files
     )
-    assert {what for what, _, _ in told} >= {"efficiency", "path following", "stability: figures", "links", "side"}
+    assert {what for what, _, _ in told} >= {"efficiency", "path following", "path following: figures", "links", "side"}
     assert all(0 < count <= total for _, count, total in told)
 
     report = (done.folder / "report.html").read_text(encoding="utf-8")
@@ -76,7 +68,7 @@ def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, 
     anchors = re.findall(r'<figure id="fig-([\w-]+)"', report)
     assert sorted(f"{name}.png" for name in anchors) == sorted(name for name in done.files if name.endswith(".png"))
     parts = re.findall(r'<section id="([\w-]+)"', report)
-    assert parts == ["claims", "efficiency", "path-following", "stability", "beyond"]
+    assert parts == ["claims", "efficiency", "path-following"]
 
 
 @pytest.mark.slow
@@ -105,7 +97,7 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
     for name in ("claims_chapter", "summary_chapter"):
         monkeypatch.setattr(module, name, lambda *found: module.paper_chapter("words", {}, values={}))
     done = reproduce(tmp_path, small, only="path-following")
-    assert set(done.results) == {"path_following", "stability", "beyond"}
+    assert set(done.results) == {"path_following"}
 
 
 def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):
@@ -136,11 +128,9 @@ def test_other_coefficients_reach_every_study():
     assert [model.name for model in mine.efficiency.models] == ["mine", *names]
     for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
-        assert coefficients.swimmer(mamba, eel).robot.joints[0].actuator.tracking == 0.5
+        there = coefficients.scenario(mamba, eel)
+        assert there.robot.joints[0].actuator.tracking == 0.5
+        assert there.environment == replace(water, name="mine")
     same = paper_experiments(load_parameters("mamba-identified")).efficiency.models
     assert [model.name for model in same] == ["mamba-identified", *(one for one in names if one != "mamba-identified")]
-    assert mine.efficiency.models[1].swimmer(mamba, eel).robot is mamba  # the paper's stays beside it as it is
-    swimmers = (*mine.stability.swimmers, mine.beyond.drift.swimmer, *mine.beyond.curved.swimmers)
-    swimmers = (*swimmers, *mine.beyond.turning.swimmers)
-    assert {swimmer.environment for swimmer in swimmers} == {replace(water, name="mine")}
-    assert {swimmer.robot.joints[0].actuator.tracking for swimmer in swimmers} == {0.5}
+    assert mine.efficiency.models[1].scenario(mamba, eel).robot is mamba  # the paper's stays beside it as it is

@@ -1,36 +1,27 @@
 from dataclasses import replace
-from math import radians
 
 import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.errors import SimulationFailed
-from laticauda.paper import Coefficients, swimmers
-from laticauda.paper.runs import Runs, long_enough
+from laticauda.paper import Coefficients, path_following_settings
+from laticauda.paper.runs import Runs
+from laticauda.paper.settings import paper_coefficients
 from laticauda.scenarios import Planar, model_of
 
-
-def test_the_swimmers_are_those_of_table_2():
-    found = swimmers()
-    assert [one.name for one in found] == [
-        "lateral undulation, without fin",
-        "lateral undulation, with fin",
-        "eel-like motion, without fin",
-        "eel-like motion, with fin",
-    ]
-    assert [one.robot.name for one in found] == ["mamba", "mamba-fin", "mamba", "mamba-fin"]
-    assert [one.environment.name for one in found] == ["paper-lateral", "paper-lateral", "paper-eel", "paper-eel"]
-    assert [round(one.gait.amplitude / radians(1), 6) for one in found] == [30, 30, 40, 40]
-    assert {round(one.gait.frequency / radians(1), 6) for one in found} == {90}
+LATERAL = path_following_settings().groups[0].followed[0].gait
+EEL = path_following_settings().groups[2].followed[0].gait
 
 
-def test_a_robots_length_holds_its_fin():
-    without, with_fin = swimmers()[:2]
-    fin = lc.load_robot("mamba-fin").caudal_fin
-    assert fin is not None
-    assert without.length == pytest.approx(18 * 0.09)
-    assert with_fin.length == pytest.approx(without.length + fin.length)
+def swimmers(coefficients: Coefficients | None = None) -> list[lc.Scenario]:
+    chosen = paper_coefficients() if coefficients is None else coefficients
+    return [chosen.scenario(robot, gait) for gait in (LATERAL, EEL) for robot in ("mamba", "mamba-fin")]
+
+
+def test_coefficients_are_a_water_by_gait():
+    assert [one.robot.name for one in swimmers()] == ["mamba", "mamba-fin", "mamba", "mamba-fin"]
+    assert [one.environment.name for one in swimmers()] == ["paper-lateral"] * 2 + ["paper-eel"] * 2
 
 
 def test_other_coefficients_reach_the_water():
@@ -60,10 +51,3 @@ def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
     assert set(runs.how) == {"model", "joints", "dt", "offset_bandwidth", "loop_delay", "ramp"}
     assert runs.how["joints"] == "pd"
     assert told == [(1, 2), (2, 2)]
-
-
-def test_a_duration_must_hold_its_cycles():
-    slowest = swimmers()[0]  # its cycle takes 4 s
-    assert long_enough("duration", 12.0, (slowest,), 3.0) == 12.0
-    with pytest.raises(ValueError, match="`duration` must be between 12 and 100000 s, got 11"):
-        long_enough("duration", 11.0, (slowest,), 3.0)

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.paper.beyond import BeyondSettings as BeyondSettings, run_beyond as run_beyond
     from laticauda.paper.claims.judge import Claim as Claim
-    from laticauda.paper.beyond import CurvedSettings as CurvedSettings
     from laticauda.paper.datasets import to_dataset as to_dataset
-    from laticauda.paper.beyond import DriftSettings as DriftSettings
     from laticauda.paper.efficiency import (
         EfficiencyStudy as EfficiencyStudy,
         maxima as maxima,
@@ -41,7 +38,7 @@ if TYPE_CHECKING:
     from laticauda.paper.repeats import Repeat as Repeat, load_repeats as load_repeats, table2_series as table2_series
     from laticauda.paper.report.experiments import Experiments as Experiments, paper_experiments as paper_experiments
     from laticauda.paper.report.reproduce import reproduce as reproduce
-    from laticauda.paper.runs import Coefficients as Coefficients, Swimmer as Swimmer
+    from laticauda.paper.runs import Coefficients as Coefficients
     from laticauda.paper.scores import (
         fin_gains as fin_gains,
         meter_costs as meter_costs,
@@ -52,15 +49,7 @@ if TYPE_CHECKING:
         PARAMETERS as PARAMETERS,
         efficiency_settings as efficiency_settings,
         path_following_settings as path_following_settings,
-        swimmers as swimmers,
     )
     from laticauda.paper.side_trials import SideSettings as SideSettings, run_side_trials as run_side_trials
-    from laticauda.paper.stability import (
-        BEHAVIORS as BEHAVIORS,
-        Loops as Loops,
-        StabilitySettings as StabilitySettings,
-        run_stability as run_stability,
-    )
-    from laticauda.paper.beyond import TurningSettings as TurningSettings
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from laticauda.errors import BadArgument
-from laticauda.paper.beyond import BeyondStudy
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import FollowingRun, PathFollowingStudy
 from laticauda.paper.settings import PARAMETERS
-from laticauda.paper.stability import BEHAVIORS, StabilityStudy
 from laticauda.quantities import quantities_of
 from laticauda.studies.trials import QUANTITIES
 from laticauda.trial import Trial, following
@@ -33,11 +31,6 @@ SERIES: dict[str, tuple[str, str, Callable[[Trial], np.ndarray]]] = {
     "cross_track_error": ("m", "distance from the path", lambda trial: trial.signals["cross_track_error"]),
     "offset": ("rad", "offset asked for", lambda trial: trial.signals["offset"]),
 }
-LOOPS = {
-    "rms": ("m", "root mean square of the cycle-mean cross-track error over the last third of the run"),
-    "rms_before": ("m", "the same over the second third"),
-    "forward_velocity": QUANTITIES["forward_velocity"],
-}
 
 
 @singledispatch
@@ -46,18 +39,15 @@ def to_dataset(study: Any) -> xarray.Dataset:
 
     Efficiency: a sweep's curves are named after it, as in `forward_velocity_over_amplitude` with the dimensions model,
     group and amplitude; Table 1 has the dimension case. Path following: the dimensions are case, the rows of Table 2
-    and the held-out trial behind them; way, in which every case is run; and sample, of the chosen runs. Stability:
-    names end in `_cycle_mean` or `_raw`, after the heading that was used, and each has its own gains; a behavior is the
-    index of its name in the attribute `behaviors`. Beyond the paper: names begin with `drift_`, `curved_` or
-    `turning_`; errors are means over the gait cycle around each moment.
+    and the held-out trial behind them; way, in which every case is run; and sample, of the chosen runs.
 
     Args:
-        study: What `run_efficiency`, `run_path_following`, `run_stability` or `run_beyond` returned.
+        study: What `run_efficiency` or `run_path_following` returned.
 
     Raises:
-        ValueError: If it is none of these.
+        ValueError: If it is neither.
     """
-    raise BadArgument("study", f"must be an efficiency, path-following or stability study or one beyond, got {study!r}")
+    raise BadArgument("study", f"must be an efficiency or a path-following study, got {study!r}")
 
 
 @to_dataset.register(EfficiencyStudy)
@@ -117,60 +107,6 @@ def _path_following(study: PathFollowingStudy) -> xarray.Dataset:
     title = "Path-following study: Figs. 12 to 23 and Table 2 of the paper"
     coordinates = {"case": cases, "way": ways}
     return _dataset(study, title, variables, coordinates, **more, chosen_way=study.cases[0].run.name)
-
-
-@to_dataset.register(StabilityStudy)
-def _stability(study: StabilityStudy) -> xarray.Dataset:
-    settings = study.settings
-    variables: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {
-        "swimmer": [one.name for one in settings.swimmers],
-        "robot_length": _variable("swimmer", [one.length for one in settings.swimmers], "m"),
-        "look_ahead_distance": _variable("look_ahead_distance", np.array(settings.look_ahead_distances), "m"),
-    }
-    for kind, gains in (("cycle_mean", settings.gains), ("raw", settings.raw_gains)):
-        axes = ("swimmer", "look_ahead_distance", f"gain_{kind}")
-        coordinates[axes[2]] = _variable(axes[2], np.array(gains, dtype=float), "1")
-        loops = [found for found in study.maps if found.heading == kind]
-        for name, words in LOOPS.items():
-            variables[f"{name}_{kind}"] = _variable(axes, np.array([getattr(loop, name) for loop in loops]), *words)
-        codes = [sum(i * (loop.behaviors == one) for i, one in enumerate(BEHAVIORS)) for loop in loops]
-        variables[f"behavior_{kind}"] = _variable(axes, np.array(codes, dtype=np.int8), "1")
-    names = ("duration", "initial_cross_track_error", "control_interval", "max_offset", "tolerance")
-    more = {"behaviors": ", ".join(BEHAVIORS), **{name: getattr(settings, name) for name in names}}
-    title = "Stability maps of line of sight over look-ahead distance and gain"
-    return _dataset(study, title, variables, coordinates, **more)
-
-
-@to_dataset.register(BeyondStudy)
-def _beyond(study: BeyondStudy) -> xarray.Dataset:
-    settings = study.settings
-    coordinates: dict[str, Any] = {
-        "drift_law": [run.law.name for run in study.drift],
-        "curved_swimmer": [run.swimmer.name for run in study.curved],
-        "turning_swimmer": [curve.swimmer.name for curve in study.turning],
-        "offset": _variable("offset", np.array(settings.turning.offsets), "rad"),
-    }
-    variables: dict[str, Any] = {}
-    for axis, runs in (("drift_law", study.drift), ("curved_swimmer", study.curved)):
-        part = axis.partition("_")[0]
-        time = max((run.error.time for run in runs), key=lambda time: time.size, default=np.zeros(0))  # all start alike
-        coordinates[f"{part}_time"] = _variable(f"{part}_time", time, "s")
-        errors = _padded([run.error.value for run in runs])
-        variables[f"{part}_error"] = _variable((axis, f"{part}_time"), errors, "m", "cycle-mean cross-track error")
-    along, words = _padded([run.along.value for run in study.curved]), "cycle mean of the distance along the curve"
-    variables["curved_along"] = _variable(("curved_swimmer", "curved_time"), along, "m", words)
-    for name, unit in (("turning_rate", "rad/s"), ("radius", "m"), ("path_speed", "m/s"), ("mechanical_power", "W")):
-        values = np.array([getattr(curve, name) for curve in study.turning])
-        key = name if name.startswith("turning") else f"turning_{name}"
-        variables[key] = _variable(("turning_swimmer", "offset"), values, unit)
-    more = {
-        "drift_current": np.array(settings.drift.current),
-        "curved_waypoints": np.array(settings.curved.waypoints).ravel(),
-        "turning_duration": settings.turning.duration,
-    }
-    title = "Beyond the paper: a cross current, a curved path, open-loop turning; simulation only"
-    return _dataset(study, title, variables, coordinates, **more)
 
 
 def _variable(axes: str | tuple[str, ...], values: Any, unit: str, title: str = "", **more: str) -> Any:

@@ -86,7 +86,7 @@ class EfficiencyStudy(Study[EfficiencySettings]):
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
             )
             swimmers = [
-                one.swimmer(group.robot, gait, model=one.driven(runs.model), duration=settings.duration)
+                one.scenario(group.robot, gait, model=one.driven(runs.model), duration=settings.duration)
                 for one in settings.models
             ]
             names = [f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}" for one in swimmers]

@@ -253,15 +253,13 @@ class _Pool:
     ) -> Trial:
         """A run from a start along the path; without one, unsteered."""
         settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"
-        swimmer = settings.coefficients.swimmer(robot, gait, model=way, duration=settings.duration)
+        swimmer = settings.coefficients.scenario(robot, gait, model=way, duration=settings.duration)
         name = f"{name} {way.offset_bandwidth:g} rad/s"
         if start is None:
             return self.runs.swim(name, swimmer)
-        law, interval = settings.steering(heading), settings.control_interval
-        there, end = replace(swimmer, start=start), start.center_of_mass[0] + settings.distance
-        return self.runs.follow(
-            name, there, law, interval, until=lambda seen: bool(seen.center_of_mass[0] >= end)
-        ).trial
+        steered, end = settings.controller(gait, heading), start.center_of_mass[0] + settings.distance
+        steered = replace(swimmer, motion=steered, start=start)
+        return self.runs.swim(name, steered, until=lambda seen: bool(seen.center_of_mass[0] >= end))
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:

@@ -12,11 +12,11 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.codec import decode
-from laticauda.control import LineOfSight
+from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait, envelope_of
 from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
-from laticauda.paper.runs import Coefficients, Steering, Swimmer
+from laticauda.paper.runs import Coefficients
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.robot import load_parameters
 from laticauda.trial.null_models import group_name
@@ -163,15 +163,21 @@ class PathFollowingSettings:
         """How many cases there are [-]."""
         return sum(len(group.figures) for group in self.groups)
 
-    def steering(self, heading_estimate: str = "raw") -> Steering:
-        """How every run is steered.
+    def controller(self, gait: Gait, heading_estimate: str = "raw") -> PathFollowing:
+        """How every run is steered along the x axis.
 
         Args:
+            gait: What swims.
             heading_estimate: Which heading is used: raw or cycle_mean.
         """
-        guidance = LineOfSight(look_ahead_distance=self.look_ahead_distance)
-        how: dict[str, Any] = {"max_offset": self.max_offset, "heading_estimate": heading_estimate}
-        return Steering(name="the paper's gains", guidance=guidance, gain=self.gain, **how)
+        return PathFollowing(
+            gait=gait,
+            path=StraightLine(),
+            guidance=LineOfSight(look_ahead_distance=self.look_ahead_distance),
+            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
+            heading_estimate=heading_estimate,
+            interval=self.control_interval,
+        )
 
     def band(self, joints: str, offset_bandwidth: float) -> tuple[tuple[str, float], ...]:
         """Every way to run a case, joint law and bandwidth [rad/s], with the chosen one among them.
@@ -223,17 +229,6 @@ def path_following_settings() -> PathFollowingSettings:
 def paper_coefficients() -> Coefficients:
     """The paper's own coefficients, by gait: the first curve of its figures."""
     return efficiency_settings().models[0]
-
-
-def swimmers(coefficients: Coefficients | None = None) -> tuple[Swimmer, ...]:
-    """The gaits of the paper's path-following trials, each without and with the fin.
-
-    Args:
-        coefficients: The water of every gait, and what they change about the robots; None takes the paper's.
-    """
-    coefficients = coefficients or paper_coefficients()
-    groups = path_following_settings().groups
-    return tuple(coefficients.swimmer(group.robot, group.followed[0].gait) for group in groups)
 
 
 def _table(study: str) -> Any:

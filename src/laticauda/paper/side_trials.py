@@ -78,7 +78,7 @@ class SideTrials(Study[SideSettings]):
         runs.n_runs = sweep.values.size + 3 * len(gaits)
 
         def speed(gait: Gait, how: Model, **others: float) -> float:
-            swimmer = settings.coefficients.swimmer(ROBOT, gait, model=how, duration=settings.duration)
+            swimmer = settings.coefficients.scenario(ROBOT, gait, model=how, duration=settings.duration)
             changed = replace(swimmer, environment=replace(swimmer.environment, **others))
             return runs.swim(f"{ROBOT}, {gait.kind}, side trial", changed).forward_velocity
 
@@ -181,7 +181,7 @@ class LinksStudy(Study[LinksSettings]):
         def swum(kind: str, kept: str, n: int) -> Trial:
             gait, name = settings.gait(kind, n, kept), f"{settings.robot} with {n} links"
             robot = load_robot(settings.robot, n_links=n)
-            swimmer = settings.coefficients.swimmer(robot, gait, model=runs.model, duration=settings.duration)
+            swimmer = settings.coefficients.scenario(robot, gait, model=runs.model, duration=settings.duration)
             return runs.swim(f"{name}, {kind}", replace(swimmer, robot=replace(swimmer.robot, name=name)))
 
         few, many = settings.n_links

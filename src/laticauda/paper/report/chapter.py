@@ -1,4 +1,4 @@
-"""What the chapters of the paper's report share: its templates, and how swimmers and figures are called in them."""
+"""What the chapters of the paper's report share: its templates, and how figures are called in them."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -25,7 +25,7 @@ def paper_templates() -> Any:
     """
     made = templates("laticauda.paper.report")
     made.filters |= {"cm": _centimeters, "figs": figure_numbers}
-    made.globals |= {"by_gait": _by_gait, "words": GAIT_WORDS}
+    made.globals["words"] = GAIT_WORDS
     return made
 
 
@@ -122,14 +122,6 @@ def misprinted(gains: Iterable[FinGain[Any]]) -> list[tuple[MeasuredRow, str, fl
         gains: All of a table.
     """
     return [(gain.measured.with_fin, what, *pair) for gain in gains for what, pair in gain.measured.misprints.items()]
-
-
-def _by_gait(swimmers: Iterable[Any]) -> list[list[Any]]:
-    """Swimmers with the same gait together."""
-    groups: dict[Any, list[Any]] = {}
-    for swimmer in swimmers:
-        groups.setdefault(swimmer.gait, []).append(swimmer)
-    return [*groups.values()]
 
 
 def _centimeters(length: float | None) -> str:

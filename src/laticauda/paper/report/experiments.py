@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from laticauda.paper.beyond import BeyondSettings, run_beyond
 from laticauda.paper.efficiency import run_efficiency
 from laticauda.paper.parity import ParitySettings, run_parity
 from laticauda.paper.path_following import run_path_following
@@ -14,17 +13,13 @@ from laticauda.paper.settings import (
     PathFollowingSettings,
     efficiency_settings,
     path_following_settings,
-    swimmers,
 )
 from laticauda.paper.side_trials import LinksSettings, SideSettings, run_links, run_side_trials
-from laticauda.paper.stability import StabilitySettings, run_stability
 from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
     "efficiency": run_efficiency,
-    "stability": run_stability,
-    "beyond": run_beyond,
     "side": run_side_trials,
     "links": run_links,
     "parity": run_parity,
@@ -32,7 +27,7 @@ RUNS: Mapping[str, Callable[..., Any]] = {
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {
     "efficiency": ("efficiency", "links", "side", "parity"),
-    "path-following": ("path_following", "stability", "beyond"),
+    "path-following": ("path_following",),
 }
 """The studies that belong to each half of the paper."""
 
@@ -49,10 +44,6 @@ class Experiments:
     """Single facts that claims of the paper rest on."""
     path_following: PathFollowingSettings = field(default_factory=path_following_settings)
     """Figs. 12 to 23 and Table 2."""
-    stability: StabilitySettings = field(default_factory=StabilitySettings)
-    """The loop with the mean heading, over look-ahead distance and gain."""
-    beyond: BeyondSettings = field(default_factory=BeyondSettings)
-    """What the paper did not try."""
     parity: ParitySettings = field(default_factory=ParitySettings)
     """Whether both models agree; only with the model spatial."""
 
@@ -69,17 +60,9 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
         return usual
     given = Coefficients.of(parameters)
     others = [one for one in usual.efficiency.models if one.name != given.name]
-    own, beyond = swimmers(given), usual.beyond
-    (same,) = (one for one in own if one.name == beyond.drift.swimmer.name)
     return Experiments(
         efficiency=replace(usual.efficiency, models=(given, *others)),
         links=replace(usual.links, coefficients=given),
         side=replace(usual.side, coefficients=given),
         path_following=replace(usual.path_following, coefficients=given),
-        stability=replace(usual.stability, swimmers=own),
-        beyond=BeyondSettings(
-            drift=replace(beyond.drift, swimmer=same),
-            curved=replace(beyond.curved, swimmers=own),
-            turning=replace(beyond.turning, swimmers=own),
-        ),
     )

@@ -19,13 +19,11 @@ from laticauda.paper.claims import Claim, claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report.beyond import beyond_chapter
 from laticauda.paper.report.chapter import paper_chapter, paper_templates
 from laticauda.paper.report.efficiency import efficiency_chapter
 from laticauda.paper.report.experiments import HALVES, RUNS, Experiments
 from laticauda.paper.report.parity import parity_chapter
 from laticauda.paper.report.path_following import path_following_chapter
-from laticauda.paper.report.stability import stability_chapter
 from laticauda.paper.scores import scores
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 from laticauda.scenarios import Model, ModelChanges, model_of, settings_of
@@ -36,8 +34,6 @@ TITLE = "Underwater snake robots with and without a caudal fin: the paper's expe
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency_chapter),
     "path_following": ("Path following", path_following_chapter),
-    "stability": ("Stability of path following", stability_chapter),
-    "beyond": ("Beyond the paper (simulation only)", beyond_chapter),
     "parity": ("Planar against spatial model", parity_chapter),
 }
 """The studies that have a part of the report of their own, in its order."""
