@@ -1,7 +1,6 @@
 """Where the paper's tank did not go: a current across the path, a path with bends, turns with a constant offset.
 
-In a current line of sight stays beside the path, as only an error makes it point upstream; its integral takes that off.
-It knows nothing of bends, and runs wide of them. Simulation only.
+In a current only an error makes line of sight point upstream, unless it integrates; and of bends it runs wide.
 
     python examples/19_beyond_the_tank.py
 """
@@ -47,9 +46,8 @@ start = lc.Start(heading=path.locate(path.init(), np.zeros(2))[1].path_tangentia
 offsets = np.arange(4.0, 24.0, 4.0)
 for robot, gait, water in swimmers:
     name, plant = f"{gait.words}, {robot}", lc.plant(lc.load_robot(robot), water)
-    follow(
-        bend, name, plant, gait, near, 0.4, 150.0, 0.1, path, start=start, until=lambda seen: seen.center_of_mass[0] > 8
-    )
+    ends = {"start": start, "until": lambda seen: seen.center_of_mass[0] >= 8.0}
+    follow(bend, name, plant, gait, near, 0.4, 150.0, 0.1, path, **ends)
     turns = [lc.swim(robot, replace(gait, offset=radians(one)), 60.0, environment=water) for one in offsets]
     rates = np.degrees([one.turning_rate for one in turns])
     print(f"  turns by {min(rates / offsets):.2f} to {max(rates / offsets):.2f} deg/s per degree")
