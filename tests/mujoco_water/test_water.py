@@ -3,6 +3,7 @@
 import copy
 import gc
 import warnings
+from pathlib import Path
 
 import mujoco
 import mujoco.batch
@@ -13,9 +14,10 @@ import water_oracle as oracle
 
 from laticauda import mujoco_water as water
 from laticauda.fluid.laws import PolynomialDrag
-from laticauda.mujoco_water import Element, GeomCoefficients
+from laticauda.mujoco_water import Element, GeomCoefficients, native
 from laticauda.mujoco_water.elements import lamb
 
+RK4_ORDER = 4 if mujoco.mj_version() >= 4_000_000 else 2  # before, free and ball joints turned to second order
 STILL = "ignore:body .* floats freely"
 
 
@@ -154,7 +156,7 @@ def test_without_drag_energy_is_kept_to_the_integrator_s_order(form: str):
         assert drift(2.5e-4) < 1e-6
     coarse, fine = drift(2e-3), drift(1e-3)
     assert fine < 1e-5
-    assert fine < coarse / 8.0
+    assert fine < coarse / 2.0 ** (RK4_ORDER - 0.5)
 
 
 def test_a_spheroid_off_its_course_turns_broadside_as_fast_as_theory_says():
@@ -192,7 +194,7 @@ def test_kirchhoff_keeps_momentum():
     before = momentum()
     for _ in range(500):
         mujoco.mj_step(model, data)
-    np.testing.assert_allclose(momentum(), before, atol=1e-7 * np.linalg.norm(before))
+    np.testing.assert_allclose(momentum(), before, atol=(1e-7 if RK4_ORDER == 4 else 1e-4) * np.linalg.norm(before))
 
 
 # ---- contacts -------------------------------------------------------------------------------------------------------
@@ -476,6 +478,53 @@ def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
     np.testing.assert_array_equal(qpos, loop)
     states, _ = mujoco.rollout.rollout(wet, [mujoco.MjData(wet) for _ in range(2)], starts, nstep=50)
     np.testing.assert_array_equal(states[:, -1, 1 : 1 + wet.nq], loop)
+
+
+# ---- versions of MuJoCo ---------------------------------------------------------------------------------------------
+
+
+def joined_heap(jacobian: str) -> str:
+    """Bodies with three arms each, whose arms are joined at random: what the fault of MuJoCo 4.0.0 needs."""
+    random = np.random.default_rng(0)
+    arm = '<body pos=".1 {y} 0" name="{name}"><joint axis="0 1 0"/><joint axis="0 0 1"/><geom size=".05"/></body>'
+    bodies, joined = "", ""
+    for i in range(10):
+        arms = "".join(arm.format(name=f"{i}_{k}", y=0.05 * k) for k in range(3))
+        x, y, z = random.uniform(-0.3, 0.3, 3)
+        bodies += f'<body pos="{x} {y} {z}"><freejoint/><geom type="box" size=".08 .06 .05"/>{arms}</body>'
+    for _ in range(10):
+        i, j = random.choice(10, 2, replace=False)
+        joined += f'<connect body1="{i}_{random.integers(3)}" body2="{j}_{random.integers(3)}" anchor=".05 0 0"/>'
+    return f"""<mujoco><option jacobian="{jacobian}" tolerance="1e-12"/><worldbody>{bodies}</worldbody>
+    <equality>{joined}</equality></mujoco>"""
+
+
+def test_a_sparse_constraint_jacobian_gives_what_a_dense_one_does_whatever_the_version():
+    found = []
+    for jacobian in ("sparse", "auto", "dense"):
+        model = mujoco.MjModel.from_xml_string(joined_heap(jacobian))
+        water.attach(model, [Element(body="0_0", drag=(0.01,) * 3)])
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        found.append(data.qacc.copy())
+    size = np.max(np.abs(found[2]))
+    assert size > 1.0
+    np.testing.assert_allclose(found[0], found[2], atol=1e-9 * size)
+    np.testing.assert_allclose(found[1], found[2], atol=1e-9 * size)
+
+
+def test_the_library_that_runs_is_opened_though_another_lies_beside_it(tmp_path, monkeypatch):
+    native.library.cache_clear()
+    folder = Path(mujoco.__file__).parent
+    for name in ("libmujoco.so.0.0.1", "libmujoco.so.9.9.9"):
+        (tmp_path / name).write_bytes(b"another version's")
+    (tmp_path / "libmujoco.so.5.0.0").symlink_to(next(folder.glob("libmujoco*")))
+    monkeypatch.setattr(mujoco, "__file__", str(tmp_path / "__init__.py"))
+    assert native.library().mj_version() == mujoco.mj_version()
+    native.library.cache_clear()
+    monkeypatch.setattr(mujoco, "__version__", "0.0.1")
+    with pytest.raises(OSError, match=r"no library of MuJoCo 0\.0\.1 is running from .* install `mujoco` again"):
+        native.library()
 
 
 # ---- bad input ------------------------------------------------------------------------------------------------------
