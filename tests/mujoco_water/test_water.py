@@ -11,11 +11,13 @@ import mujoco.rollout
 import numpy as np
 import pytest
 import water_oracle as oracle
+from scipy.integrate import solve_ivp
 
 from laticauda import mujoco_water as water
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water import Element, GeomCoefficients, native
 from laticauda.mujoco_water.elements import lamb
+from laticauda.mujoco_water.hydrostatics import wetted
 
 RK4_ORDER = 4 if mujoco.mj_version() >= 4_000_000 else 2  # before, free and ball joints turned to second order
 STILL = "ignore:body .* floats freely"
@@ -411,6 +413,80 @@ def test_drag_only_takes_energy():
             )
         ]
         assert np.all(np.sum(force * np.array(velocity), axis=1) <= 0.0)
+
+
+# ---- through the surface -------------------------------------------------------------------------------------------
+
+
+def energy(model, data, elements) -> float:
+    """Of bodies and water: all that moves, weight, and what is displaced."""
+    M, total = np.zeros((model.nv, model.nv)), 0.0
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, M)
+    for e in elements:
+        b = model.body(e.body).id
+        R, at = data.xmat[b].reshape(3, 3), data.xpos[b] + data.xmat[b].reshape(3, 3) @ e.position
+        up = (R @ e.rotation)[2]
+        share, *center = wetted(e.shape_number, *e.half_size, *up, -at[2])
+        total -= 1000.0 * 9.81 * e.volume * share * (at[2] + up @ center)
+    return total + 0.5 * data.qvel @ M @ data.qvel + 9.81 * model.body_mass @ data.xipos[:, 2]
+
+
+def dropped(text: str, seconds: float, start) -> tuple[np.ndarray, np.ndarray, tuple[Element, ...]]:
+    """Heights of the root, and energies over what there was above the surface to begin with; every 10 ms."""
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    data = mujoco.MjData(model)
+    elements = tuple(water.geom_element(model, g, GeomCoefficients(drag=(0, 0, 0))) for g in range(model.ngeom))
+    water.attach(model, elements, surface=0.0)
+    start(data)
+    height, energies = [], []
+    for _ in range(round(seconds / 0.01)):
+        height.append(data.qpos[2])
+        energies.append(energy(model, data, elements))
+        mujoco.mj_step(model, data, nstep=round(0.01 / model.opt.timestep))
+    scale = 9.81 * model.body_mass.sum() * height[0]
+    return np.array(height), np.array(energies) / scale, elements
+
+
+@pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize("integrator", ["RK4", "implicitfast"])
+def test_a_light_ball_that_is_dropped_plunges_and_comes_back_as_its_equation_says(integrator: str):
+    text = body("sphere", ".1", option=f'integrator="{integrator}"', density=500.0)
+    height, energies, (ball,) = dropped(text, 3.0, lambda data: data.qpos.__setitem__(2, 0.3))
+    mass, added = 500.0 * ball.volume, ball.added_mass[2]
+
+    def fall(_, state):
+        z, v = state
+        s = np.clip(-z / 0.1, -1.0, 1.0)
+        share, rate = (1 + s) ** 2 * (2 - s) / 4, 0.75 * (1 - s * s) * -v / 0.1
+        force = 9.81 * (1000.0 * ball.volume * share - mass) - max(0.0, rate) * added * v
+        return v, force / (mass + share * added)
+
+    t = np.arange(len(height)) * 0.01
+    expected = solve_ivp(fall, (0, 3), (0.3, 0), "DOP853", t_eval=t, rtol=1e-10, atol=1e-12, max_step=0.01).y[0]
+    assert height.min() > -0.3
+    assert height.min() == pytest.approx(expected.min(), rel=0.02 if integrator == "implicitfast" else 1e-4)
+    assert np.max(energies) < energies[0] + 1e-3
+    if integrator == "RK4":
+        np.testing.assert_allclose(height, expected, atol=1e-4)
+
+
+@pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize("shape", ["box", "cylinder", "ellipsoid", "chain"])
+def test_nothing_that_tumbles_through_the_surface_gains_energy(shape: str):
+    size = {"box": ".2 .1 .05", "cylinder": ".1 .2", "ellipsoid": ".3 .1 .05", "chain": ""}[shape]
+    text = body(shape, size, option='integrator="RK4"', density=500.0)
+    if shape == "chain":
+        text = oracle.snake(3, option='integrator="RK4"').replace("0 0 0", "0 0 -9.81", 1).replace("1000", "500")
+
+    def start(data):
+        data.qpos[2:7] = 0.4, *np.array((0.8, 0.5, 0.3, 0.1)) / np.sqrt(0.99)
+        data.qvel[:6] = 0.5, 0.2, 0.0, 0.3, 2.0, -1.0
+
+    height, energies, _ = dropped(text, 2.5, start)
+    assert np.min(height) < 0.0
+    assert np.max(np.diff(energies)) < 1e-5
+    assert energies[-1] < energies[0] - 0.2  # the splash keeps some
 
 
 # ---- several models, threads ----------------------------------------------------------------------------------------
