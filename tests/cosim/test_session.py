@@ -1,4 +1,5 @@
 import json
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -121,6 +122,20 @@ def test_the_spatial_model_steps_and_keeps_its_place_when_the_current_changes(as
     after = ask("step", duration=0.01, current=[0.1, 0.0])["observation"]
     assert after["center_of_mass"] == pytest.approx(before["center_of_mass"], abs=2e-3)
     assert after["time"] == pytest.approx(0.11)
+
+
+def test_spatial_worlds_move_at_the_same_time_and_each_as_if_alone():
+    pytest.importorskip("mujoco")
+
+    def places(offset):
+        session = Session()
+        session.answer(json.dumps({"do": "reset", "model": "spatial", "offset": offset}).encode())
+        step = json.dumps({"do": "step", "duration": 0.3}).encode()
+        return [json.loads(session.answer(step))["observation"]["center_of_mass"] for _ in range(5)]
+
+    offsets = (0.0, 0.1, 0.2)
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(places, offsets)) == [places(offset) for offset in offsets]
 
 
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):

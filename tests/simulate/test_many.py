@@ -1,3 +1,7 @@
+import signal
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -5,7 +9,10 @@ import pytest
 
 import laticauda as lc
 from laticauda.fluid.laws import FunctionDrag
+from laticauda.gaits.gait import Wave
+from laticauda.interfaces import Command
 from laticauda.robot import Tether, load_robot, load_water
+from laticauda.simulate import plant
 
 FIGURES = (
     "forward_velocity",
@@ -138,6 +145,87 @@ def test_progress_ends_at_one():
     lc.swim_many(MAMBA, [GAIT] * 100, 1.0, progress=told.append)
     assert told == sorted(told)
     assert told[-1] == 1.0
+
+
+# ---- in space, on threads --------------------------------------------------------------------------------------------
+
+
+def in_space(n: int) -> list[lc.Scenario]:
+    """Two robots in two waters, by prescribed and by pd joints, and as many more that share all but their gait."""
+    pytest.importorskip("mujoco")
+    robots, waters = [MAMBA, load_robot("mamba-fin")], [load_water("paper-lateral"), load_water("paper-eel")]
+    gaits, law = [replace(GAIT, amplitude=0.3 + 0.02 * i) for i in range(n)], ["prescribed", "pd"]
+    return [
+        lc.scenario(robots[i // 2 % 2], g, 1.0, environment=waters[i // 4 % 2], model="spatial", joints=law[i % 2])
+        for i, g in enumerate(gaits)
+    ] + [lc.scenario(MAMBA, g, 1.0, environment=waters[0], model="spatial") for g in gaits]
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_spatial_trials_on_threads_have_the_bits_of_single_ones(threads):
+    scenarios = [*in_space(8), lc.scenario(MAMBA, GAIT, 2.5, environment=load_water("paper-lateral"), model="spatial")]
+    order = np.random.default_rng(threads).permutation(len(scenarios))
+    swims = lc.swim_many([scenarios[i] for i in order], threads=threads)
+    assert swims.center_of_mass.shape == (len(scenarios), 3)
+    for k, i in enumerate(order):
+        trial = lc.swim(scenarios[i])
+        assert [*swims.center_of_mass[k], swims.heading[k]] == [*trial.center_of_mass[-1], trial.heading[-1]]
+        assert (swims.succeeded[k], swims.status[k]) == (True, trial.status)
+        for name in set(FIGURES) - {"steady_velocity"}:
+            assert getattr(swims, name)[k] == getattr(trial, name), name
+    assert np.isnan(swims.steady_velocity).all()
+
+
+def test_a_spatial_trial_that_cannot_be_is_named_by_its_place():
+    scenarios = in_space(2)
+    pitching = replace(GAIT, pitch=Wave(amplitude=0.2, frequency=2.0, phase_shift=0.5))
+    scenarios[3] = replace(scenarios[3], motion=pitching)
+    with pytest.raises(ValueError, match=r"`scenarios\[3\]\.gait\.pitch` must be None"):
+        lc.swim_many(scenarios)
+    with pytest.raises(ValueError, match=r"`scenarios\[2\]\.model` must be of class Spatial, got Planar"):
+        lc.swim_many([*scenarios[:2], replace(scenarios[2], model=lc.Planar())])
+    with pytest.raises(ValueError, match="`device` must be one of `cpu`, got 'cuda'"):
+        lc.swim_many(scenarios, device="cuda")
+
+
+def test_an_interrupted_batch_of_spatial_trials_ends_at_once_and_leaves_no_thread():
+    long = replace(in_space(1)[0], duration=50_000.0)
+    before, told = threading.active_count(), []
+    timer = threading.Timer(0.3, signal.pthread_kill, (threading.get_ident(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        lc.swim_many([long] * 8, threads=2, progress=told.append)
+    timer.join()
+    assert told == []  # each of them takes minutes
+    assert threading.active_count() == before
+
+
+def test_a_march_in_space_does_not_freeze_what_else_the_process_does():
+    body = plant(lc.scenario(MAMBA, GAIT, model="spatial"))
+    command = Command(gait=GAIT)
+    body.march(body.init(lc.Start(), command), command, 1.0, 1.0)
+    march = threading.Thread(target=body.march, args=(body.init(lc.Start(), command), command, 200.0, 1.0))
+    march.start()
+    begin = last = time.perf_counter()
+    longest = 0.0
+    while march.is_alive():
+        lc.swim(MAMBA, GAIT, 0.1)
+        now = time.perf_counter()
+        longest, last = max(longest, now - last), now
+    assert longest < 0.5 * (last - begin)  # with the interpreter's lock it is all of it
+
+
+def test_two_threads_may_ask_one_plant_for_its_forces():
+    body = plant(lc.scenario(MAMBA, GAIT, model="spatial"))
+    commands = [Command(gait=replace(GAIT, amplitude=a)) for a in (0.3, 0.6)]
+
+    def forces(command):
+        return body.march(body.init(lc.Start(), command), command, 1.0, 0.02, link_forces=True)[1].link_force["drag"]
+
+    alone = [forces(command) for command in commands]
+    with ThreadPoolExecutor(2) as pool:
+        for one, other in zip(alone, pool.map(forces, commands), strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(

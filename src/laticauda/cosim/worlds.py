@@ -3,10 +3,8 @@
 Each change makes another world, so that a request that is refused changes nothing; only the log is written on.
 """
 
-import threading
 from collections import deque
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -16,7 +14,7 @@ from laticauda.cosim.messages import Message, commanded
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, one_of, positive, within
 from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.scenarios import Scenario, Spatial
+from laticauda.scenarios import Scenario
 from laticauda.series import Log
 from laticauda.simulate import plant, swim
 from laticauda.trial import Trial
@@ -27,9 +25,6 @@ LONGEST = 36_000.0  # s, of one request
 MOMENT = 1e-6  # s
 
 Series = dict[str, np.ndarray]
-
-# MuJoCo's callbacks belong to the whole process, so only one spatial world moves at a time.
-_spatial = threading.Lock()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,10 +101,8 @@ def new_world(scenario: Scenario) -> World:
     """
     body = plant(scenario)
     world = World(scenario=scenario, plant=body, state=None, log=History())
-    with _alone(body):
-        world = replace(world, state=body.init(cast(Start, scenario.start), world.command))
-        log = _try(world)
-    world.log.add(log.at(slice(1)))
+    world = replace(world, state=body.init(cast(Start, scenario.start), world.command))
+    world.log.add(_try(world).at(slice(1)))
     return world
 
 
@@ -126,13 +119,12 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
         ValueError: If the plant does not take the command.
     """
     scenario, body, state = commanded(world.scenario, message), world.plant, world.state
-    with _alone(body):
-        if scenario.environment is not world.scenario.environment:
-            body = plant(scenario)
-            state = body.unpack(world.plant.pack(state))
-        world = replace(world, scenario=scenario, plant=body, state=state)
-        if tried:
-            _try(world)
+    if scenario.environment is not world.scenario.environment:
+        body = plant(scenario)
+        state = body.unpack(world.plant.pack(state))
+    world = replace(world, scenario=scenario, plant=body, state=state)
+    if tried:
+        _try(world)
     return world
 
 
@@ -150,8 +142,7 @@ def stepped(world: World, duration: float) -> World:
         raise ValueError(f"{world.broken} `reset` begins anew.")
     interval = min(world.scenario.sample_interval, duration)
     check_work(world.plant, duration, interval)
-    with _alone(world.plant):
-        state, log, failure = world.plant.march(world.state, world.command, duration, interval)
+    state, log, failure = world.plant.march(world.state, world.command, duration, interval)
     if failure is not None:
         return replace(world, broken=failure)
     world.log.add(log.at(slice(1, None)))
@@ -169,8 +160,7 @@ def whole_run(scenario: Scenario) -> Trial:
     """
     body = plant(scenario)
     check_work(body, scenario.duration, scenario.sample_interval)
-    with _alone(body):
-        return swim(scenario)
+    return swim(scenario)
 
 
 def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> None:
@@ -197,7 +187,3 @@ def check_work(plant: Plant[Any], duration: float, sample_interval: float) -> No
 def _try(world: World) -> Log:
     """Refuse a command that the plant would refuse later, while nothing has changed yet; the sample of now."""
     return world.plant.march(world.state, world.command, MOMENT, MOMENT)[1]
-
-
-def _alone(plant: Plant[Any]) -> AbstractContextManager[Any]:
-    return _spatial if isinstance(plant.settings, Spatial) else nullcontext()

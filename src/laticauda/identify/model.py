@@ -23,7 +23,7 @@ from laticauda.scenarios import Planar, Scenario
 from laticauda.simulate.derivatives import Number, slopes
 from laticauda.simulate.many import collected, runs_of
 from laticauda.simulate.numbers import UNITS, changed
-from laticauda.simulate.runner import swim
+from laticauda.simulate.threads import swim_each
 from laticauda.trial import Trial
 
 TOW_DIFFERENCE = 2.0**-12  # a step of the differences of a tow's loads, as a share of the number
@@ -90,12 +90,16 @@ def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[
     return found
 
 
-def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
-    """What every measurement's run gives."""
+def _towed(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], list[int]]:
+    """What the water does to robots that are towed, and the places of the measurements that swim."""
     tows = [one.tow for one in problem.measurements]
     raw: list[Raw] = [{} if tow is None else dict(tow.loads(one)) for tow, one in zip(tows, scenarios, strict=True)]
-    failures: dict[str, str] = {}
-    swum = [i for i, tow in enumerate(tows) if tow is None]
+    return raw, [i for i, tow in enumerate(tows) if tow is None]
+
+
+def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
+    """What every measurement's run gives."""
+    (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     for duration, places in _by_duration(scenarios, swum).items():
         members = [swum[place] for place in places]
         runs = runs_of([scenarios[i] for i in members])
@@ -212,22 +216,18 @@ def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Cal
 
 
 def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
-    """The same by the 3D twin, run by run."""
-    raw: list[Raw] = []
-    failures: dict[str, str] = {}
-    for measurement, scenario in zip(problem.measurements, scenarios, strict=True):
-        if measurement.tow is not None:
-            raw.append(dict(measurement.tow.loads(scenario)))
-            continue
-        trial = swim(scenario)
+    """The same by the 3D twin, run by run on threads."""
+    (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
+    trials = swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
+    for i, trial in zip(swum, trials, strict=True):
+        measurement = problem.measurements[i]
         if trial.succeeded:
-            raw.append(_raw_of(trial, measurement))
+            raw[i] = _raw_of(trial, measurement)
         else:
             failures[measurement.name] = trial.status
-            nothing: Raw = dict.fromkeys(("x", "y", "heading", "heading series", *measurement.figures), np.nan)
+            raw[i] = dict.fromkeys(("x", "y", "heading", "heading series", *measurement.figures), np.nan)
             for name, (values, _) in measurement.series.items():
-                nothing[f"{name} series"] = np.full_like(values, np.nan)
-            raw.append(nothing)
+                raw[i][f"{name} series"] = np.full_like(values, np.nan)
     return raw, failures
 
 

@@ -16,11 +16,12 @@ from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water, has_power_model
-from laticauda.scenarios import ModelChanges, Planar, Scenario, default_water, scenario
+from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, check_size
-from laticauda.trial import feasibility, metrics
+from laticauda.simulate.threads import swim_each
+from laticauda.trial import Trial, feasibility, metrics
 from laticauda.trial.cycles import hermite, steady_part
 
 DEVICES = ("cpu", "cuda")
@@ -52,7 +53,7 @@ class Swims:
     """Electrical power with servo joints or a `Robot.active_power`, else the mechanical one [W]."""
     cost_of_transport: Figure
     """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
-    center_of_mass: Float[np.ndarray, "n_trials 2"]
+    center_of_mass: Float[np.ndarray, "n_trials n_axes"]
     """At the end [m]."""
     heading: Figure
     """At the end [rad]."""
@@ -79,23 +80,25 @@ def swim_many(
     progress: Progress | None = None,
     **changes: Unpack[ModelChanges],
 ) -> Swims:
-    """Run many planar scenarios; or let many robots swim, each from straight and at rest.
+    """Run many scenarios of one model; or let many robots swim, each from straight and at rest.
 
     Trial i is what `swim` makes of the i-th of everything; where one thing is given instead of a sequence, all trials
-    share it. Robots of equal shape are computed eight at a time, so a sweep over gaits, waters or sizes gains most; any
-    mixture is allowed. The figures agree with those of `swim` to rounding, whatever else is in the batch and however
-    many threads compute it.
+    share it. Planar robots of equal shape are computed eight at a time, so a sweep over gaits, waters or sizes gains
+    most; any mixture is allowed, and the figures agree with those of `swim` to rounding. Spatial ones run one by one on
+    every thread, and their figures are those of `swim` to the last bit. Neither depends on what else is in the batch,
+    nor on the number of threads.
 
     Args:
-        robots: The scenarios, all of one duration and sample interval; or what swims, with their gaits.
+        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and are of one duration and
+            sample interval. Or what swims, with their gaits.
         gaits: What the joints are asked for.
         duration: Of every trial [s].
         environments: Waters or grounds; None takes `default_water` of each robot and gait.
         starts: Where each begins; None: at the origin, along x.
         sample_interval: Of the logs that the figures are taken from; they are not kept [s].
         threads: How many to compute with; None takes all cores that this process may use.
-        device: cpu, or cuda for a GPU, one trial per thread of it: it needs the extra `gpu`, and pays for thousands of
-            trials.
+        device: cpu, or cuda for a GPU, one planar trial per thread of it: it needs the extra `gpu`, and pays for
+            thousands of trials.
         progress: Called now and then with the share that is finished, from 0 to 1.
         changes: Of the model, see `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but
             takes its lanes one by one.
@@ -114,11 +117,40 @@ def swim_many(
         array([0.066, 0.091, 0.116])
     """
     scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
-    runs = runs_of(scenarios)
-    found = collected(runs, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device)
+    if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
+        one_of("device", device, DEVICES[:1])
+        found = swum(scenarios, threads, progress)
+    else:
+        runs = runs_of(scenarios)
+        found = collected(runs, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device)
     named = dict(found.figures)
-    end = np.stack((named.pop("x"), named.pop("y")), axis=1)
+    end = np.stack([named.pop(axis) for axis in "xyz" if axis in named], axis=1)
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
+
+
+def swum(scenarios: Sequence[Scenario], threads: int | None, progress: Progress | None) -> "Collected":
+    """The figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
+    names = (*UNITS, "z")
+
+    def figures(trial: Trial) -> tuple[list[float], bool, str]:
+        end = trial.center_of_mass[-1]
+        held = {"heading": trial.heading[-1], **dict(zip("xyz", end, strict=True))}
+        found = [held[name] if name in held else _or_nan(trial, name) for name in names]
+        return found if trial.succeeded else [math.nan] * len(names), trial.succeeded, trial.status
+
+    for i, one in enumerate(scenarios):
+        instance(f"scenarios[{i}].model", one.model, Spatial)
+    numbers, succeeded, status = zip(*swim_each(scenarios, figures, threads=threads, progress=progress), strict=True)
+    by_name = dict(zip(names, np.array(numbers).T, strict=True))
+    return Collected(figures=by_name, succeeded=np.array(succeeded), status=status)
+
+
+def _or_nan(trial: Trial, figure: str) -> float:
+    """A figure of a trial; nan where it has no meaning."""
+    try:
+        return float(getattr(trial, figure))
+    except ValueError:
+        return math.nan
 
 
 def batch_of(

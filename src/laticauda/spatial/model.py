@@ -188,8 +188,9 @@ class SpatialPlant(Plant[Spatial]):
         for sample in range(len(samples)):
             if sample:
                 values, _ = self._go(values, given, every, dt, every)
-            self._go(values, given, 0, NO_STEP, 1)
-            force[:, sample] = self._twin.forces()
+            with self._twin.lock:  # another thread's march would leave it somewhere else
+                self._go(values, given, 0, NO_STEP, 1)
+                force[:, sample] = self._twin.forces()
         return force
 
     def _seen(self, samples: np.ndarray) -> dict[str, np.ndarray]:

@@ -1,7 +1,7 @@
 """A spatial plant's model in MuJoCo, and what the kernels need of it."""
 
 import math
-from threading import Lock
+from threading import RLock
 from types import ModuleType
 
 import numpy as np
@@ -22,11 +22,11 @@ TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
 
 class Twin:
-    """A robot, its place and a model's settings in MuJoCo. A resource: one march at a time."""
+    """A robot, its place and a model's settings in MuJoCo. A resource: one march at a time, whoever has the `lock`."""
 
     def __init__(self, robot: Robot, environment: Environment, setup: Spatial) -> None:
         mujoco = load_mujoco()
-        self._lock = Lock()
+        self.lock = RLock()
         land = land_of(environment, setup)
         spec = mjcf.spec(
             robot,
@@ -121,7 +121,7 @@ class Twin:
         log: np.ndarray,
     ) -> int:
         """Advance `values` in place; see `stepping.run`."""
-        with self._lock:
+        with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
