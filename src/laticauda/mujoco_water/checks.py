@@ -62,27 +62,20 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
 
 def _slopes(element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
     """Steepest slope of the drag between rest and a speed, along and about the element's axes."""
-    law, spin, near = element.law, speed / max(element.half_size), 1e-6
+    law, near = element.law, 1e-6
 
-    def along(v: float, c: float) -> float:
-        before, after = (law(at, v, v, 0.0, Coefficients(c, 0.0, 0.0, 0.0))[0] for at in (v - near, v + near))
-        return before - after
+    def steepest(load: int, top: float, *coefficients: float) -> float:
+        def at(v: float, w: float) -> float:
+            moving = ((w, v, v, 0.0), (v, w, abs(w), 0.0), (0.0, 0.0, 0.0, w))[load]
+            return law(*moving, Coefficients(*coefficients))[load]
 
-    def across(v: float, c: float) -> float:
-        ends = ((at, abs(at)) for at in (v - near, v + near))
-        before, after = (law(v, at, size, 0.0, Coefficients(0.0, c, 0.0, 0.0))[1] for at, size in ends)
-        return before - after
+        return max(at(v, v - near) - at(v, v + near) for v in (0.0, top)) / (2.0 * near)
 
-    def about(w: float, a: float, b: float) -> float:
-        before, after = (law(0.0, 0.0, 0.0, at, Coefficients(0.0, 0.0, a, b))[2] for at in (w - near, w + near))
-        return before - after
-
-    slopes = [
-        max(slope(0.0, c), slope(speed, c)) for slope, c in zip((along, across, across), element.drag, strict=True)
-    ]
+    x, y, z = element.drag
+    slopes = [steepest(0, speed, x, 0.0, 0.0, 0.0), *(steepest(1, speed, 0.0, c, 0.0, 0.0) for c in (y, z))]
     pairs = zip(element.torque_linear, element.torque_quadratic, strict=True)
-    turning = [max(about(0.0, a, b), about(spin, a, b)) for a, b in pairs]
-    return np.array(slopes) / (2.0 * near), np.array(turning) / (2.0 * near)
+    turning = [steepest(2, speed / max(element.half_size), 0.0, 0.0, *pair) for pair in pairs]
+    return np.array(slopes), np.array(turning)
 
 
 def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
@@ -137,6 +130,20 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
                 f"must store the whole inertia matrix of body `{model.body(body).name}`, but keeps its "
                 "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`",
             )
+
+
+def avoid_sparse_fault(model: Any) -> None:
+    """Let the Newton solver of MuJoCo 4.0.0 take a dense Jacobian: its factor of a sparse Hessian can be wrong.
+
+    Accelerations were off by all of their size where constraints join branches of the tree; 4.0.1 is right again.
+
+    Args:
+        model: The `mujoco.MjModel`; its option `jacobian` may be changed.
+    """
+    mujoco = load_mujoco()
+    newton = model.opt.solver == mujoco.mjtSolver.mjSOL_NEWTON
+    if mujoco.__version__ == "4.0.0" and newton and mujoco.mj_isSparse(model):
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
 
 
 def _dofs_above(model: Any, body: int) -> list[int]:

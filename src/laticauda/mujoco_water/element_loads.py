@@ -37,6 +37,7 @@ from laticauda.mujoco_water.vectors import (
 )
 
 wetted = compiled(hydrostatics.wetted)
+wetting = compiled(hydrostatics.wetting)
 plate_law = compiled(plate)
 
 
@@ -49,7 +50,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     force (6 each) and inertia (21) of every body.
     """
     R, place, arm = pose(E, o, T, body, data)
-    wet, center = 1.0, (0.0, 0.0, 0.0)
+    wet, center, depth = 1.0, (0.0, 0.0, 0.0), 0.0
     if T[HAS_SURFACE]:
         half, up = three(E, o + HALF), three(R, 6)
         depth = P[LEVEL] - place[2]
@@ -60,6 +61,10 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     u, w, a, alpha = motion(T, P, S, R, place, arm, body, data, law_io)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
+    if 0.0 < wet < 1.0 and T[HAS_INERTIA]:
+        rate = covering(T, E, o, R, wet, depth, arm, body, data)
+        added = plus(added, scaled(-rate, times(three(E, o + MASS), u)))
+        added_torque = plus(added_torque, scaled(-rate, times(three(E, o + INERTIA), w)))
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
     lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], three(numbers(model + T[AT_GRAVITY], 3), 0))
@@ -122,6 +127,16 @@ def added_mass(keep, m, i, u, w, a, alpha):
     force = plus(times(m, a), scaled(keep, cross(w, momentum)))
     turning = plus(cross(w, times(i, w)), cross(u, momentum))
     return scaled(-1.0, force), scaled(-1.0, plus(times(i, alpha), scaled(keep, turning)))
+
+
+@kernel
+@no_type_check
+def covering(T, E, o, R, wet, depth, arm, body, data):
+    """How fast the share under water grows; 0 while it falls."""
+    cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
+    w = three(cvel, 6 * body)
+    rise = cvel[6 * body + 5] + cross(w, arm)[2]
+    return max(0.0, wetting(wet, E[o + SHAPE], three(E, o + HALF), three(R, 6), depth, to_own(R, w), -rise))
 
 
 @kernel

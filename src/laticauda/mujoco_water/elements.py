@@ -13,7 +13,6 @@ from laticauda.angles import from_quaternion
 from laticauda.errors import BadArgument, positive
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
-from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground import Contact
 from laticauda.quantities import option, quantity, value
 
@@ -82,11 +81,6 @@ class Element:
             raise BadArgument("orientation", f"must be a quaternion that is not zero, got {self.orientation}")
         w, x, y, z = (q / norm for q in self.orientation)
         object.__setattr__(self, "orientation", (w, x, y, z))
-
-    @property
-    def shape_number(self) -> int:
-        """The shape as `hydrostatics` has it."""
-        return int(getattr(hydrostatics, self.shape.upper()))
 
     @property
     def rotation(self) -> np.ndarray:

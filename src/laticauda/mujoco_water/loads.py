@@ -8,6 +8,7 @@ All vectors of one tree are taken about the tree's center of mass, in world dire
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
 
+from functools import cache
 from typing import Any, no_type_check
 
 import llvmlite.binding
@@ -177,6 +178,7 @@ def _passive(model, data):
         apply(model, data, R[place + 1])
 
 
+@cache
 def callback() -> Any:
     """The passive callback for all models with water: a compiled function of the addresses of model and data."""
     function = named_after(sources_digest(__name__), _passive)

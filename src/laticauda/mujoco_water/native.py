@@ -10,6 +10,7 @@ which come in as numbers, so that compiled code can be kept on disk.
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 
 import ctypes
+import os
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -48,12 +49,26 @@ _FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, in
 
 @cache
 def library() -> ctypes.CDLL:
-    """The shared library that the module `mujoco` runs on; once it is open, compiled code finds its functions."""
-    folder = Path(load_mujoco().__file__).parent
-    found = sorted(p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern))
-    if not found:
-        raise OSError(f"no shared library of MuJoCo in {folder}")
-    opened = ctypes.CDLL(str(found[0]))
+    """The shared library that the module `mujoco` runs on; once it is open, compiled code finds its functions.
+
+    Raises:
+        OSError: If the library that is running is not that of the module: packages have overwritten each other.
+    """
+    mujoco = load_mujoco()
+    folder, running = Path(mujoco.__file__).parent, getattr(os, "RTLD_NOLOAD", 0)  # Windows opens it once anyway
+    for path in (p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern)):
+        try:
+            opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | running)
+        except OSError:
+            continue  # another version's, which nobody has opened
+        opened.mj_versionString.restype = ctypes.c_char_p
+        if opened.mj_versionString().decode() == mujoco.__version__:
+            break
+    else:
+        raise OSError(
+            f"no library of MuJoCo {mujoco.__version__} is running from {folder}: two packages may have been installed "
+            "into it; uninstall `mujoco` and `mujoco-core`, and install `mujoco` again"
+        )
     for function in _FUNCTIONS:
         address = ctypes.cast(getattr(opened, function.symbol), ctypes.c_void_p).value
         llvmlite.binding.add_symbol(function.symbol, address)
@@ -120,26 +135,25 @@ def pointer(typingctx, number):
     return types.voidptr(types.int64), codegen
 
 
+def _loaded(kind, stored):
+    """The type and the code of reading what is stored at an address."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(builder.inttoptr(arguments[0], stored.as_pointer()))
+
+    return kind(types.int64), codegen
+
+
 @intrinsic
 def word_at(typingctx, number):
     """The 64-bit integer at an address."""
-    del typingctx, number
-
-    def codegen(context, builder, signature, arguments):
-        return builder.load(builder.inttoptr(arguments[0], ir.IntType(64).as_pointer()))
-
-    return types.int64(types.int64), codegen
+    return _loaded(types.int64, ir.IntType(64))
 
 
 @intrinsic
 def number_at(typingctx, number):
     """The 64-bit floating-point number at an address."""
-    del typingctx, number
-
-    def codegen(context, builder, signature, arguments):
-        return builder.load(builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))
-
-    return types.float64(types.int64), codegen
+    return _loaded(types.float64, ir.DoubleType())
 
 
 def _call(where, *arguments):

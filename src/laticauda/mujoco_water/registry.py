@@ -3,7 +3,6 @@
 import ctypes
 import secrets
 import weakref
-from functools import cache
 from threading import Lock
 from typing import Any
 
@@ -19,18 +18,9 @@ _kept: dict[int, Any] = {}  # what the compiled code reads, by the mark of its m
 _gone: list[int] = []  # marks of models that no longer exist; copies of them may
 
 
-@cache
-def _callback() -> Any:
-    return loads.callback()
-
-
-def _callback_address() -> int:
-    return int(_callback().address)
-
-
 def is_installed() -> bool:
     """Whether the callback is in place: another package may have put its own there."""
-    return _current_callback() == _callback_address()
+    return _current_callback() == loads.callback().address
 
 
 def _current_callback() -> int:
@@ -42,7 +32,7 @@ def install() -> None:
     mujoco = load_mujoco()
     with _lock:
         before = _current_callback()
-        if before == _callback_address():
+        if before == loads.callback().address:
             return
         there = mujoco.get_mjcb_passive()
         if there is not None and not hasattr(there, "argtypes"):
@@ -51,7 +41,7 @@ def install() -> None:
             )
         loads.registry[0] = before
         _previous[:] = [there]
-        mujoco.set_mjcb_passive(_callback().ctypes)
+        mujoco.set_mjcb_passive(loads.callback().ctypes)
 
 
 def enter(model: Any, table: np.ndarray, keep: Any) -> int:

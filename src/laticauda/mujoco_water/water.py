@@ -15,9 +15,9 @@ import numpy as np
 
 from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
-from laticauda.mujoco_water import native, registry
+from laticauda.mujoco_water import hydrostatics, native, registry
 from laticauda.mujoco_water import table as rows
-from laticauda.mujoco_water.checks import body_of, check_model, warn_of
+from laticauda.mujoco_water.checks import avoid_sparse_fault, body_of, check_model, warn_of
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.functions import Current, compiled_current, compiled_law
 from laticauda.mujoco_water.ground import Terrain
@@ -152,6 +152,7 @@ def attach(
     bodies = np.array([body_of(model, element.body) for element in elements])
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
+    avoid_sparse_fault(model)
     table, arrays = _table(model, elements, bodies, water)
     table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
     table[rows.HAS_SURFACE] = surface is not None
@@ -250,6 +251,6 @@ def _record(element: Element) -> np.ndarray:
         (rows.LAW_NUMBERS, element.law.numbers),
     ):
         record[at : at + len(values)] = values
-    record[rows.VOLUME], record[rows.SHAPE] = element.volume, element.shape_number
+    record[rows.VOLUME], record[rows.SHAPE] = element.volume, getattr(hydrostatics, element.shape.upper())
     record[rows.TETHER_DRAG], record[rows.WAKE_MASS] = element.tether_drag, element.wake_mass
     return record

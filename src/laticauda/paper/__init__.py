@@ -22,8 +22,6 @@ if TYPE_CHECKING:
         measured_trial as measured_trial,
         path_following_trials as path_following_trials,
     )
-    from laticauda.paper.figures.parity import optima_figure as optima_figure
-    from laticauda.paper.optima import Optima as Optima, run_optima as run_optima
     from laticauda.paper.parity import (
         Parity as Parity,
         ParityCase as ParityCase,

@@ -146,15 +146,19 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
     predictors = {name: scores(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.paper.figures.parity import parity_sheet
+        from laticauda.figures import style
+        from laticauda.figures.identification import parity
 
         shown = {
             f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
             for name, (first, *others) in predictors.items()
             for one in (first, *[other for other in others if other.n_fitted and not other.is_null][:1])
         }
-        sheet = parity_sheet({"forward velocity [m/s]": shown}, "measured")
-        yield "speeds", "Speeds of the robot against those simulated.", sheet
+        figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
+        ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
+        ax.set(ylabel="simulated forward velocity [m/s]")
+        style.legend(ax, loc="upper left")
+        yield "speeds", "Speeds of the robot against those simulated.", figure
 
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
     return paper_chapter("summary", {}, values=values, n_figures=1, figures=figures)

@@ -5,10 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from campaign_scripts import campaign
 
 import laticauda as lc
 from laticauda.gaits import Anguilliform, EelLike
-from laticauda.paper import Repeat, optima_figure, run_optima
+from laticauda.paper import Repeat
+
+optima = campaign("optima")
+run_optima = optima.run_optima
 
 GAITS = (
     lc.lateral_undulation(amplitude=math.radians(40), frequency=math.radians(210), phase_shift=math.radians(20)),
@@ -68,7 +72,7 @@ def test_what_cannot_be_compared_is_refused():
 
 
 def test_the_figure_shows_every_optimum_twice(found):
-    figure = optima_figure(found)
+    figure = optima.optima_figure(found)
     shown = [sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() != "None") for ax in figure.axes]
     assert shown == [len(GAITS)] * 2
     assert [ax.get_xlabel() for ax in figure.axes] == ["published forward velocity [m/s]", "published net power [W]"]
