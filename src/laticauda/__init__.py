@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         HeadingController as HeadingController,
         IntegralLineOfSight as IntegralLineOfSight,
         LineOfSight as LineOfSight,
+        Following as Following,
         PathFollowing as PathFollowing,
         Polyline as Polyline,
         SpatialPathFollowing as SpatialPathFollowing,

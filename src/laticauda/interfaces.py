@@ -25,6 +25,8 @@ CONTROLLERS: dict[str, str] = {
     "offset-steps": "laticauda.control.averaging",
 }
 """Where the controllers are that come with the package; they are imported when one is named."""
+EFFECTORS = (("thrusts", "thrusters", "thrust", "N"), ("deflections", "pectoral_fins", "deflection", "rad"))
+"""What a command says of effectors: its field, the robot's, the number of one of them, and its unit."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 """Signals of a spatial trial: which way module 0 is turned, as a quaternion. A measured trial may lack them."""
 
@@ -46,6 +48,10 @@ class Command:
     enabled: tuple[bool, ...] | None = None
     """For every joint, whether its motor is on. Where it is not, only the gear's friction acts, and the skin. None: all
     are on. For joints driven by pd control or servos. One more may follow for a driven fin [-]."""
+    thrusts: tuple[float, ...] | None = None
+    """Of every driven thruster, one with a `max_thrust`, in order; it gives no more than that. None: its own [N]."""
+    deflections: tuple[float, ...] | None = None
+    """The same of every pectoral fin with a `max_deflection` [rad]."""
 
     @property
     def steered(self) -> Gait:
@@ -55,6 +61,33 @@ class Command:
             pitch = pitch or STRAIGHT
             pitch = replace(pitch, offset=pitch.offset + self.pitch_offset)
         return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
+
+    def effectors(self, robot: Robot) -> Robot:
+        """The robot with its thrusters and pectoral fins as this command has them, each within its limit.
+
+        Args:
+            robot: With them as they are built.
+
+        Raises:
+            ValueError: If there are not as many numbers as driven ones, or one is not finite.
+        """
+        changes: dict[str, Any] = {}
+        for name, group, number, unit in EFFECTORS:
+            built, asked = getattr(robot, group), getattr(self, name)
+            driven = [i for i, one in enumerate(built) if getattr(one, f"max_{number}") is not None]
+            if asked is None:
+                continue
+            if len(asked) != len(driven):
+                rule = (
+                    f"must have one entry per effector with a `max_{number}`, {len(driven)} of them, got {len(asked)}"
+                )
+                raise BadArgument(name, rule)
+            changes[group] = list(built)
+            for i, one in zip(driven, asked, strict=True):
+                most = getattr(built[i], f"max_{number}")
+                given = min(max(finite(f"{name}[{i}]", one, unit), -most), most)
+                changes[group][i] = replace(built[i], **{number: given})
+        return replace(robot, **changes) if changes else robot
 
     def check_held(self, robot: Robot, joints: JointLaw) -> None:
         """Refuse references and switches that do not fit a plant.
@@ -118,7 +151,19 @@ class Start:
 
     center_of_mass: tuple[float, float] = quantity("m", "Where", default=(0.0, 0.0), ge=-FAR, le=FAR)
     heading: float = quantity("rad", "Which way the robot looks", default=0.0, ge=-FAR, le=FAR)
-    velocity: float = quantity("m/s", "Forward, along the heading", default=0.0, ge=-100.0, le=100.0)
+    velocity: float = quantity("m/s", "Forward, along the body", default=0.0, ge=-100.0, le=100.0)
+    depth: float | None = quantity(
+        "m", "Of its axis, at the center of mass, with a free root; as its place has it if left out", default=None
+    )
+    pitch: float = quantity("rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi)
+    roll: float = quantity("rad", "About its axis; positive lifts its left side", default=0.0, ge=-math.pi, le=math.pi)
+
+    def check_planar(self) -> None:
+        """Refuse a start out of the plane, for a body that stays in it."""
+        for name in ("depth", "pitch", "roll"):
+            if getattr(self, name) not in (None, 0.0):
+                rule = "must be left out unless `model` is `spatial` with a free root, got"
+                raise BadArgument(f"start.{name}", f"{rule} {getattr(self, name)}")
 
 
 @value

@@ -293,8 +293,8 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
     if get_origin(hint) in (types.UnionType, Union):
         return _check_of_union(hint, inner, declared)
     if get_origin(hint) is tuple:
-        count = None if inner[-1] is Ellipsis else len(inner)
-        return functools.partial(_several, _check_of(inner[0], declared), _things(inner[0], count, declared), count)
+        counts = () if inner[-1] is Ellipsis else (len(inner),)
+        return functools.partial(_several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts)
     if get_origin(hint) is Literal:
         return one_among(*get_args(hint))
     if declared is not None:
@@ -311,6 +311,9 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
         check = _check_of(inner[0], declared)
         return None if check is None else lambda name, given: None if given is None else check(name, given)
     kinds = get_args(hint)
+    if all(get_origin(one) is tuple for one in kinds):  # two numbers or three, say
+        item, counts = get_args(kinds[0])[0], tuple(len(get_args(one)) for one in kinds)
+        return functools.partial(_several, _check_of(item, declared), _things(item, counts, declared), counts)
     return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
 
 
@@ -329,24 +332,24 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
     return number
 
 
-def _several(item: Check | None, things: str, count: int | None, name: str, given: Any) -> tuple[Any, ...]:
+def _several(item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any) -> tuple[Any, ...]:
     """`given` as a tuple of checked items."""
     is_scalar = getattr(given, "shape", None) == ()  # an array without axes cannot be gone through
     if is_scalar or isinstance(given, str | Mapping) or not isinstance(given, Iterable):
         raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
     values: tuple[Any, ...] = tuple(cast("Iterable[Any]", given))
-    if count is not None and len(values) != count:
+    if counts and len(values) not in counts:
         raise BadArgument(name, f"must be {things}, got {len(values)} of them")
     return values if item is None else tuple(item(f"{name}[{i}]", one) for i, one in enumerate(values))
 
 
-def _things(kind: Any, count: int | None, declared: Quantity | None) -> str:
+def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> str:
     """What a tuple holds, in words."""
     if declared is not None and get_origin(kind) is None:
-        amount = "a list of " if count is None else f"{_COUNTS.get(count, count)} "
-        return f"{amount}numbers{f' in {declared.unit}' if declared.unit else ''}"
+        amount = " or ".join(str(_COUNTS.get(count, count)) for count in counts) or "a list of"
+        return f"{amount} numbers{f' in {declared.unit}' if declared.unit else ''}"
     if declared is not None:
-        return f"a list of {_things(get_args(kind)[0], len(get_args(kind)), declared)}"
+        return f"a list of {_things(get_args(kind)[0], (len(get_args(kind)),), declared)}"
     return "a list of texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
 
 

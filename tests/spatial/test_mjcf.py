@@ -274,7 +274,7 @@ def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor
     assert data.body("module_0").xpos[2] == pytest.approx(0.10 + 0.055)
     for _ in range(500):
         mujoco.mj_step(model, data)
-    heights = [data.body(f"module_{i}").xipos[2] for i in range(9)]
+    heights = [data.body(f"module_{i}").xpos[2] for i in range(9)]
     np.testing.assert_allclose(heights, 0.155, atol=2e-3)
 
     seen = np.zeros(1, dtype=np.int32)
@@ -358,3 +358,20 @@ def test_one_module_alone_is_a_model_too():
     )
     model, _ = compiled(robot, actuators="servo")
     assert (model.nq, model.nu) == (7, 0)
+
+
+def test_the_file_is_the_robot_that_was_simulated_ballast_included(tmp_path):
+    robot, water = lc.load_robot("mamba-modules-fin"), lc.load_water("paper-lateral")
+    mjcf.write_mjcf(tmp_path / "robot.xml", robot, water)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    twin = lc.plant(robot, water, model="spatial").model
+    own = [i for i in range(1, twin.nbody) if twin.body_rootid[i] == twin.body("module_0").id]
+    same = [model.body(twin.body(i).name).id for i in own]
+    assert twin.body_ipos[own][0, 2] == -0.005
+    for name in ("mass", "ipos", "inertia", "pos"):
+        np.testing.assert_allclose(
+            getattr(model, f"body_{name}")[same], getattr(twin, f"body_{name}")[own], rtol=1e-5
+        )  # six digits are written
+    np.testing.assert_allclose(model.qpos0, twin.qpos0)
+    without = mjcf.spec(robot, water, ballast_depth=0.0).compile()
+    assert not without.body_ipos[:, 2].any()

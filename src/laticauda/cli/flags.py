@@ -25,14 +25,27 @@ from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, tex
 
 Command = TypeVar("Command")
 
-NOT_FLAGS = ("name", "robot", "values", "waypoints", "pitch_frequency", "fin_phase_shift", "recorded")
+NOT_FLAGS = (
+    "name",
+    "robot",
+    "values",
+    "waypoints",
+    "fin_phase_shift",
+    "recorded",
+    "profile",
+    "climb",
+    "climb_guidance",
+)
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
     **{"folder": "output", "points": "vary", "bounds": "vary", "ranges": "vary", "objectives": "objective"},
     **{"measurements": "files", "trials": "files", "kind": "gait", "interface": "bus"},
 }
 """Arguments of the calls behind a command that its options call otherwise."""
-SPELLED = {"center_of_mass": "position", "interval": "control_interval"}
+SPELLED = {
+    **{"center_of_mass": "position", "interval": "control_interval"},
+    **{f"start.{name}": f"start_{name}" for name in ("depth", "pitch", "roll")},
+}
 """Fields of nested values, and what their flags are called."""
 PRESETS = ("robot", "water", "ground", "parameters", "base")
 """Fields that a preset's name or the path of a file says."""
@@ -174,7 +187,7 @@ def spelled(name: str, command: object) -> str:
     if command is None:  # a name among the flags that are read first
         return flag(bare)
     if bare not in options_of(command):
-        return f"`{name}`"
+        return flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
     declared = next((found[bare] for found in map(quantities_of, _kinds_in(command)) if bare in found), None)
     if bare in ("file", "files", "name") or (bare == "output" and is_positional(command)):
         return bare.upper()
@@ -222,7 +235,8 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             continue
         usual: Any = getattr(default, field.name) if default is not None else _default_of(field)
         declared = quantities_of(kind).get(field.name)
-        name = SPELLED.get(field.name, field.name) if nested else field.name
+        name = SPELLED.get(f"{kind.__name__.lower()}.{field.name}", SPELLED.get(field.name, field.name))
+        name = name if nested else field.name
         option = _type_of(hints[field.name], hints_of(kind)[field.name], declared, name, usual)
         if option is None or (field.name in NOT_FLAGS and nested):
             continue
@@ -266,8 +280,8 @@ def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
     """A gait with a second wave if one was typed; what was left out is the wave's or the gait's own, or nothing."""
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
     typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
-    of_gait = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in {"frequency", *names}}
-    usual = getattr(gait, wave) or Wave(**{"amplitude": 0.0, **of_gait})
+    own: dict[str, Any] = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in names}
+    usual = getattr(gait, wave) or Wave(amplitude=0.0, **{"frequency": gait.frequency, **own})
     return replace(gait, **{wave: replace(usual, **typed)}) if typed else gait
 
 
@@ -305,17 +319,17 @@ def _is_union(hint: Any) -> bool:
 
 def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
     """A flag that takes one number, or several, in the unit that people type."""
-    inner = next((one for one in get_args(hint) if one is not type(None)), hint) if _is_union(hint) else hint
-    several = get_origin(inner) is tuple
-    count = len(get_args(inner)) if several and get_args(inner)[-1] is not Ellipsis else None
+    inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
+    several = get_origin(inner[0]) is tuple
+    count = len(get_args(inner[0])) if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis else None
     metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
-    read = _reader(declared, inner is int, several, flag(name + DEGREES.get(declared.unit, "")))
+    read = _reader(declared, inner[0] is int, several, flag(name + DEGREES.get(declared.unit, "")))
     return _words(1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared))
 
 
 def _metavar(unit: str, several: bool, count: int | None) -> str:
     word = unit or "NUMBER"
-    return word if not several else " ".join("XYZ"[:count]) if count else f"{word} ..."
+    return word if not several else " ".join("XYZ"[:count]) if count and count < 4 else f"{word} ..."
 
 
 def _numbers_shown(declared: Quantity, value: Any) -> list[str]:

@@ -12,7 +12,6 @@ from laticauda.cli.report import following_table
 from laticauda.cli.scene import Names
 from laticauda.cli.swim import Run
 from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
@@ -30,24 +29,34 @@ class Route:
         default="line-of-sight",
     )
 
-    def path(self) -> control.Path[Any]:
-        """The path."""
-        if not self.waypoints:
-            return control.StraightLine()
+    circle: tuple[float, float, float, float] | None = quantity(
+        "",
+        "A circle instead: x and y of its middle and its radius in m, and turns, positive to the left",
+        default=None,
+    )
+    path_depth: tuple[float, ...] = quantity(
+        "m",
+        "Depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
+        "none: depth is not steered. It needs pitch joints and --model spatial",
+        default=(),
+    )
+
+    @property
+    def following(self) -> control.Following:
+        """In numbers, with the paper's settings for Mamba, and where published integral guidance starts from."""
         if len(self.waypoints) % 2:
             count = len(self.waypoints)
             raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
-        points = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
-        return control.Spline(waypoints=points) if self.smooth else control.Polyline(waypoints=points)
-
-    def controller(self, gait: Gait) -> Any:
-        """Path following with the paper's settings for Mamba, and where published integral guidance starts from.
-
-        Args:
-            gait: What swims.
-        """
-        guidance: Any = self.guidance.replace("-", "_")
-        return replace(control.Following(guidance=guidance).controller(gait), path=self.path())
+        if self.path_depth and self.guidance == "model-predictive":
+            raise BadArgument("path_depth", "must be left out with the guidance model-predictive, which plans in plan")
+        guidance: Any = "line_of_sight" if self.guidance == "model-predictive" else self.guidance.replace("-", "_")
+        return control.Following(
+            waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
+            smooth=self.smooth,
+            circle=self.circle,
+            path_depth=self.path_depth or None,
+            guidance=guidance,
+        )
 
 
 @value
@@ -83,7 +92,7 @@ class Follow(Run):
         scenario, origin = names.scenario(words)
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
         if scenario.motion == scenario.gait:  # a file may have a controller
-            motion = scenario.gait if kind is FollowPlanned else route.controller(scenario.gait)
+            motion = scenario.gait if kind is FollowPlanned else route.following.controller(scenario.gait)
             scenario = replace(scenario, motion=motion, duration=90.0, start=Start(center_of_mass=(0.0, 1.0)))
         return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
 
@@ -118,5 +127,5 @@ class FollowPlanned(Follow):
         model = averaged_model(simulate.plant(scenario), gait, self.plan.frequency_limits)
         settings = {"speed": model.speed(gait.frequency, 0.0), **settings}
         settings["interval"] = settings.pop("control_interval")
-        motion = control.ModelPredictive(gait=gait, path=self.route.path(), model=model, **settings)
+        motion = control.ModelPredictive(gait=gait, path=self.route.following.path, model=model, **settings)
         return replace(scenario, motion=motion)

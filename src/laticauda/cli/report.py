@@ -64,7 +64,8 @@ def as_text(trial: Trial, origin: str = "") -> str:
 def following_table(trial: Trial) -> str:
     """How soon and how well a run came to its path, a figure a line."""
     found = following.summary(trial)
-    rows = [(title, *read_in(found[name], unit)) for name, (unit, title) in following.FIGURES.items()]
+    named = {name: one for name, one in following.FIGURES.items() if "height" not in name or found[name] is not None}
+    rows = [(title, *read_in(found[name], unit)) for name, (unit, title) in named.items()]
     return aligned([("path following", "", ""), *rows], right=(1,))
 
 

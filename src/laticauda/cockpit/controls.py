@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from laticauda.actuation.laws import JointLaw
 from laticauda.cockpit.live import SPEEDS, Live
@@ -16,6 +16,7 @@ from laticauda.extensions import name_of
 from laticauda.gaits import Gait, envelope_of, kinds
 from laticauda.quantities import quantities_of, texts_of
 from laticauda.robot import CaudalFin, Robot, Water, load_robot, robot_names
+from laticauda.robot.environment import Current
 from laticauda.scenarios import MODELS, Scenario
 
 # Of the gait's numbers: limits and step in degrees and degrees per second, the paper's sweeps and some more.
@@ -144,7 +145,7 @@ class Controls:
             def changes(value: float, axis: int = axis) -> Changes:
                 both = [*_current(self._live.scenario)]
                 both[axis] = within("current", value, -CURRENT, CURRENT, "m/s")
-                return {"current": (both[0], both[1])}
+                return {"current": cast(Current, tuple(both))}
 
             self._add(f"current_{name}", handle, lambda now, axis=axis: _current(now)[axis], changes)
 
@@ -182,7 +183,7 @@ def models() -> tuple[str, ...]:
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
 
 
-def _current(scenario: Scenario) -> tuple[float, float]:
+def _current(scenario: Scenario) -> Current:
     assert isinstance(scenario.environment, Water)
     return scenario.environment.current
 

@@ -13,6 +13,7 @@ from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Robot, Water, load_robot
+from laticauda.robot.environment import Current
 from laticauda.scenarios import Model, Scenario, default_water, model_of
 from laticauda.series import Log
 from laticauda.simulate import plant
@@ -202,7 +203,7 @@ class Changes(TypedDict, total=False):
     robot: Robot
     gait: Gait
     environment: Water
-    current: tuple[float, float]
+    current: Current
     model: Model | str
     joints: JointLaw | str
     path: StraightLine | None

@@ -5,13 +5,15 @@ Knows no model and no hardware: the same controller steers the planar model and 
 
 from laticauda.control.averaged import AveragedModel as AveragedModel
 from laticauda.control.averaging import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
+from laticauda.control.following import Following as Following
 from laticauda.control.frames import Path as Path, PathFrame as PathFrame
 from laticauda.control.guidance import Guidance as Guidance, IntegralLineOfSight as IntegralLineOfSight
 from laticauda.control.guidance import LineOfSight as LineOfSight
 from laticauda.control.heading import HeadingController as HeadingController, HeadingEstimate as HeadingEstimate
-from laticauda.control.path_following import HEADING_ESTIMATES as HEADING_ESTIMATES, Following as Following
+from laticauda.control.path_following import HEADING_ESTIMATES as HEADING_ESTIMATES
 from laticauda.control.path_following import PathFollowing as PathFollowing, PathFollowingState as PathFollowingState
-from laticauda.control.paths import Polyline as Polyline, Spline as Spline, StraightLine as StraightLine
+from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
+from laticauda.control.paths import StraightLine as StraightLine
 from laticauda.control.predictive import ModelPredictive as ModelPredictive, PredictiveState as PredictiveState
 from laticauda.control.spatial_following import SpatialPathFollowing as SpatialPathFollowing
 from laticauda.control.spatial_following import SpatialPathFollowingState as SpatialPathFollowingState

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from laticauda.extensions import Extensible
 
 State = TypeVar("State")
-PATHS: dict[str, str] = dict.fromkeys(("straight-line", "polyline", "spline"), "laticauda.control.paths")
+PATHS: dict[str, str] = dict.fromkeys(("straight-line", "circle", "polyline", "spline"), "laticauda.control.paths")
 # The modules of the paths take these from here, and check their fields themselves: no hook of the tests does before.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]

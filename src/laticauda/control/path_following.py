@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from laticauda.control.frames import Path
-from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
+from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController, HeadingEstimate, HeadingWindow
-from laticauda.control.paths import Polyline, Spline, StraightLine
 from laticauda.errors import BadArgument, one_of, positive
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
@@ -156,52 +155,3 @@ def refuse_offset(robot: Robot, gait: Gait, max_offset: float) -> None:
                 f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit of "
                 f"{joint.limit:.4g} rad with this gait; got {max_offset}",
             )
-
-
-@value
-class Following:
-    """Path following in numbers, as trial files have it; the defaults are the paper's for Mamba.
-
-    The integral gain is where published integral guidance starts from.
-    """
-
-    waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
-    smooth: bool = option("a smooth curve through the waypoints instead of straight legs", default=False)
-    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
-    look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
-    integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
-    gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
-    max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
-    heading_estimate: str = option("raw, or cycle_mean over the last gait cycle", default="raw")
-    interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
-
-    def __post_init__(self) -> None:
-        """Check the waypoints, and the laws' own numbers by the laws."""
-        if self.waypoints is not None and len(self.waypoints) < 2:
-            raise BadArgument("waypoints", f"must be at least two points [x, y] in m, got {self.waypoints!r}")
-        self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
-
-    @property
-    def path(self) -> Path[Any]:
-        """Where to go."""
-        if self.waypoints is None:
-            return StraightLine()
-        return Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
-
-    def controller(self, gait: Gait) -> PathFollowing:
-        """The controller.
-
-        Args:
-            gait: What swims along the path.
-        """
-        law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
-        if self.guidance == "integral_line_of_sight":
-            law = IntegralLineOfSight(look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain)
-        return PathFollowing(
-            gait=gait,
-            path=self.path,
-            guidance=law,
-            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
-            heading_estimate=self.heading_estimate,
-            interval=self.interval,
-        )

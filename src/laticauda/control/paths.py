@@ -49,6 +49,47 @@ class StraightLine(Path[None]):
 
 
 @value
+class Circle(Path[tuple[float, float] | None]):
+    """A circle, once or several times around. It begins where the robot is first seen, and does not end.
+
+    Raises:
+        ValueError: If the radius is not positive, or there are no turns.
+    """
+
+    center: tuple[float, float] = quantity("m", "Its middle; x and y in world axes")
+    radius: float = quantity("m", "Its radius", gt=0.0)
+    turns: float = quantity("", "How many, positive to the left; negative: to the right", default=1.0)
+
+    def __post_init__(self) -> None:
+        """Refuse what goes to neither side."""
+        if self.turns == 0.0:
+            raise BadArgument("turns", "must not be 0")
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Length at its begin and after its turns [m]."""
+        return 0.0, 2.0 * math.pi * self.radius * abs(self.turns)
+
+    def init(self) -> None:
+        """Not seen yet."""
+
+    def locate(self, progress: tuple[float, float] | None, position: Position) -> tuple[tuple[float, float], PathFrame]:
+        """Find a `position` [m]; the `progress`: its direction from the middle, and the angle that is behind [rad]."""
+        side, (x, y) = math.copysign(1.0, self.turns), self.center
+        away, angle = math.hypot(position[0] - x, position[1] - y), math.atan2(position[1] - y, position[0] - x)
+        last, swept = progress or (angle, 0.0)
+        swept += side * wrap_to_pi(angle - last)
+        along, across = self.radius * swept, side * (self.radius - away)
+        ahead = angle + side * 0.5 * math.pi
+        return (angle, swept), _frame(along, across, ahead, self.lengths[1], side / self.radius)
+
+    def points(self, along_track_distance: Distances) -> Points:
+        """Points of the circle at each `along_track_distance` [m], the first of them at its right. See `Path`."""
+        angle = math.copysign(1.0, self.turns) * along_track_distance / self.radius
+        return np.array(self.center) + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+
+
+@value
 class Polyline(Path[int]):
     """Straight legs from waypoint to waypoint, followed one at a time.
 

@@ -133,7 +133,8 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         self._plan.check(robot)
         limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
         if not limits:
-            raise BadArgument("robot", f"must have pitch joints for a path in space, got `{robot.name}`")
+            rule = "must have pitch joints for a path in space, got"
+            raise BadArgument("robot", f"{rule} `{robot.name}` (the planar model holds them straight)")
         pitch = self.gait.pitch
         room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
         if self.climb.max_offset > room:

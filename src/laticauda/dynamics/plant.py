@@ -12,7 +12,7 @@ from jaxtyping import Float
 from laticauda.actuation.laws import JOINT, Drive, JointLaw
 from laticauda.errors import BadArgument
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
-from laticauda.interfaces import Command, Observation, Start, check_waves, fin_signals
+from laticauda.interfaces import EFFECTORS, Command, Observation, Start, check_waves, fin_signals
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import Model
 from laticauda.series import Log
@@ -152,8 +152,8 @@ class Plant(ABC, Generic[ModelType]):
             when = state.values[0] + len(samples) * duration / n_intervals
             if not len(samples):  # what the state calls for at once is out of range; the state itself is kept
                 samples = self._sample_of(state, command)
-            return state, self._log(samples), self.what_went_wrong(when)
-        log = self._log(samples)
+            return state, self._log(samples, command), self.what_went_wrong(when)
+        log = self._log(samples, command)
         if link_forces:
             force = self._link_forces(state, command, samples, every, dt)
             log = replace(log, link_force={name: force[i] for i, name in enumerate(FORCES)})
@@ -218,8 +218,15 @@ class Plant(ABC, Generic[ModelType]):
     ) -> np.ndarray:
         """Force on every link at the samples of a march: component, time, link, axis."""
 
-    def _log(self, samples: np.ndarray) -> Log:
+    def _log(self, samples: np.ndarray, command: Command) -> Log:
         found = self._samples(samples)
+        given = command.effectors(self.robot)
+        driven = {
+            f"{number}_{i}": np.full(len(samples), getattr(one, number))
+            for _, group, number, _ in EFFECTORS
+            for i, one in enumerate(getattr(given, group))
+            if getattr(one, f"max_{number}") is not None
+        }
         return Log(
             **found.seen,
             joint_angle_ref=self._commanded(found.reference, found.offset),
@@ -227,7 +234,7 @@ class Plant(ABC, Generic[ModelType]):
             work=found.work[:, :3],
             electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
             link_force=None,
-            signals={**found.signals, **fin_signals(self.robot.fin_joints, *found.fin)},
+            signals={**found.signals, **driven, **fin_signals(self.robot.fin_joints, *found.fin)},
         )
 
     def _commanded(self, done: np.ndarray, offset: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@
 # pyright: reportUnknownMemberType=false
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -51,8 +52,8 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
     x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
     ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
-    if isinstance(trial.environment, Water) and any(trial.environment.current):
-        _tell_current(ax, trial.environment.current)
+    if isinstance(trial.environment, Water) and any(trial.environment.current[:2]):
+        _tell_current(ax, trial.environment.current[:2])
     ax.set_aspect("equal", adjustable="datalim")
     return style.dress(ax, xlabel="x [m]", ylabel="y [m]")
 
@@ -109,7 +110,7 @@ def _gap(path: Points, place: Point) -> float:
     return float(np.min(np.linalg.norm(path - place, axis=1)))
 
 
-def _tell_current(ax: Axes, current: tuple[float, float]) -> None:
+def _tell_current(ax: Axes, current: Sequence[float]) -> None:
     """Strength and direction of the current, above the upper right corner."""
     strength = math.hypot(*current)
     figure = ax.get_figure(root=True)

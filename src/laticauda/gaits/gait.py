@@ -26,10 +26,10 @@ class WaveFields(TypedDict, total=False):
 
 @value
 class Wave:
-    """A second wave, of the pitch joints or of a driven fin: alpha sin(omega t + (k-1) delta + phase) + phi_0.
+    """A second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
 
-    k = 1 is the tail-most pitch joint; a driven fin has one joint, and so no phase shift. Everything but the phase is
-    filtered and started smoothly, as the yaw wave is.
+    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint, and so neither phase shift nor envelope.
+    Everything but phase and envelope is filtered and started smoothly, as the yaw wave is.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -37,7 +37,9 @@ class Wave:
 
     if TYPE_CHECKING:
 
-        def __init__(self, *, phase: float = 0.0, phase_deg: float = 0.0, **numbers: Unpack[WaveFields]) -> None: ...
+        def __init__(
+            self, *, phase: float = 0.0, phase_deg: float = 0.0, envelope: Envelope = ..., **numbers: Unpack[WaveFields]
+        ) -> None: ...
 
     amplitude: float = quantity("rad", "alpha", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
@@ -46,6 +48,7 @@ class Wave:
         "rad", "lead over the yaw wave, at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0
     )
     offset: float = quantity("rad", "phi_0, positive turns down; of a fin, bends left", ge=-pi, le=pi, default=0.0)
+    envelope: Envelope = option("g of the pitch joints, how the amplitude is spread", default=LateralUndulation())
 
     def target(self, offset: float = 0.0) -> WaveTarget:
         """What the reference generator gets of it; `offset` [rad] adds to its own."""

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from laticauda.errors import BadArgument
 from laticauda.gaits import reference
-from laticauda.gaits.gait import Gait
+from laticauda.gaits.gait import STRAIGHT, Gait
 from laticauda.gaits.reference import WaveState
 from laticauda.quantities import option, quantity, value
 
@@ -104,9 +104,10 @@ class Generator:
         axes = self.axes or ("yaw",) * (self.n_links - 1)
         yaw, pitch, _ = gait.targets()
         n_yaw = axes.count("yaw")
+        of_pitch = (gait.pitch or STRAIGHT).envelope.joints(len(axes) - n_yaw + 1)
         found = {
             "yaw": self._wave(state.yaw, yaw, state.time, gait.joint_envelope(n_yaw + 1)),
-            "pitch": self._wave(state.pitch, pitch, state.time, (1.0,) * (len(axes) - n_yaw)),
+            "pitch": self._wave(state.pitch, pitch, state.time, of_pitch),
         }
         each = {axis: iter(some) for axis, some in found.items()}
         references = np.array([next(each[axis]) for axis in axes]).reshape(-1, 3).T

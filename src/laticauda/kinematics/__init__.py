@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from laticauda.kinematics.poses import Posture as Posture, center_of_mass as center_of_mass, heading as heading
     from laticauda.kinematics.poses import center_of_mass_velocity as center_of_mass_velocity
     from laticauda.kinematics.poses import joint_angles as joint_angles, link_angles as link_angles
-    from laticauda.kinematics.space import ModulePoses as ModulePoses, module_poses as module_poses
+    from laticauda.kinematics.space import ModulePoses as ModulePoses, module_poses as module_poses, turn as turn
     from laticauda.kinematics.space import turned_about_vertical as turned_about_vertical
 
 __getattr__, __dir__, __all__ = lazy_exports()

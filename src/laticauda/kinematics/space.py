@@ -39,7 +39,7 @@ def module_poses(
     turned = np.empty((n, 3, 3))
     turned[0] = rotation
     for i, (joint, angle) in enumerate(zip(robot.joints, joint_angle.tolist(), strict=True)):
-        turned[i + 1] = turned[i] @ _turn(joint.axis, angle)
+        turned[i + 1] = turned[i] @ turn(joint.axis, angle)
     along = turned[:, :, 0]
     half = np.array([module.half_length for module in robot.modules])[:, np.newaxis]
     middle = np.zeros((n, 3))
@@ -57,11 +57,14 @@ def module_poses(
 
 def turned_about_vertical(angle: float) -> Float[np.ndarray, "3 3"]:
     """The rotation of a level body that points at `angle` from the world x axis [rad]."""
-    return _turn("yaw", angle)
+    return turn("yaw", angle)
 
 
-def _turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
+def turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
+    """The rotation by `angle` [rad] about an `axis`: `yaw` to the left, `pitch` down, `roll` left side up."""
     c, s = np.cos(angle), np.sin(angle)
     if axis == "yaw":
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    if axis == "pitch":
+        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

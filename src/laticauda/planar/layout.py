@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.dynamics.plant import joint_table
+from laticauda.errors import BadArgument
 from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
 from laticauda.robot import (
@@ -104,8 +105,7 @@ def layout(
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = np.array([0, *accumulate(b.strips.mass.size if b.strips else 0 for b in bodies)])
-    plates = [[p for p in robot.pectoral_fins if p.link == i - len(fin)] for i in range(n)]
-    first_plate = np.array([0, *accumulate(len(p) for p in plates)])
+    first_plate = np.array([0, *accumulate(sum(p.link == i - len(fin) for p in robot.pectoral_fins) for i in range(n))])
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
     _write_environment(S, environment, robot, joints, folded=not fin)
@@ -118,14 +118,8 @@ def layout(
             water = body.strips
             own = np.stack((water.position, water.c_t, water.c_n, water.lambda_2, water.lambda_3), axis=1)
             strips[first_strip[i] : first_strip[i + 1], : rows.STRIP_LAMBDA_3 + 1] = own
-    for thruster in robot.thrusters:
-        _add_thruster(records[len(fin) + thruster.link], robot, thruster.link, thruster)
     law = _write_joints(records, robot, fin, joints)
-    half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
-    for record, plate in zip(
-        S[size:].reshape(-1, rows.PLATE_ROWS), (p for group in plates for p in group), strict=True
-    ):
-        record[:] = _plate_numbers(plate, robot.modules[plate.link], half_density)
+    write_effectors(S, robot, environment, first_link=len(fin))
     wake = isinstance(environment, Water) and environment.trailing_edge != "none"
     pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
@@ -216,7 +210,10 @@ def _write_environment(
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
-    S[rows.CURRENT_X], S[rows.CURRENT_Y] = environment.current
+    if len(environment.current) > 2:
+        rule = "must be in the plane for the planar model; `model` may be `spatial`, got"
+        raise BadArgument("current", f"{rule} {environment.current[2]:g} m/s upward")
+    S[rows.CURRENT_X], S[rows.CURRENT_Y] = environment.current[:2]
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
@@ -286,6 +283,37 @@ def _added_mass(body: _Body) -> tuple[float, ...]:
     return mu_t, mu_n, moment_t, moment_n, inertia
 
 
+def write_effectors(S: np.ndarray, robot: Robot, environment: Environment, *, first_link: int) -> None:
+    """Write the rows of thrusters and pectoral fins.
+
+    Args:
+        S: All rows of a lane, those of the fins at the end.
+        robot: Whose they are.
+        environment: The water it swims in or the ground it crawls on.
+        first_link: The body that is the robot's tail link.
+
+    Raises:
+        ValueError: If one of them acts out of the plane.
+    """
+    for group in ("thrusters", "pectoral_fins"):
+        for i, one in enumerate(getattr(robot, group)):
+            for name in ("elevation", "roll"):
+                if getattr(one, name) != 0.0:
+                    rule = "must be 0 in the planar model, out of whose plane it acts; `model` may be `spatial`, got"
+                    raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
+    records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
+    records = records.reshape(-1, rows.BODY_ROWS)
+    records[:, [rows.THRUST_T, rows.THRUST_N, rows.THRUST_MOMENT]] = 0.0
+    for thruster in robot.thrusters:
+        _add_thruster(records[thruster.link], robot, thruster.link, thruster)
+    half_density = 0.5 * environment.density if isinstance(environment, Water) else 0.0
+    plates = sorted(robot.pectoral_fins, key=lambda plate: plate.link)
+    for record, plate in zip(
+        S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS), plates, strict=True
+    ):
+        record[:] = _plate_numbers(plate, robot.modules[plate.link], half_density)
+
+
 def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruster) -> None:
     along, across = thruster.thrust * np.cos(thruster.angle), thruster.thrust * np.sin(thruster.angle)
     x = robot.modules[link].length / 2.0 + thruster.x
@@ -310,6 +338,6 @@ def _write_joints(
 
 def _plate_numbers(plate: PectoralFin, module: Module, half_density: float) -> tuple[float, ...]:
     """The rows of a pectoral fin."""
-    place = plate.x + module.length / 2.0, plate.y, plate.angle
+    place = plate.x + module.length / 2.0, plate.y, plate.angle + plate.deflection
     shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag
     return *place, half_density * plate.area, *shape

@@ -17,7 +17,7 @@ from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
-from laticauda.planar.layout import Layout, layout
+from laticauda.planar.layout import Layout, layout, write_effectors
 from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
@@ -97,6 +97,7 @@ class PlanarPlant(Plant[Planar]):
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
+        start.check_planar()
         values = np.zeros(self._size)
         values[_at(rows.HEADING)] = start.heading
         values[_at(rows.X)], values[_at(rows.Y)] = start.center_of_mass
@@ -124,6 +125,8 @@ class PlanarPlant(Plant[Planar]):
         yaw, _, fin = self._targets(command)
         S[rows.AMPLITUDE : rows.OFFSET + 1] = yaw[:4]
         S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = fin.amplitude, fin.frequency, fin.offset, fin.phase
+        if (robot := command.effectors(self.robot)) is not self.robot:
+            write_effectors(S, robot, self.environment, first_link=a.tail_link)
         S[rows.BANDWIDTH] = self.settings.offset_bandwidth
         S[rows.RAMP] = self.ramp if command.references is None else 0.0
         S[rows.TIME : rows.TIME + rows.LOG_STATE] = values[: rows.LOG_STATE]

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import TypeVar
 
 from laticauda.robot.body import Actuator, Joint, Module
-from laticauda.robot.effectors import CaudalFin
+from laticauda.robot.effectors import CaudalFin, Mounted
 from laticauda.robot.environment import Ground, Water
 from laticauda.robot.robot import Robot
 from laticauda.robot.textbook import textbook_water
@@ -61,12 +61,12 @@ def _robot_rows(robot: Robot) -> list[Row]:
     for thruster in robot.thrusters:
         rows.append((
             f"thruster on link {thruster.link}",
-            f"{thruster.thrust:g} N at {_degrees(thruster.angle)}, mounted at ({thruster.x:g}, {thruster.y:g}) m",
+            f"{thruster.thrust:g} N{_most(thruster.max_thrust, 'N')} {_mount(thruster)}",
         ))  # fmt: skip
     for fin in robot.pectoral_fins:
         rows.append((
             f"pectoral fin on link {fin.link}",
-            f"{fin.area:g} m^2 at {_degrees(fin.angle)}, mounted at ({fin.x:g}, {fin.y:g}) m, "
+            f"{fin.area:g} m^2{_most(fin.max_deflection and math.degrees(fin.max_deflection), 'deg')} {_mount(fin)}, "
             f"lift slope {fin.lift_slope:g} 1/rad, stalls at {_degrees(fin.stall_angle)}",
         ))  # fmt: skip
     tether = robot.tether
@@ -151,6 +151,17 @@ def _fin(fin: CaudalFin) -> str:
     return ", ".join(parts)
 
 
+def _mount(one: Mounted) -> str:
+    """Direction and place of an effector."""
+    out = "".join(f", {name} {_degrees(getattr(one, name))}" for name in ("elevation", "roll") if getattr(one, name))
+    place = ", ".join(f"{part:g}" for part in (one.position if one.z else one.position[:2]))
+    return f"at {_degrees(one.angle)}{out}, mounted at ({place}) m"
+
+
+def _most(limit: float | None, unit: str) -> str:
+    return "" if limit is None else f" (driven, to {limit:g} {unit})"
+
+
 def _water_rows(water: Water) -> list[Row]:
     return [
         ("water", water.name),
@@ -163,7 +174,7 @@ def _water_rows(water: Water) -> list[Row]:
         ("drag", water.drag.words),
         *([("friction_taper", f"{water.friction_taper:g}")] if water.friction_taper else []),
         ("trailing_edge", water.trailing_edge),
-        ("current", f"({water.current[0]:g}, {water.current[1]:g}) m/s"),
+        ("current", f"({', '.join(f'{one:g}' for one in water.current)}) m/s"),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
     ]
 

@@ -164,34 +164,62 @@ class CaudalFin:
 
 
 @value
-class Thruster:
-    """A constant thrust at a fixed place and direction of a link."""
+class Mounted:
+    """What is mounted rigidly on a link. Its axes are the link's, turned about z, then tilted, then rolled about x.
+
+    The planar model takes a mount above or below the axis for one on it.
+    """
 
     link: int = quantity("", "Link that carries it, counted from the tail, from 0", ge=0)
-    thrust: float = quantity("N", "Thrust T; negative pushes backward")
-    angle: float = quantity("rad", "beta, of the thrust from the link's own axis, counter-clockwise", default=0.0)
     x: float = quantity("m", "Mount along the link from its mid-length, headward positive", default=0.0)
     y: float = quantity("m", "Mount across the link from its axis, to the left positive", default=0.0)
+    z: float = quantity("m", "Mount above the link's axis", default=0.0)
+    angle: float = quantity("rad", "beta, of its x axis from the link's, counter-clockwise", default=0.0)
+    elevation: float = quantity("rad", "Of its x axis above the link's plane; in space only", default=0.0)
+    roll: float = quantity("rad", "About its x axis, positive lifts its left side; in space only", default=0.0)
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """Of the mount, from the middle of the link [m]."""
+        return self.x, self.y, self.z
+
+    @property
+    def turns(self) -> tuple[tuple[int, float], ...]:
+        """Turns from the link's axes to its own, one after the other: about which axis, by how much [rad]."""
+        return (2, self.angle), (1, -self.elevation), (0, self.roll)
 
 
 @value
-class PectoralFin:
-    """An upright flat plate that gives lift and drag, and stalls.
+class Thruster(Mounted):
+    """A thrust along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
+
+    thrust: float = quantity("N", "Thrust T, where no command says it; negative pushes backward")
+    max_thrust: float | None = quantity("N", "Most, to either side, that a command gets", ge=0.0, default=None)
+
+
+@value
+class PectoralFin(Mounted):
+    """A flat plate that gives lift and drag, and stalls; its chord is its x axis. Upright, or rolled a dive plane.
 
     Lift blends the linear law with that of a flat plate in separated flow, as in Beard and McLain, Small Unmanned
     Aircraft, Princeton 2012, eqs. (4.9) and (4.10); their Aerosonde has a stall angle of 27 deg and a sharpness of 50.
     A slender wing theory for the slope: 2 pi R / (R + 2) for the aspect ratio R.
+
+    With a `max_deflection` it is driven by the command (`Command.deflections`).
     """
 
-    link: int = quantity("", "Link that carries it, counted from the tail, from 0", ge=0)
     area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
     lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before the stall", ge=0.0)
     stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=math.pi / 2.0)
-    x: float = quantity("m", "Mount along the link from its mid-length, headward positive", default=0.0)
-    y: float = quantity("m", "Mount across the link from its axis, to the left positive", default=0.0)
-    angle: float = quantity("rad", "Direction of the chord from the link's own axis, counter-clockwise", default=0.0)
     stall_sharpness: float = quantity("", "How sudden the stall is", gt=0.0, default=50.0)
     parasitic_drag: float = quantity("", "Drag coefficient without lift", ge=0.0, default=0.0)
+    deflection: float = quantity("rad", "Of the chord about its z axis, where no command says it", default=0.0)
+    max_deflection: float | None = quantity("rad", "Most, to either side, that a command gets", ge=0.0, default=None)
+
+    @property
+    def turns(self) -> tuple[tuple[int, float], ...]:
+        """Those of the mount, then the deflection."""
+        return *super().turns, (2, self.deflection)
 
 
 @value

@@ -8,6 +8,8 @@ from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
 
+Current: TypeAlias = tuple[float, float] | tuple[float, float, float]
+
 
 @value
 class Water:
@@ -42,7 +44,7 @@ class Water:
     trailing_edge: Literal["none", "elongated"] = option(
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
-    current: tuple[float, float] = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
+    current: Current = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
     depth: float | None = quantity("m", "Of the body's axis; far below the surface if left out", gt=0.0, default=None)
 
     former: ClassVar[Mapping[str, str]] = {
@@ -53,6 +55,8 @@ class Water:
     }
 
     def __post_init__(self) -> None:
+        if self.current[2:] == (0.0,):
+            object.__setattr__(self, "current", self.current[:2])
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",

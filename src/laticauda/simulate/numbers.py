@@ -18,6 +18,7 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.quantities import hints_of, quantities_of, texts_of
 from laticauda.robot import Environment, Water
+from laticauda.robot.environment import Current
 from laticauda.scenarios import Scenario
 
 Changes = dict[str, Any]
@@ -38,9 +39,10 @@ UNITS = {
 
 _SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
 _PLURAL = {one: several for several, one in _SINGULAR.items()}
-_ENDS = ("_x", "_y")
+_ENDS = ("_x", "_y", "_z")
 _ONE = re.compile(r"(\w+)\[(\d+)\]")  # one of several: module[3]
-_WHOLE, _NUMBER, _PAIR = ((kind, kind | None) for kind in (int, float, tuple[float, float]))  # types of fields
+_WHOLE, _NUMBER = ((kind, kind | None) for kind in (int, float))  # types of fields
+_AXES = (tuple[float, float], tuple[float, float] | None, Current)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,8 +182,8 @@ def _numbers(thing: Any, prefix: str) -> Iterator[Parameter]:
         unit = numbers[field.name].unit if field.name in numbers else ""
         if hints[field.name] in (*_WHOLE, *_NUMBER):
             yield Parameter(name=name, unit=unit, title=title, is_whole=hints[field.name] in _WHOLE)
-        elif hints[field.name] in _PAIR:
-            for end in _ENDS:
+        elif hints[field.name] in _AXES:
+            for end in _ENDS[: len(value or "xy")]:
                 yield Parameter(name=name + end, unit=unit, title=f"{title}: {end[1]}")
         elif is_dataclass(value):
             yield from _numbers(value, name)

@@ -9,6 +9,7 @@ The frame of each piece is at its head end, x toward the head. The fin's angles 
 ones turn what is behind the hinge to the right.
 """
 
+import math
 from typing import NamedTuple
 
 from laticauda.robot import CaudalFin, Joint, Module, Piece, Robot
@@ -53,8 +54,8 @@ class Mount(NamedTuple):
     """On which."""
     position: Three
     """In the body's frame [m]."""
-    angle: float
-    """By which it is turned about z [rad]."""
+    orientation: tuple[float, float, float, float]
+    """Its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
 
 
 def bodies(robot: Robot) -> list[Body]:
@@ -109,12 +110,27 @@ def mounts(robot: Robot) -> list[Mount]:
         Mount(
             f"{kind}_{k}",
             f"module_{one.link}",
-            (robot.modules[one.link].half_length + one.x, one.y, 0.0),
-            one.angle,
+            (robot.modules[one.link].half_length + one.x, one.y, one.z),
+            quaternion(*one.turns),
         )
         for kind, several in (("thruster", robot.thrusters), ("pectoral_fin", robot.pectoral_fins))
         for k, one in enumerate(several)
     ]
+
+
+def quaternion(*turns: tuple[int, float]) -> tuple[float, float, float, float]:
+    """Turns about x (0), y (1) or z (2) [rad], each about the axes that the ones before it left."""
+    w, x, y, z = 1.0, 0.0, 0.0, 0.0
+    for axis, angle in turns:
+        c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
+        a, b, d = (s if axis == k else 0.0 for k in range(3))
+        w, x, y, z = (
+            w * c - x * a - y * b - z * d,
+            w * a + x * c + y * d - z * b,
+            w * b - x * d + y * c + z * a,
+            w * d + x * b - y * a + z * c,
+        )
+    return w, x, y, z
 
 
 def center_of_mass(robot: Robot) -> float:

@@ -6,7 +6,6 @@ World axes: in water z = 0 is the surface, on ground z = 0 is the ground. In bot
 its tail end at x = y = 0.
 """
 
-import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
@@ -15,6 +14,7 @@ from laticauda.errors import instance, one_of
 from laticauda.extras import load_mujoco
 from laticauda.files import write
 from laticauda.robot import Environment, Ground, Joint, Module, Robot, Water, check_fits
+from laticauda.scenarios import Spatial
 from laticauda.spatial import appearance, scene
 from laticauda.spatial.bodies import bodies, mounts
 
@@ -35,6 +35,7 @@ def spec(
     visuals: bool = True,
     tank: bool = False,
     ground: Literal["flat", "ramp"] | None = None,
+    ballast_depth: float | None = None,
     meshes: Iterable[str | Path] = (),
 ) -> Any:
     """A robot, and the place that it is in, as a MuJoCo model to compile, change or write to a file.
@@ -56,6 +57,8 @@ def spec(
         tank: The tank of the experiments around the water: 40 m x 6.45 m, 1.5 m deep, with its floor and walls.
         ground: Solid ground: `flat` at z = 0, or a `ramp` from a shore down into the water along x, with the robot on
             the shore. None: flat where the environment is ground, else none.
+        ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as far as in a simulation
+            (`Spatial.ballast_depth`) for a free root, else on them.
         meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters, to see and, as its
             convex hull, to collide with; none takes the shapes that come with laticauda.
 
@@ -76,7 +79,9 @@ def spec(
     if visuals:
         appearance.add_materials(model)
     scene.add(model, environment, tank=tank, ground=ground, visuals=visuals)
-    _add_bodies(model, robot, start_height(robot, environment, ground), root)
+    if ballast_depth is None:
+        ballast_depth = Spatial().ballast_depth if root == "free" else 0.0
+    _add_bodies(model, robot, start_height(robot, environment, ground), root, ballast_depth)
     appearance.add_shapes(model, robot, files, visuals=visuals)
     if sensors:
         _add_sensors(model, robot)
@@ -144,13 +149,14 @@ def _empty(robot: Robot) -> Any:
     return model
 
 
-def _add_bodies(model: Any, robot: Robot, height: float, root: str) -> None:
+def _add_bodies(model: Any, robot: Robot, height: float, root: str, ballast: float) -> None:
     """All bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
     kind = load_mujoco().mjtJoint
     for one in bodies(robot):
         parent = model.body(one.parent) if one.parent else model.worldbody
         body = parent.add_body(name=one.name, pos=one.position if one.parent else (0.0, 0.0, height))
-        body.mass, body.inertia, body.ipos, body.explicitinertial = one.mass, one.inertia, (one.center, 0.0, 0.0), True
+        body.mass, body.inertia, body.explicitinertial = one.mass, one.inertia, True
+        body.ipos = (one.center, 0.0, -ballast if isinstance(one.part, Module) else 0.0)
         if not one.parent:
             _add_root(body, root)
         if one.joint is not None:
@@ -167,9 +173,7 @@ def _add_bodies(model: Any, robot: Robot, height: float, root: str) -> None:
             body.add_site(name=f"{one.name}_center", pos=(one.part.half_length, 0.0, 0.0))
             body.add_site(name=f"{one.name}_tail")
     for mount in mounts(robot):
-        half = 0.5 * mount.angle
-        turned = (math.cos(half), 0.0, 0.0, math.sin(half))
-        model.body(mount.body).add_site(name=mount.name, pos=mount.position, quat=turned)
+        model.body(mount.body).add_site(name=mount.name, pos=mount.position, quat=mount.orientation)
 
 
 def _add_root(body: Any, root: str) -> None:

@@ -1,6 +1,5 @@
 """The robot in space as a `Plant`: MuJoCo with the water of `laticauda.mujoco_water`."""
 
-import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,13 +12,17 @@ from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
-from laticauda.mujoco_water import ground
+from laticauda.kinematics import turn
+from laticauda.mujoco_water import Element, ground
 from laticauda.robot import Ground
 from laticauda.scenarios import Spatial
 from laticauda.spatial import rows
+from laticauda.spatial.bodies import quaternion
 from laticauda.spatial.twin import Twin
+from laticauda.spatial.water_robot import mounted_elements
 
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
+Given = tuple[np.ndarray, np.ndarray, list[Element]]
 NO_STEP = 1e-9  # s; with so small a step, the joint laws are not implicit
 
 
@@ -79,21 +82,26 @@ class SpatialPlant(Plant[Spatial]):
         """Straight, the generator at the commanded gait, its offset building up from zero."""
         twin = self._twin
         self._check(command)
+        if self.settings.root == "planar":
+            start.check_planar()
         values = np.zeros(self._size)
         yaw, pitch, fin = self._first_waves(command)
         values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
-        c, s = math.cos(start.heading), math.sin(start.heading)
+        turned = quaternion((2, start.heading), (1, start.pitch), (0, start.roll))
+        axes = turn("yaw", start.heading) @ turn("pitch", start.pitch) @ turn("roll", start.roll)
         # The first two speeds of either root are those along x and y.
-        values[rows.STATE_ROWS + twin.n_qpos :][:2] = start.velocity * c, start.velocity * s
-        x, y = start.center_of_mass
-        x, y = x - c * twin.center, y - s * twin.center
+        speed = values[rows.STATE_ROWS + twin.n_qpos :]
+        x, y, _ = axes @ twin.center
         if self.settings.root == "planar":
-            qpos[:3] = x, y, start.heading
+            qpos[:3] = start.center_of_mass[0] - x, start.center_of_mass[1] - y, start.heading
+            speed[:2] = start.velocity * axes[:2, 0]
         else:
-            half = 0.5 * start.heading
-            qpos[:7] = x, y, twin.height, math.cos(half), 0.0, 0.0, math.sin(half)
+            level = twin.height if start.depth is None else -start.depth
+            qpos[:2] = start.center_of_mass[0] - x, start.center_of_mass[1] - y
+            qpos[2:7] = level - axes[2, 0] * twin.center[0], *turned
+            speed[:3] = start.velocity * axes[:, 0]
         values[-self.robot.n_links :] = start.heading
         return PlantState(values=values)
 
@@ -125,10 +133,12 @@ class SpatialPlant(Plant[Spatial]):
             limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
         return min(limit, ELASTIC_DT) if self.is_implicit else limit
 
-    def _rows(self, command: Command) -> tuple[np.ndarray, np.ndarray]:
-        """The command and the joints' parameters for the kernel."""
+    def _rows(self, command: Command) -> Given:
+        """The command, the joints' parameters and the effectors for the kernel."""
         self._check(command)
-        given, joints = self._let_go()
+        given, joints, effectors = self._let_go()
+        if (robot := command.effectors(self.robot)) is not self.robot:
+            effectors = mounted_elements(robot, self.environment)
         given[rows.IS_LED] = 1.0
         given[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
         yaw, pitch, fin = self._targets(command)
@@ -138,19 +148,22 @@ class SpatialPlant(Plant[Spatial]):
         turned = joints[:, rows.WAVE] == rows.YAW_WAVE
         table = self._recorded(command, joints[turned, rows.ENVELOPE])
         joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
+        if command.gait.pitch is not None:
+            turned = joints[:, rows.WAVE] == rows.PITCH_WAVE
+            joints[turned, rows.ENVELOPE] *= command.gait.pitch.envelope.joints(int(turned.sum()) + 1)
         self._hold(joints, command)
         if table is not None:
             given[rows.N_KNOTS] = len(table)
             given = np.concatenate((given, table.ravel()))
-        return given, joints
+        return given, joints, effectors
 
-    def _let_go(self) -> tuple[np.ndarray, np.ndarray]:
+    def _let_go(self) -> Given:
         """The same without a command: no reference takes the joints to where it would have them."""
         given = np.zeros(rows.COMMAND_ROWS)
         given[rows.BANDWIDTH], given[rows.RAMP] = self.settings.offset_bandwidth, self.ramp
         numbers = self.joints.numbers
         given[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
-        return given, self._twin.joints.copy()
+        return given, self._twin.joints.copy(), mounted_elements(self.robot, self.environment)
 
     def _check(self, command: Command) -> None:
         """Refuse what the robot cannot do."""
@@ -164,9 +177,7 @@ class SpatialPlant(Plant[Spatial]):
     ) -> tuple[np.ndarray, np.ndarray]:
         return self._go(self._begun(state, command), self._rows(command), n_intervals * every, dt, every)
 
-    def _go(
-        self, values: np.ndarray, given: tuple[np.ndarray, np.ndarray], steps: int, dt: float, every: int
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector, and log it."""
         values, n, joints = values.copy(), self.robot.n_links, len(self._twin.joints)
         log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints))

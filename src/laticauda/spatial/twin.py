@@ -28,6 +28,7 @@ class Twin:
         mujoco = load_mujoco()
         self.lock = RLock()
         land = land_of(environment, setup)
+        ballast = setup.ballast_depth if setup.root == "free" and setup.gravity else 0.0
         spec = mjcf.spec(
             robot,
             environment,
@@ -37,16 +38,13 @@ class Twin:
             visuals=False,
             tank=setup.tank,
             ground=None if setup.shore is None else "ramp",
+            ballast_depth=ballast,
         )
         if land is not None:
             spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
             spec.option.gravity = (0.0, 0.0, -land.gravity)
         if not setup.gravity or setup.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
-        else:
-            for i in range(robot.n_links):
-                body = spec.body(f"module_{i}")
-                body.ipos = (body.ipos[0], body.ipos[1], body.ipos[2] - setup.ballast_depth)
         self.model = water.compiled(spec)
         if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
             self.model.jnt_limited[:] = 0
@@ -55,7 +53,7 @@ class Twin:
         self._data = mujoco.MjData(self.model)
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
-        self.center = center_of_mass(robot)
+        self.center = np.array((center_of_mass(robot), 0.0, -ballast * sum(m.mass for m in robot.modules) / robot.mass))
         self.joints = _joint_rows(robot, setup.joints)
         self.water = self._attach(robot, environment, setup)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
@@ -81,12 +79,11 @@ class Twin:
             terrain = water.Terrain(
                 height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
             )
-        x, y = environment.current
         return water.attach(
             self.model,
             elements,
             density=environment.density,
-            current=(x, y, 0.0),
+            current=(*environment.current, 0.0)[:3],
             surface=0.0 if setup.root == "free" and setup.gravity else None,
             form=environment.added_mass_form,
             terrain=terrain,
@@ -114,7 +111,7 @@ class Twin:
     def run(
         self,
         values: np.ndarray,
-        given: tuple[np.ndarray, np.ndarray],
+        given: tuple[np.ndarray, np.ndarray, list[water.Element]],
         steps: int,
         dt: float,
         every: int,
@@ -125,8 +122,12 @@ class Twin:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
+            records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
+            for record, element in zip(records[len(records) - len(given[2]) :], given[2], strict=True):
+                record[table.THRUST : table.THRUST + 3] = element.thrust
+                record[table.ROTATION : table.ROTATION + 9] = element.rotation.ravel()
             robot = (self._mass, self._order, self._hold)
-            return int(self._stepping.run(self._setup, values, *given, *robot, steps, dt, every, log))
+            return int(self._stepping.run(self._setup, values, *given[:2], *robot, steps, dt, every, log))
 
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from laticauda.angles import from_quaternion
 from laticauda.errors import BadArgument, instance
 from laticauda.files import write
 from laticauda.robot import Joint, Module, Robot
@@ -55,7 +56,9 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     for mount in mounts(robot):
         _add(root, "link", name=mount.name)
         element = _connect(root, f"{mount.name}_mount", "fixed", mount.body, mount.name)
-        _add(element, "origin", xyz=mount.position, rpy=(0.0, 0.0, mount.angle))
+        (ahead, _, _), (left, _, _), (up, y, z) = from_quaternion(*mount.orientation).tolist()
+        rpy = math.atan2(y, z), math.atan2(-up, math.hypot(ahead, left)), math.atan2(left, ahead)
+        _add(element, "origin", xyz=mount.position, rpy=rpy)
     ET.indent(root)
     return f'<?xml version="1.0"?>\n{ET.tostring(root, encoding="unicode")}\n'
 

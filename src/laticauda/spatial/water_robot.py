@@ -23,8 +23,8 @@ from laticauda.fluid.laws import CoulombFriction, ViscousFriction
 from laticauda.hydrodynamics import Coefficients, link_coefficients, mass_across, own, wake_mass
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.ground import SINK, Contact
-from laticauda.robot import CaudalFin, Environment, Ground, Module, PectoralFin, Robot, Thruster, Water, law_of
-from laticauda.spatial.bodies import fin_bodies
+from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water, law_of
+from laticauda.spatial.bodies import fin_bodies, mounts
 
 
 def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
@@ -39,7 +39,8 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
     found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
     if robot.caudal_fin is not None and c.fin is not None:
         found += _fin(robot.caudal_fin, c.fin, environment)
-    found += _effectors(robot, environment)
+    found += _ends(robot, environment) if isinstance(environment, Water) else []
+    found += mounted_elements(robot, environment)  # last of all, where the twin finds them
     return tuple(found) if floats else tuple(replace(e, volume=0.0) for e in found)
 
 
@@ -146,15 +147,9 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment) -> list[Elem
     return found
 
 
-def _effectors(robot: Robot, environment: Environment) -> list[Element]:
-    """Thrusters; in water pectoral fins, tether and trailing edge too, as in the planar model."""
-    found = [_mounted(robot, t, thrust=(t.thrust, 0.0, 0.0)) for t in robot.thrusters]
-    if isinstance(environment, Ground):
-        return found
-    for fin in robot.pectoral_fins:
-        area = 0.5 * environment.density * fin.area
-        law = (area, fin.lift_slope, fin.stall_angle, fin.stall_sharpness, fin.parasitic_drag)
-        found.append(_mounted(robot, fin, plate=law))
+def _ends(robot: Robot, environment: Water) -> list[Element]:
+    """Tether and trailing edge, as in the planar model."""
+    found: list[Element] = []
     if robot.tether.drag > 0.0 or any(robot.tether.force):
         x, y = robot.tether.force
         found.append(Element(body="module_0", tether_drag=robot.tether.drag, pull=(x, y, 0.0)))
@@ -166,11 +161,19 @@ def _effectors(robot: Robot, environment: Environment) -> list[Element]:
     return found
 
 
-def _mounted(robot: Robot, effector: Thruster | PectoralFin, **loads: Any) -> Element:
-    half = 0.5 * effector.angle
-    return Element(
-        body=f"module_{effector.link}",
-        position=(robot.modules[effector.link].half_length + effector.x, effector.y, 0.0),
-        orientation=(float(np.cos(half)), 0.0, 0.0, float(np.sin(half))),
-        **loads,
-    )
+def mounted_elements(robot: Robot, environment: Environment) -> list[Element]:
+    """Those of its thrusters, and in water of its pectoral fins: what a command moves.
+
+    Args:
+        robot: With them as they are now.
+        environment: The water it swims in, or the ground.
+    """
+    loads: list[dict[str, Any]] = [{"thrust": (one.thrust, 0.0, 0.0)} for one in robot.thrusters]
+    if isinstance(environment, Water):
+        for fin in robot.pectoral_fins:
+            law = fin.lift_slope, fin.stall_angle, fin.stall_sharpness, fin.parasitic_drag
+            loads.append({"plate": (0.5 * environment.density * fin.area, *law)})
+    return [
+        Element(body=mount.body, position=mount.position, orientation=mount.orientation, **load)
+        for mount, load in zip(mounts(robot), loads)  # noqa: B905 - fins come last
+    ]

@@ -132,6 +132,7 @@ FIGURES = {
     "steady_error": ("m", "root mean square of the mean error after that"),
     "ripple": ("m", "root mean square of the swing about the mean after that"),
     "last_third_error": ("m", "mean error over the last third of the run"),
+    "last_third_height_error": ("m", "mean height above the path over the last third of the run"),
     "saturated_share": ("", "share of the run with the offset at its limit"),
 }
 """Unit and meaning of the figures of `summary`; errors are cycle means of the distance from the path."""
@@ -157,6 +158,8 @@ def summary(trial: Trial) -> dict[str, float | None]:
         return found
     found["overshoot"] = overshoot(time, error, period)
     found["last_third_error"] = last_third_error(time, error, period)
+    if "height_error" in trial.signals:
+        found["last_third_height_error"] = last_third_error(time, trial.signals["height_error"], period)
     reached = convergence(time, error, trial.signals["along_track_distance"], period)
     if reached is not None:
         found["convergence_time"], found["convergence_distance"] = reached

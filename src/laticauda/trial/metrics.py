@@ -220,7 +220,7 @@ def speed_through_water(trial: Contents) -> float:
     """As `forward_velocity` of a trial, relative to the water: the current is taken off [m/s]."""
     velocity = mean_velocity(trial.time, trial.center_of_mass)
     if isinstance(trial.environment, Water):
-        velocity[:2] -= trial.environment.current
+        velocity[: len(trial.environment.current)] -= trial.environment.current
     return float(np.linalg.norm(velocity))
 
 

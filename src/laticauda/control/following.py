@@ -1,0 +1,110 @@
+"""Path following in numbers, as trial files and the command line have it: in plan, and in space if a depth is given."""
+
+import math
+from typing import Any, Literal
+
+from laticauda.control.frames import Path
+from laticauda.control.guidance import Guidance, IntegralLineOfSight, LineOfSight
+from laticauda.control.heading import HeadingController
+from laticauda.control.path_following import PathFollowing
+from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
+from laticauda.control.spatial_following import SpatialPathFollowing
+from laticauda.errors import BadArgument
+from laticauda.gaits import Gait
+from laticauda.quantities import option, quantity, value
+
+LEVEL = 1.0  # of a profile before its first and behind its last depth, to say that it goes on level there [m]
+
+
+@value
+class Following:
+    """Path following in numbers, as trial files have it; the defaults are the paper's for Mamba.
+
+    The integral gain is where published integral guidance starts from. With a `path_depth` the robot is steered in
+    depth too, by its pitch joints and integral guidance: a robot that is lighter than water holds its depth as well.
+    """
+
+    waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
+    smooth: bool = option("a smooth curve through the waypoints instead of straight legs", default=False)
+    circle: tuple[float, float, float, float] | None = quantity(
+        "",
+        "a circle instead of waypoints: x and y of its middle and its radius in m, and turns, positive to the left",
+        default=None,
+    )
+    path_depth: tuple[float, ...] | None = quantity(
+        "m",
+        "depth of the path: one for all of it, or one per waypoint, of a circle at its begin and after its turns; "
+        "None: depth is not steered",
+        default=None,
+    )
+    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("the law", default="line_of_sight")
+    look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
+    integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
+    gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
+    max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
+    heading_estimate: str = option("raw, or cycle_mean over the last gait cycle", default="raw")
+    interval: float = quantity("s", "between two control instants", gt=0.0, default=0.05)
+    climb_look_ahead_distance: float = quantity("m", "Delta in depth", gt=0.0, default=1.0)
+    climb_integral_gain: float = quantity("m/s", "sigma in depth; 0: no integral", ge=0.0, default=0.03)
+    climb_gain: float = quantity("", "offset of the pitch joints per climb error", gt=0.0, default=0.6)
+    max_climb_offset: float = quantity("rad", "largest of them to either side", gt=0.0, default=math.radians(10.0))
+
+    def __post_init__(self) -> None:
+        """Check the waypoints, and the laws' own numbers by the laws."""
+        if self.waypoints is not None and len(self.waypoints) < 2:
+            raise BadArgument("waypoints", f"must be at least two points [x, y] in m, got {self.waypoints!r}")
+        if self.circle is not None and self.waypoints is not None:
+            raise BadArgument("circle", f"must not be given with `waypoints`, got {self.circle}")
+        self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
+
+    @property
+    def path(self) -> Path[Any]:
+        """Where to go, in plan."""
+        if self.circle is not None:
+            return Circle(center=self.circle[:2], radius=self.circle[2], turns=self.circle[3])
+        if self.waypoints is None:
+            return StraightLine()
+        return Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
+
+    @property
+    def profile(self) -> Path[Any] | None:
+        """The height along that; None: depth is not steered."""
+        depths, along = self.path_depth, getattr(self.path, "lengths", (0.0,))
+        if depths is None:
+            return None
+        if len(depths) == 1:
+            return StraightLine(point=(0.0, -depths[0]))
+        if len(depths) != len(along):
+            rule = f"must be one depth, or {len(along)}, one per waypoint, or a circle's first and last"
+            raise BadArgument("path_depth", f"{rule}, got {len(depths)} of them")
+        points = [(at, -depth) for at, depth in zip(along, depths, strict=True)]
+        ends = (along[0] - LEVEL, -depths[0]), (along[-1] + LEVEL, -depths[-1])
+        return Polyline(waypoints=(ends[0], *points, ends[1]))
+
+    def controller(self, gait: Gait) -> PathFollowing | SpatialPathFollowing:
+        """The controller.
+
+        Args:
+            gait: What swims along the path.
+        """
+        law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
+        if self.guidance == "integral_line_of_sight":
+            law = IntegralLineOfSight(look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain)
+        plan = PathFollowing(
+            gait=gait,
+            path=self.path,
+            guidance=law,
+            heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
+            heading_estimate=self.heading_estimate,
+            interval=self.interval,
+        )
+        if self.profile is None:
+            return plan
+        return SpatialPathFollowing(
+            **vars(plan),
+            profile=self.profile,
+            climb_guidance=IntegralLineOfSight(
+                look_ahead_distance=self.climb_look_ahead_distance, integral_gain=self.climb_integral_gain
+            ),
+            climb=HeadingController(gain=self.climb_gain, max_offset=self.max_climb_offset),
+        )
