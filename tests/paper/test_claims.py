@@ -6,7 +6,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from laticauda.paper import Claim, fin_gains, path_following_trials, run_links, run_side_trials
+from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_trials
 from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
 from laticauda.paper.claims.judge import percent, spread, verdict
 from laticauda.paper.measured import printed_changes
@@ -16,18 +16,13 @@ CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 
 
 @pytest.fixture(scope="module")
-def links():
-    return run_links()
-
-
-@pytest.fixture(scope="module")
 def side():
     return run_side_trials()
 
 
 @pytest.fixture(scope="module")
-def found(study, following, links, side) -> dict[str, Claim]:
-    return by_key(claims(study, following, links, side))
+def found(study, following, side) -> dict[str, Claim]:
+    return by_key(claims(study, following, side))
 
 
 def by_key(judged) -> dict[str, Claim]:
@@ -75,12 +70,12 @@ def test_without_studies_what_needs_one_is_not_tested_and_says_which():
     assert judged["fin-speed-eel"].found == "Not run: the efficiency study."
     assert judged["phase-optimum"].found == "Not run: the efficiency study, the side trials."
     assert judged["path-converges"].found == "Not run: the path-following study."
-    assert judged["links-power"].found == "Not run: the links study."
+    assert judged["links-power"].found == "Not run: the side trials."
     assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {"not tested here"}
     assert judged["fin-length"].verdict == "holds"
 
 
-def test_claims_about_simulations_say_which_joints(study, following, links, side, found):
+def test_claims_about_simulations_say_which_joints(study, following, side, found):
     alone = ("fin-little-power", "fin-length", "repeatable", "eel-drag", "same-as-vortex")
     for claim in found.values():
         assert ("prescribed joints" in claim.found) == (claim.key not in alone)
@@ -189,7 +184,7 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
     assert "lateral undulation (not reached in all cases) without and 1.00 s with fin" in with_times(None, 1.0).found
 
 
-def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
+def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
     def grown(doubling, speed, power):
         short = doubling.shorter
         long = Mock(
@@ -200,8 +195,8 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(links):
         return replace(doubling, longer=long)
 
     def with_links(speed, power):
-        changed = [grown(one, speed, power) if one.kept == "phase shift" else one for one in links.doublings]
-        return by_key(claims(replace(links, doublings=tuple(changed))))
+        changed = [grown(one, speed, power) if one.kept == "phase shift" else one for one in side.doublings]
+        return by_key(claims(replace(side, doublings=tuple(changed))))
 
     assert with_links(1.1, 10.0)["links-speed"].verdict == "holds"
     assert with_links(1.1, 10.0)["links-power"].verdict == "holds"

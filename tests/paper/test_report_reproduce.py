@@ -57,7 +57,7 @@ def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, 
     assert {"report.html", "efficiency.nc", "path_following.nc", "table1.csv", "table2.csv", "claims.csv"} < set(
         done.files
     )
-    assert {what for what, _, _ in told} >= {"efficiency", "path following", "path following: figures", "links", "side"}
+    assert {what for what, _, _ in told} >= {"efficiency", "path following", "path following: figures", "side"}
     assert all(0 < count <= total for _, count, total in told)
 
     report = (done.folder / "report.html").read_text(encoding="utf-8")
@@ -82,7 +82,7 @@ def test_two_workers_write_what_one_writes_and_a_used_folder_keeps_what_else_is_
     for name in ("table1.csv", "claims.csv", "sweeps.csv", "report.html"):
         assert (tmp_path / name).read_text(encoding="utf-8") == (alone.folder / name).read_text(encoding="utf-8")
     assert (tmp_path / "mine.txt").read_text() == "kept"
-    assert {what for what, _, _ in told} >= {"efficiency", "links", "side"}
+    assert {what for what, _, _ in told} >= {"efficiency", "side"}
 
 
 def test_every_study_has_a_runner_and_a_half_of_the_paper():
@@ -126,7 +126,7 @@ def test_other_coefficients_reach_every_study():
     mamba, eel = load_robot("mamba"), eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     names = [model.name for model in paper_experiments().efficiency.models]
     assert [model.name for model in mine.efficiency.models] == ["mine", *names]
-    for coefficients in (mine.links.coefficients, mine.side.coefficients, mine.path_following.coefficients):
+    for coefficients in (mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
         there = coefficients.scenario(mamba, eel)
         assert there.robot.joints[0].actuator.tracking == 0.5

@@ -1,11 +1,13 @@
 from dataclasses import replace
 from math import degrees
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.paper import SideSettings, run_side_trials
+from laticauda.paper import Coefficients, SideSettings, run_side_trials
+from laticauda.trial import Trial
 
 
 @pytest.fixture(scope="module")
@@ -42,3 +44,72 @@ def test_sensitivities_are_taken_at_the_fastest_gait_of_table_1(side):
 def test_the_added_inertia_is_of_no_effect(side):
     assert all(abs(change) < 1e-3 for change in side.by_added_inertia.values())
     assert any(change != 0.0 for change in side.by_added_inertia.values())
+
+
+# ---- twice the links -----------------------------------------------------------------------------------------------
+
+
+def test_every_run_is_what_swim_gives_for_that_many_links(side):
+    assert len(side.doublings) == 4
+    for doubling in side.doublings:
+        assert (doubling.shorter.robot.n_links, doubling.longer.robot.n_links) == (10, 20)
+        for run in (doubling.shorter, doubling.longer):
+            n_links = run.robot.n_links
+            trial = lc.swim(lc.load_robot("mamba", n_links=n_links), run.gait, 30.0)
+            assert run.forward_velocity == trial.forward_velocity
+            assert run.mechanical_power == trial.mechanical_power
+            assert run.robot.length == pytest.approx(0.18 * n_links)
+
+
+def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(side):
+    assert [doubling.kept for doubling in side.doublings] == ["phase shift", "number of waves"] * 2
+    for doubling in side.doublings:
+        ratio = doubling.longer.gait.phase_shift / doubling.shorter.gait.phase_shift
+        assert ratio == pytest.approx(1.0 if doubling.kept == "phase shift" else 0.5)
+        assert doubling.longer.gait.amplitude == doubling.shorter.gait.amplitude
+
+
+def test_changes_are_those_of_speed_and_power(side):
+    one = side.doublings[0]
+    speed, power = one.shorter.forward_velocity, one.shorter.mechanical_power
+    twice = replace(one, longer=Mock(spec=Trial, forward_velocity=2 * speed, mechanical_power=5 * power))
+    assert twice.velocity_change == pytest.approx(100.0)
+    assert twice.power_factor == pytest.approx(5.0)
+
+
+# ---- all of it -----------------------------------------------------------------------------------------------------
+
+
+def test_joints_water_and_progress_reach_the_runs():
+    told: list[tuple[int, int]] = []
+    waters = Coefficients(
+        name="mine",
+        title="mine",
+        waters={"eel_like": replace(lc.load_water("paper-eel"), density=900), "lateral_undulation": "paper-lateral"},
+    )
+    usual = SideSettings()
+    phase_shifts = replace(usual.phase_shifts, high=usual.phase_shifts.low)
+    eel = usual.doubled[1:]
+    settings = SideSettings(
+        phase_shifts=phase_shifts, gaits=eel, n_links=(3, 4), doubled=eel, duration=20.0, coefficients=waters
+    )
+    study = run_side_trials(settings, joints="pd", progress=lambda *what: told.append(what))
+    assert study.how["joints"] == "pd"
+    assert told == [(i + 1, 8) for i in range(8)]
+    shorter = study.doublings[0].shorter
+    water = waters.water("eel_like")
+    trial = lc.swim(lc.load_robot("mamba", n_links=3), shorter.gait, 20.0, environment=water, joints="pd")
+    assert shorter.forward_velocity == trial.forward_velocity
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"n_links": (20, 10)}, r"`n_links` must be two rising numbers, got \(20, 10\)"),
+        ({"n_links": (1, 10)}, r"`n_links\[0\]` must be a whole number >= 2, got 1"),
+        ({"duration": 0}, "`duration` must be > 0 s, got 0"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        SideSettings(**change)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
         run_efficiency as run_efficiency,
     )
     from laticauda.paper.report.parity import convergence as convergence
-    from laticauda.paper.side_trials import LinksSettings as LinksSettings, run_links as run_links
     from laticauda.paper.measured import (
         efficiency_trials as efficiency_trials,
         measured_trial as measured_trial,

@@ -21,14 +21,13 @@ from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import paper_templates
 from laticauda.paper.runs import Study
-from laticauda.paper.side_trials import LinksStudy, SideTrials
+from laticauda.paper.side_trials import SideTrials
 from laticauda.reports.texts import in_digits
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
 STUDIES: Mapping[str, tuple[type[Study[Any]], str]] = {
     "efficiency": (EfficiencyStudy, "the efficiency study"),
     "following": (PathFollowingStudy, "the path-following study"),
-    "links": (LinksStudy, "the links study"),
     "side": (SideTrials, "the side trials"),
     "parity": (ParityStudy, "the comparison with the 3D model (reproduce with the model spatial)"),
 }
@@ -72,7 +71,7 @@ def claims(*studies: Study[Any]) -> tuple[Claim, ...]:
     """What the paper's results, remarks and conclusions claim, and what the studies say to it.
 
     Args:
-        studies: What `run_efficiency`, `run_path_following`, `run_links`, `run_side_trials` and `run_parity` returned,
+        studies: What `run_efficiency`, `run_path_following`, `run_side_trials` and `run_parity` returned,
             with the paper's settings: all its groups, cases and sweeps. Claims about those that are missing are not
             tested; others say nothing to any claim.
     """

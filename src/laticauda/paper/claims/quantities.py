@@ -15,7 +15,7 @@ from laticauda.paper.measured import path_following_trials, percent_change, prin
 from laticauda.paper.parity import ParityStudy
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.scores import FinGain, Score, fin_gains, scores
-from laticauda.paper.side_trials import SHALLOW, LinksStudy, SideTrials
+from laticauda.paper.side_trials import ROBOT, SHALLOW, SideTrials
 from laticauda.robot import load_robot, load_water
 from laticauda.scenarios import loop_in_words
 from laticauda.trial import following as figures_of_path
@@ -207,7 +207,7 @@ def _through_origin(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> f
 
 
 def side(study: SideTrials) -> Numbers:
-    """What the side trials say [%].
+    """What the side trials say, changes in %; twice the links cost a factor of power.
 
     Args:
         study: What `run_side_trials` returned.
@@ -216,24 +216,7 @@ def side(study: SideTrials) -> Numbers:
     def in_words(changes: Mapping[str, float]) -> dict[str, float]:
         return {GAIT_WORDS[kind]: value for kind, value in changes.items()}
 
-    return {
-        "joints": study.how["joints"],
-        "coefficients": study.settings.coefficients.name,
-        "shallow": SHALLOW,
-        "by_depth": in_words(study.by_depth),
-        "by_added_inertia": in_words(study.by_added_inertia),
-        "inertia_changes": [*study.by_added_inertia.values()],
-        "optimum": math.degrees(study.pd_optimum),
-    }
-
-
-def links(study: LinksStudy) -> Numbers:
-    """What twice the links bring in speed [%] and cost in power [-].
-
-    Args:
-        study: What `run_links` returned.
-    """
-    settings = study.settings
+    settings, first = study.settings, study.settings.doubled[0]
     kept: dict[str, list[tuple[str, float, float]]] = {}
     for one in study.doublings:
         assert one.shorter.gait is not None
@@ -243,10 +226,15 @@ def links(study: LinksStudy) -> Numbers:
     return {
         "joints": study.how["joints"],
         "coefficients": settings.coefficients.name,
-        "robot": settings.robot,
+        "shallow": SHALLOW,
+        "by_depth": in_words(study.by_depth),
+        "by_added_inertia": in_words(study.by_added_inertia),
+        "inertia_changes": [*study.by_added_inertia.values()],
+        "optimum": math.degrees(study.pd_optimum),
+        "robot": ROBOT,
         "short": settings.n_links[0],
         "long": settings.n_links[1],
-        **{name: math.degrees(getattr(settings, name)) for name in ("amplitude", "frequency", "phase_shift")},
+        **{name: math.degrees(getattr(first, name)) for name in ("amplitude", "frequency", "phase_shift")},
         "same_phase_shift": kept["phase shift"],
         "same_waves": kept["number of waves"],
         "velocity_change": change,

@@ -14,19 +14,18 @@ from laticauda.paper.settings import (
     efficiency_settings,
     path_following_settings,
 )
-from laticauda.paper.side_trials import LinksSettings, SideSettings, run_links, run_side_trials
+from laticauda.paper.side_trials import SideSettings, run_side_trials
 from laticauda.robot import Parameters
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
     "efficiency": run_efficiency,
     "side": run_side_trials,
-    "links": run_links,
     "parity": run_parity,
 }
 """What runs each study, by its name in `Experiments`; the longest first, which fills workers best."""
 HALVES: Mapping[str, tuple[str, ...]] = {
-    "efficiency": ("efficiency", "links", "side", "parity"),
+    "efficiency": ("efficiency", "side", "parity"),
     "path-following": ("path_following",),
 }
 """The studies that belong to each half of the paper."""
@@ -38,8 +37,6 @@ class Experiments:
 
     efficiency: EfficiencySettings = field(default_factory=efficiency_settings)
     """Figs. 4 to 11 and Table 1."""
-    links: LinksSettings = field(default_factory=LinksSettings)
-    """Twice the links."""
     side: SideSettings = field(default_factory=SideSettings)
     """Single facts that claims of the paper rest on."""
     path_following: PathFollowingSettings = field(default_factory=path_following_settings)
@@ -62,7 +59,6 @@ def paper_experiments(parameters: Parameters | None = None) -> Experiments:
     others = [one for one in usual.efficiency.models if one.name != given.name]
     return Experiments(
         efficiency=replace(usual.efficiency, models=(given, *others)),
-        links=replace(usual.links, coefficients=given),
         side=replace(usual.side, coefficients=given),
         path_following=replace(usual.path_following, coefficients=given),
     )
