@@ -30,6 +30,7 @@ from laticauda.paper.measured import (
     path_following_trials,
 )
 from laticauda.paper.settings import path_following_settings
+from laticauda.pictures.camera import Film
 from laticauda.pictures.render import still
 from laticauda.reports.front import front_figure
 from laticauda.studies import Grid, Optimization, Sweep, optimize, run_sweep
@@ -115,9 +116,8 @@ def control_structure() -> Figure:
 def swim_3d(path: Path) -> None:
     """Mamba with its fin in the water, of twice the size and then made smaller, which is smoother."""
     gait = lc.eel_like(amplitude=radians(48), frequency=radians(110), phase_shift=radians(40))
-    still(
-        lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=18.0), path, time=STILL_TIME, width=1920, height=1080
-    )
+    trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=18.0)
+    still(trial, path, Film(size=(1920, 1080)), time=STILL_TIME)
     Image.open(path).resize((896, 504), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
@@ -186,7 +186,7 @@ def identified() -> Figure:
 
 def smaller_still(trial: lc.Trial, path: Path, time: float) -> None:
     """A still of twice the size, made smaller, which is smoother."""
-    still(trial, path, time=time, width=1680, height=800)
+    still(trial, path, Film(size=(1680, 800)), time=time)
     Image.open(path).resize((840, 400), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 

@@ -48,6 +48,17 @@ def test_nothing_is_shown_where_nobody_looks(monkeypatch):
     assert terminal.getvalue() == ""
 
 
+def test_a_long_film_says_every_tenth_where_nobody_looks(monkeypatch):
+    log = screen(monkeypatch, io.StringIO)
+    clock(monkeypatch, 3.0)
+    show = progress.film_bar(30.0)
+    for k in range(901):
+        show(k / 30.0)
+    lines = log.getvalue().splitlines()
+    assert [line.split(" %")[0] for line in lines] == [f"laticauda: {tenth}0" for tenth in range(1, 11)]
+    assert lines[2] == "laticauda: 30 % filmed, 9.0 of 30.0 s"
+
+
 def test_a_stopped_study_says_how_many_trials_are_stored_and_how_to_go_on():
     with pytest.raises(KeyboardInterrupt, match=r"^stopped; 3 of 9 trials are stored in a\. Run the same"):
         with progress.stored_trials("a") as show:

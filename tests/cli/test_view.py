@@ -1,7 +1,6 @@
 import json
 import sys
 import types
-from functools import partial
 
 import numpy as np
 import pytest
@@ -20,19 +19,16 @@ def stored(run):
     return run
 
 
+SMALL = "--size 128 72 --fps 3"
+
+
 @pytest.fixture
-def small(monkeypatch):
-    """Pictures that cost little."""
+def screen():
     skip_without_rendering()
-    from laticauda.pictures import render
-
-    size = {"width": 128, "height": 72}
-    monkeypatch.setattr(render, "still", partial(render.still, **size))
-    monkeypatch.setattr(render, "video", partial(render.video, **size, frames_per_second=3.0))
 
 
-def test_a_stored_trial_becomes_a_film_and_a_picture(stored, folder, small):
-    done = stored("view run.nc --video run.mp4 --still run.png --time 0.5 --speed 2 --json")
+def test_a_stored_trial_becomes_a_film_and_a_picture(stored, folder, screen):
+    done = stored(f"view run.nc --video run.mp4 --still run.png --time 0.5 --speed 2 --json {SMALL}")
     assert (done.status, done.err) == (0, "")
     assert json.loads(done.out) == {"file": "run.nc", "video": "run.mp4", "still": "run.png"}
     assert (folder / "run.png").read_bytes().startswith(b"\x89PNG")
@@ -40,8 +36,8 @@ def test_a_stored_trial_becomes_a_film_and_a_picture(stored, folder, small):
 
 
 @pytest.mark.parametrize("command", ["swim --duration 1", "follow --duration 1"])
-def test_a_run_can_be_filmed_at_once(run, folder, small, command):
-    done = run(f"{command} --video run.mp4")
+def test_a_run_can_be_filmed_at_once(run, folder, screen, command):
+    done = run(f"{command} --video run.mp4 {SMALL}")
     assert done.status == 0
     assert b"ftyp" in (folder / "run.mp4").read_bytes()[:12]
 
@@ -125,6 +121,9 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(stored, mo
         ("--still run.png --time 3", "--time must be between 0 and 1 s, got 3.0."),
         ("--time 1", "--time must be given with --still: it is the moment of the picture."),
         ("--video run.mp4 --speed 0", "--speed must be > 0, got 0."),
+        ("--video run.mp4 --size 128 73", "--size must be even for a video, got (128, 73)."),
+        ("--video run.mp4 --size 12 72", "--size must be a whole number >= 64, got 12."),
+        ("--video run.mp4 --from 0.5 --to 0.2", "--to must be between 0.5 and 1 s, got 0.2."),
         ("--video no/run.mp4", "--video must be a file in a folder that exists, got no/run.mp4."),
     ],
 )

@@ -2,6 +2,7 @@ import math
 import shutil
 import subprocess
 import sys
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -12,15 +13,15 @@ from rendering import skip_without_rendering
 import laticauda as lc
 from laticauda import kinematics
 from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.pictures import lines, offscreen, render
-from laticauda.pictures.camera import VIEW_DEG, calm, view
+from laticauda.pictures import lines, render, stage
+from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
-from laticauda.pictures.replay import Replay, floor_height, posture_at, swimming_height
+from laticauda.pictures.replay import posture_at, stage_of
 from laticauda.scenarios import Experiment
 
 pytest.importorskip("mujoco")
 
-SMALL = {"width": 192, "height": 108}
+SMALL = Film(size=(192, 108))
 
 
 def swum(name="mamba-fin", *, duration=6.0, sample_interval=0.05, **changes):
@@ -40,15 +41,19 @@ def screen():
     skip_without_rendering()
 
 
+def go_to(shown, trial, time):
+    shown.take(posture_at(trial, time, shown.height))
+
+
 # ---- postures -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
 def test_the_replay_is_where_the_trial_was(name):
     trial = swum(name, duration=3.0)
-    replay, planar = Replay(trial), trial.robot.planar()
+    replay, planar = stage_of(trial), trial.robot.planar()
     for sample in (0, 17, -1):
-        replay.go_to(float(trial.time[sample]))
+        go_to(replay, trial, float(trial.time[sample]))
         center = replay.data.subtree_com[1]
         np.testing.assert_allclose(center, [*trial.center_of_mass[sample], -1.0], atol=1e-9)
         ends = kinematics.Posture(planar, trial.center_of_mass[sample], trial.link_angle[sample]).link_ends
@@ -86,26 +91,26 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
         signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
     )
     assert spatial.joint_angle.shape[1] == robot.n_joints
-    replay = Replay(spatial)
-    replay.go_to(float(spatial.time[-1]))
+    replay = stage_of(spatial)
+    go_to(replay, spatial, float(spatial.time[-1]))
     np.testing.assert_allclose(replay.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
     up = replay.data.body("module_0").xmat.reshape(3, 3)[:, 2]
     np.testing.assert_allclose(up, [0.0, -math.sin(0.4), math.cos(0.4)], atol=1e-9)
-    assert floor_height(spatial) == pytest.approx(-2.45)
+    assert replay.floor == pytest.approx(-2.45)
 
 
 def test_the_water_has_its_depth_and_the_ground_its_height(trial):
-    assert swimming_height(with_other(trial, environment=replace(trial.environment, depth=0.3))) == -0.3
+    assert stage_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height == -0.3
     deep = with_other(trial, environment=replace(trial.environment, depth=7.0))
-    assert floor_height(deep) < -7.0
-    on_land = with_other(trial, environment=lc.load_ground("coulomb"))
-    assert (swimming_height(on_land), floor_height(on_land)) == (0.055, 0.0)
-    names = {Replay(on_land).model.geom(i).name for i in range(Replay(on_land).model.ngeom)}
+    assert stage_of(deep).floor < -7.0
+    on_land = stage_of(with_other(trial, environment=lc.load_ground("coulomb")))
+    assert (on_land.height, on_land.floor) == (0.055, 0.0)
+    names = {on_land.model.geom(i).name for i in range(on_land.model.ngeom)}
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = Replay(with_other(trial, model=lc.Spatial(shore=lc.load_ground("coulomb")))).model
+    model = stage_of(with_other(trial, model=lc.Spatial(shore=lc.load_ground("coulomb")))).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
@@ -115,19 +120,20 @@ def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
 # ---- the camera ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("camera", ["follow", "side", "top", "fixed"])
 @pytest.mark.parametrize("offset", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "chain"])
-def test_the_whole_robot_is_in_the_picture_all_the_time(name, offset):
+def test_the_whole_robot_is_in_the_picture_all_the_time(name, offset, camera):
     trial = swum(name, duration=12.0, offset=offset)
-    aspect = 16.0 / 9.0
+    aspect, film = 16.0 / 9.0, Film(camera=camera)
     up_most = math.tan(math.radians(0.5 * VIEW_DEG))
     for k in range(0, trial.time.size, 10):
-        seen = view(trial, float(trial.time[k]), -1.0, aspect)
+        seen = view(trial, float(trial.time[k]), -1.0, film)
         azimuth, elevation = math.radians(seen.azimuth), math.radians(seen.elevation)
         flat = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
         forward = math.cos(elevation) * flat + [0.0, 0.0, math.sin(elevation)]
         right = np.cross(flat, [0.0, 0.0, 1.0])
-        eye = seen.target - seen.distance * forward
+        eye = seen.lookat - seen.distance * forward
         center, angle = trial.center_of_mass[k], trial.link_angle[k]
         edge = kinematics.Posture(trial.robot, center, angle).trailing_edge
         points = np.vstack((edge, kinematics.Posture(trial.robot, center, angle).link_ends))
@@ -191,7 +197,7 @@ def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():
 
 
 def test_a_still_shows_the_robot_its_head_and_the_water(trial, tmp_path, screen):
-    render.still(trial, tmp_path / "still.png", time=3.0, width=640, height=360)
+    render.still(trial, tmp_path / "still.png", film=Film(size=(640, 360)), time=3.0)
     picture = np.asarray(Image.open(tmp_path / "still.png")).astype(int)
     assert picture.shape == (360, 640, 3)
     red, green, blue = np.moveaxis(picture, 2, 0)
@@ -205,7 +211,7 @@ def test_a_still_shows_the_robot_its_head_and_the_water(trial, tmp_path, screen)
 
 def test_the_same_moment_is_the_same_picture_and_another_is_not(trial, tmp_path, screen):
     for name, time in (("a", 2.0), ("b", 2.0), ("c", 2.5)):
-        render.still(trial, tmp_path / f"{name}.png", time=time, **SMALL)
+        render.still(trial, tmp_path / f"{name}.png", film=SMALL, time=time)
     a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
     assert a == b != c
 
@@ -214,7 +220,7 @@ def test_a_trial_of_one_sample_can_be_shown(trial, tmp_path, screen):
     series = {name: value[:1] for name, value in vars(trial).items() if getattr(value, "shape", (0,))[0] > 1}
     one = replace(trial, **series, state={})
     assert one.time.size == one.link_angle.shape[0] == 1
-    render.still(one, tmp_path / "one.png", **SMALL)
+    render.still(one, tmp_path / "one.png", SMALL)
 
 
 def test_the_speed_in_the_picture_is_the_trials():
@@ -234,7 +240,8 @@ def test_the_words_say_who_swims_and_how(trial):
 
 def test_a_film_has_the_trials_length_and_a_format_that_every_player_plays(trial, tmp_path, screen):
     seen = []
-    render.video(trial, tmp_path / "film.mp4", frames_per_second=5.0, speed=2.0, progress=seen.append, **SMALL)
+    slow = replace(SMALL, frames_per_second=5.0)
+    render.video(trial, tmp_path / "film.mp4", slow, speed=2.0, progress=seen.append)
     words = ["ffmpeg", "-i", str(tmp_path / "film.mp4"), "-f", "null", "-"]
     said = subprocess.run(words, capture_output=True, text=True, check=True).stderr
     assert "h264" in said and "yuv420p" in said and "192x108" in said and "5 fps" in said
@@ -263,10 +270,12 @@ def test_what_ffmpeg_complains_about_is_passed_on(tmp_path, screen):
 
 
 def test_bad_sizes_and_speeds_are_refused(trial, tmp_path):
-    with pytest.raises(ValueError, match=r"`width` must be even for a video, got 101\."):
-        render.video(trial, tmp_path / "a.mp4", width=101)
-    with pytest.raises(ValueError, match=r"`height` must be at most 4096 pixels, got 5000\."):
-        render.video(trial, tmp_path / "a.mp4", height=5000)
+    with pytest.raises(ValueError, match=r"`size` must be even for a video, got \(101, 64\)\."):
+        render.video(trial, tmp_path / "a.mp4", Film(size=(101, 64)))
+    with pytest.raises(ValueError, match=r"`size\[1\]` must be between 64 and 4096, got 5000\."):
+        Film(size=(640, 5000))
+    with pytest.raises(ValueError, match=r"`end` must be between 2 and 6 s, got 1"):
+        render.video(trial, tmp_path / "a.mp4", Film(begin=2.0, end=1.0))
     with pytest.raises(ValueError, match=r"`speed` must be > 0, got 0"):
         render.video(trial, tmp_path / "a.mp4", speed=0)
     with pytest.raises(ValueError, match=r"`time` must be between 0 and 6 s, got 7"):
@@ -289,7 +298,7 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
     def fail(name):
         raise error
 
-    monkeypatch.setattr(offscreen, "import_module", fail)
+    monkeypatch.setattr(stage, "import_module", fail)
     with pytest.raises(MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "):
         render.still(trial, tmp_path / "a.png")
 
@@ -298,7 +307,7 @@ def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
     def fail(name):
         raise ModuleNotFoundError("No module named 'OpenGL'", name="OpenGL")
 
-    monkeypatch.setattr(offscreen, "import_module", fail)
+    monkeypatch.setattr(stage, "import_module", fail)
     with pytest.raises(MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'):
         render.still(trial, tmp_path / "a.png")
 
@@ -315,8 +324,27 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
     trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
     turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
-    replay = Replay(trial)
-    replay.go_to(2.0)
+    replay = stage_of(trial)
+    go_to(replay, trial, 2.0)
     for i, angle in enumerate(trial.link_angle[-1]):
         forward = replay.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
         assert math.atan2(forward[1], forward[0]) == pytest.approx(angle, abs=1e-6)
+
+
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_a_state_of_a_plant_is_a_picture_without_a_trial(screen, model):
+    """As environments show themselves; it is the posture that the log of the same run has there."""
+    scenario = lc.scenario("mamba-modules-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7), model=model)
+    plant = lc.plant(scenario)
+    command = lc.Command(gait=scenario.gait)
+    state, log, _ = plant.march(plant.init(scenario.start, command), command, 1.0, 0.1)
+    posture = posture_of(plant, state)
+    np.testing.assert_allclose(posture.center_of_mass[: log.center_of_mass.shape[1]], log.center_of_mass[-1], atol=1e-9)
+    with closing(Studio.of(plant, size=(128, 72))) as studio:
+        studio.take(posture)
+        tail = studio.data.body("module_0").xmat.reshape(3, 3)
+        assert math.atan2(tail[1, 0], tail[0, 0]) == pytest.approx(log.link_angle[-1, 0], abs=1e-6)
+        first, again = (studio.picture(posture) for _ in range(2))
+    assert first.shape == (72, 128, 3) and first.dtype == np.uint8
+    np.testing.assert_array_equal(first, again)
+    assert len(np.unique(first.reshape(-1, 3), axis=0)) > 100

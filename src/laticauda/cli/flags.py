@@ -45,6 +45,7 @@ CALLED = {
 SPELLED = {
     **{"center_of_mass": "position", "interval": "control_interval"},
     **{f"start.{name}": f"start_{name}" for name in ("depth", "pitch", "roll")},
+    **{"frames_per_second": "fps", "begin": "from", "end": "to"},
 }
 """Fields of nested values, and what their flags are called."""
 PRESETS = ("robot", "water", "ground", "parameters", "base")
@@ -117,7 +118,7 @@ def _shown(value: Any) -> list[str]:
 File = Annotated[str | None, _texts(1, "FILE")]
 NetCdf = Annotated[File, Written((".nc",))]
 Picture = Annotated[File, Written((".png", ".pdf"))]
-Film = Annotated[File, Written((".mp4",))]
+Mp4 = Annotated[File, Written((".mp4",))]
 Toml = Annotated[File, Written((".toml",))]
 Folder = Annotated[str, _texts(1, "DIR")]
 Place = Annotated[str | None, _texts(1, "DIR")]
@@ -323,7 +324,9 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
     several = get_origin(inner[0]) is tuple
     count = len(get_args(inner[0])) if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis else None
     metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
-    read = _reader(declared, inner[0] is int, several, flag(name + DEGREES.get(declared.unit, "")))
+    read = _reader(
+        declared, int in (inner[0], *get_args(inner[0])), several, flag(name + DEGREES.get(declared.unit, ""))
+    )
     return _words(1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared))
 
 

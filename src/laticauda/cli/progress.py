@@ -1,5 +1,6 @@
 """How far a command is: bars on standard error, if that is a terminal."""
 
+import math
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -48,6 +49,25 @@ def run_bar(duration: float, what: str = "swam") -> Callable[..., None]:
         what: What the bar says before the time that has been reached.
     """
     return progress(SECONDS, duration, what, patience=PATIENCE)
+
+
+def film_bar(duration: float) -> Callable[[float], None]:
+    """The same of a film that becomes longer; where there is no terminal, a line for every tenth.
+
+    Args:
+        duration: Time of the trial that is filmed [s].
+    """
+    bar, began, tenths = run_bar(duration, "filmed"), time.monotonic(), [0]
+
+    def show(done: float) -> None:
+        bar(done)
+        tenth = math.floor(10.0 * done / duration + 1e-9) if duration else 10
+        if tenth > tenths[0] and not sys.stderr.isatty():
+            tenths[0] = tenth
+            if time.monotonic() - began > PATIENCE:
+                print(f"laticauda: {10 * tenth} % filmed, {done:.1f} of {duration:.1f} s", file=sys.stderr, flush=True)
+
+    return show
 
 
 @contextmanager

@@ -3,9 +3,10 @@
 from typing import Any
 
 from laticauda import figures, simulate
-from laticauda.cli.command import Command, Outcome
+from laticauda.cli.command import Outcome
 from laticauda.cli.flags import Input, NetCdf, Picture
 from laticauda.cli.report import as_text, facts_of
+from laticauda.cli.view import Filming
 from laticauda.errors import BadArgument
 from laticauda.estimation import Estimate, KinematicEstimator
 from laticauda.operate import OperationLog, Rerun, read_operation, rerun_controller, rerun_estimator, trial_of
@@ -14,7 +15,7 @@ from laticauda.quantities import option, value
 
 
 @value
-class Replay(Command):
+class Replay(Filming):
     """Make a trial of a recorded operation, and print its figures.
 
     The speed is (5), the power (4) from the power meter. A recording that ends in the middle is replayed as far as it
@@ -45,6 +46,7 @@ class Replay(Command):
         rerun = rerun_controller(log, estimates=estimates) if self.control else None
         if self.save is not None:
             trial.save(self.save)
+        self.write_film(trial)
         facts: dict[str, Any] = {**facts_of(trial), "lost": log.lost}
         text = [as_text(trial)]
         if log.timing is not None:

@@ -7,23 +7,22 @@ from typing import Any, ClassVar
 import laticauda as lc
 from laticauda import figures, simulate
 from laticauda.cli import flags
-from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import BadFlag, File, Film, NetCdf, Picture, ScenarioFile, Toml
+from laticauda.cli.command import Outcome
+from laticauda.cli.flags import BadFlag, File, NetCdf, Picture, ScenarioFile, Toml
 from laticauda.cli.progress import run_bar
 from laticauda.cli.report import as_text, facts_of, interval_table
 from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.cli.view import write_film
+from laticauda.cli.view import Filming
 from laticauda.quantities import option, quantity, value
 from laticauda.scenarios import Scenario
 
 
 @value
-class Recording(Command):
+class Recording(Filming):
     """A command that makes a trial, and what becomes of that."""
 
     save: NetCdf = option("Write the trial to this netCDF file (.nc)", default=None)
     plot: Picture = option("Draw path, speed, joint angles and torques into this picture (.png or .pdf)", default=None)
-    video: Film = option("Show the run in 3D in this film (.mp4)", default=None)
     sheet: ClassVar[str] = "swim_sheet"
 
     def outcome(self, trial: lc.Trial, origin: str, more: str = "", facts: Mapping[str, Any] | None = None) -> Outcome:
@@ -39,8 +38,7 @@ class Recording(Command):
             trial.save(self.save)
         if self.plot is not None:
             figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
-        if self.video is not None:
-            write_film(trial, self.video)
+        self.write_film(trial)
         return Outcome(
             facts={**facts_of(trial), **(facts or {})},
             text=as_text(trial, origin) + more,

@@ -7,6 +7,7 @@ from laticauda.cli.command import Command, Outcome, check_output
 from laticauda.cli.flags import File, Input, Inputs, Output
 from laticauda.cli.report import as_text, facts_of
 from laticauda.cli.tables import aligned, percent, read_in
+from laticauda.cli.view import Filming
 from laticauda.errors import TrialFileError
 from laticauda.quantities import option, value
 from laticauda.trial import ComparedFigure, Format
@@ -25,8 +26,8 @@ class OfTrials(Command):
 
 
 @value
-class Show(OfTrials):
-    """Print the figures of a stored trial.
+class Show(OfTrials, Filming):
+    """Print the figures of a stored trial, and film it.
 
     For example: laticauda trial show run.nc
     """
@@ -36,6 +37,7 @@ class Show(OfTrials):
     def run(self) -> Outcome:
         """Read."""
         trial = lc.load_trial(self.file, self.columns)
+        self.write_film(trial)
         made = f"made     {trial.created} with laticauda {trial.version}"
         return Outcome(facts=facts_of(trial), text=f"{made}\n{as_text(trial)}")
 

@@ -1,17 +1,39 @@
 """`laticauda view`: a stored trial in 3D, in a window, as a film or as a picture."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import laticauda as lc
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Film, Input, Written
-from laticauda.cli.progress import run_bar
+from laticauda.cli.flags import File, Input, Mp4, Written
+from laticauda.cli.progress import film_bar
 from laticauda.errors import BadArgument
+from laticauda.pictures.camera import Film
 from laticauda.quantities import option, quantity, value
 
 
 @value
-class View(Command):
+class Filming(Command):
+    """A command that has a trial, of which it may make a film."""
+
+    video: Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
+    film: Film = option("What the film shows, and how large", default=Film())
+
+    def write_film(self, trial: lc.Trial, speed: float = 1.0) -> None:
+        """Write the film of a trial, if that is asked for.
+
+        Args:
+            trial: Any.
+            speed: How many times as fast to show it [-].
+        """
+        if self.video is not None:
+            from laticauda.pictures.render import video
+
+            begin, end = self.film.span(trial)
+            video(trial, self.video, self.film, speed=speed, progress=film_bar(end - begin))
+
+
+@value
+class View(Filming):
     """Show a stored trial in 3D: in MuJoCo's window, or as a film or a picture where there is no screen.
 
     A planar trial is shown as it was: the 3D robot takes its postures.
@@ -20,10 +42,7 @@ class View(Command):
     """
 
     file: Input = option("The trial, as `laticauda swim --save` wrote it")
-    video: Film = option("Write a film (.mp4) instead of opening a window", default=None)
-    still: Annotated[File, Written((".png",))] = option(
-        "Write a picture (.png) instead of opening a window", default=None
-    )
+    still: Annotated[File, Written((".png",))] = option("Write a picture (.png)", default=None)
     time: float | None = quantity("s", "Moment of the picture; the end if left out", default=None)
     speed: float = quantity("", "How many times as fast to show it", gt=0.0, default=1.0)
 
@@ -35,9 +54,8 @@ class View(Command):
         if self.still is not None:
             from laticauda.pictures.render import still
 
-            still(trial, self.still, time=self.time)
-        if self.video is not None:
-            write_film(trial, self.video, speed=self.speed)
+            still(trial, self.still, self.film, time=self.time)
+        self.write_film(trial, self.speed)
         if self.video is None and self.still is None:
             from laticauda.pictures.replay import show
 
@@ -46,10 +64,3 @@ class View(Command):
             facts={"file": self.file, "video": self.video, "still": self.still},
             text=f"{self.video or self.still or self.file}: {trial.duration:g} s shown",
         )
-
-
-def write_film(trial: lc.Trial, path: str, **options: Any) -> None:
-    """Write the film of a trial, and show how far it is; arguments as for `pictures.render.video`."""
-    from laticauda.pictures.render import video
-
-    video(trial, path, progress=run_bar(trial.duration, "filmed"), **options)

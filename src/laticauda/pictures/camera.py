@@ -1,64 +1,119 @@
-"""A camera that follows a robot calmly: it sees the whole body from one side, and does not nod with every stroke."""
+"""Cameras: one that follows a robot calmly, one beside it, one above it, and one that stands still and sees it all."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.errors import within
+from laticauda.extras import load_mujoco
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 from laticauda.spatial.bodies import center_of_mass
 from laticauda.trial import Trial
 
+Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0  # vertical angle of view
-DOWN_DEG = 24.0  # how far it looks down
-ASIDE_DEG = 118.0  # its direction to the robot's own: seen from the right, with the head toward us
+# How far it looks down, and its direction to the robot's own: follow is to its right with the head toward us.
+DIRECTIONS: dict[str, tuple[float, float]] = {
+    "follow": (24.0, 118.0),
+    "side": (3.0, 90.0),
+    "top": (89.9, 90.0),
+    "fixed": (32.0, 90.0),
+}
 ROOM = 1.36  # width of the picture at the robot, in lengths of the robot
-BELOW = 0.07  # how far below the robot it looks, in its lengths: there is its shadow
+BELOW = 0.07  # how far below the robot `follow` looks, in its lengths: there is its shadow
 CALM, CALM_TURN = 0.75, 1.5  # how far it looks around in time, in periods of the gait
 PERIOD, LONGEST_PERIOD = 2.0, 10.0  # where no gait says, and at most [s]
 
 
-class View(NamedTuple):
-    """Where a camera stands and looks at one instant."""
+@value
+class Film:
+    """What a film or a picture of a trial shows, and how large.
 
-    target: Float[np.ndarray, "3"]
-    """What is in the middle of the picture [m]."""
-    distance: float
-    """From the target [m]."""
-    azimuth: float
-    """Horizontal direction it looks into, counter-clockwise from the x axis [deg]."""
-    elevation: float
-    """How far it looks up [deg]."""
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    size: tuple[int, int] = quantity("", "Width and height in pixels", ge=64, le=4096, default=(1280, 720))
+    frames_per_second: float = quantity("1/s", "Pictures in a second of the film", gt=0.0, le=240.0, default=30.0)
+    begin: float | None = quantity("s", "Time of the trial at which it begins; its start if left out", default=None)
+    end: float | None = quantity("s", "The same of its end", default=None)
+    camera: Camera = option(
+        "`follow` turns with the robot, `side` is level beside it, `top` above it, `fixed` stands still and sees all",
+        default="follow",
+    )
+
+    def span(self, trial: Trial) -> tuple[float, float]:
+        """Where the film begins and ends in a trial [s].
+
+        Raises:
+            ValueError: If it is not within the trial.
+        """
+        first, last = float(trial.time[0]), float(trial.time[-1])
+        begin = first if self.begin is None else within("begin", self.begin, first, last, "s")
+        return begin, last if self.end is None else within("end", self.end, begin, last, "s")
 
 
-def view(trial: Trial, time: float, height: float, aspect: float) -> View:
-    """What the camera sees at a time.
+def view(trial: Trial, time: float, height: float, film: Film) -> Any:
+    """What a film's camera sees of a trial at a time, as a `MjvCamera`.
 
     Args:
         trial: Any trial.
         time: Within the trial's time [s].
         height: At which a planar robot swims [m].
-        aspect: Width of the picture to its height [-].
+        film: Whose camera it is.
     """
+    aspect, camera = film.size[0] / film.size[1], film.camera
+    if camera == "fixed":
+        begin, end = film.span(trial)
+        shown = (trial.time >= begin) & (trial.time <= end)
+        center, heading = trial.center_of_mass[shown], trial.heading[shown]
+        ends = 0.5 * trial.robot.reach * np.stack((np.cos(heading), np.sin(heading)), axis=1)
+        low, high = center.min(axis=0), center.max(axis=0)
+        both = np.concatenate((center[:, :2] - ends, center[:, :2] + ends))
+        low[:2], high[:2] = both.min(axis=0), both.max(axis=0)
+        wide = max(float(high[0] - low[0]), aspect * float(high[1] - low[1]))
+        return look(trial.robot, in_space(0.5 * (low + high), height), 0.0, aspect, camera, wide)
     period = ripple_period(trial)
-    center = calm(trial.time, trial.center_of_mass, time, CALM * period)
+    center = in_space(calm(trial.time, trial.center_of_mass, time, CALM * period), height)
     heading = float(calm(trial.time, trial.heading, time, CALM_TURN * period))
-    ahead = middle(trial.robot)
-    target = np.array([*center[:2], center[2] if center.size == 3 else height])
-    target += ahead * math.cos(heading), ahead * math.sin(heading), -BELOW * trial.robot.reach
+    return look(trial.robot, center, heading, aspect, camera)
+
+
+def look(
+    robot: Robot,
+    center: Float[np.ndarray, "3"],
+    heading: float,
+    aspect: float,
+    camera: Camera = "follow",
+    wide: float = 0.0,
+) -> Any:
+    """What a camera sees of a robot, as a `MjvCamera`.
+
+    Args:
+        robot: Whom it shows.
+        center: Its center of mass [m].
+        heading: Its direction [rad].
+        aspect: Width of the picture to its height [-].
+        camera: See `view`.
+        wide: What it is to see at least [m].
+    """
+    down, aside = DIRECTIONS[camera]
+    reach, ahead = robot.reach, 0.0 if camera == "fixed" else middle(robot)
+    below = BELOW * reach if camera == "follow" else 0.0
     half_view = math.atan(math.tan(math.radians(0.5 * VIEW_DEG)) * aspect)
-    return View(
-        target=target,
-        azimuth=math.degrees(heading) + ASIDE_DEG,
-        elevation=-DOWN_DEG,
-        distance=0.5 * ROOM * trial.robot.reach / math.tan(half_view),
-    )
+    seen = load_mujoco().MjvCamera()
+    seen.lookat = center + np.array((ahead * math.cos(heading), ahead * math.sin(heading), -below))
+    seen.distance = 0.5 * ROOM * max(reach, wide) / math.tan(half_view)
+    seen.azimuth, seen.elevation = math.degrees(heading) + aside, -down
+    return seen
 
 
-def aim(camera: Any, view: View) -> None:
-    """Let a `MjvCamera` look so."""
-    camera.lookat, camera.distance, camera.azimuth, camera.elevation = view
+def in_space(center: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
+    """A place, at a height if it is one in the plane [m]."""
+    return center if center.size == 3 else np.append(center, height)
 
 
 def ripple_period(trial: Trial) -> float:

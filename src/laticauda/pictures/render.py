@@ -14,16 +14,13 @@ import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, whole, within
-from laticauda.extras import load_mujoco
+from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
 from laticauda.pictures import lines
-from laticauda.pictures.camera import aim, ripple_period, view
-from laticauda.pictures.offscreen import Offscreen, Picture, check_offscreen
-from laticauda.pictures.replay import Replay
+from laticauda.pictures.camera import Film, ripple_period, view
+from laticauda.pictures.replay import posture_at, stage_of
+from laticauda.pictures.stage import Picture, Studio, check_offscreen
 from laticauda.trial import Trial
 
-WIDTH, HEIGHT, FRAMES_PER_SECOND = 1280, 720, 30.0  # [pixels], [pixels], [1/s]
-LEAST_PIXELS, MOST_PIXELS = 64, 4096
 # Of the words: margin and sizes in heights of the picture, and colors.
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
 WHITE, PALE = (255, 255, 255), (200, 228, 230)
@@ -33,10 +30,8 @@ QUALITY = 20  # of H.264's scale, on which less is better and 18 looks like the 
 def video(
     trial: Trial,
     path: str | Path,
+    film: Film = Film(),  # noqa: B008 - frozen
     *,
-    width: int = WIDTH,
-    height: int = HEIGHT,
-    frames_per_second: float = FRAMES_PER_SECOND,
     speed: float = 1.0,
     progress: Callable[[float], None] | None = None,
 ) -> None:
@@ -47,53 +42,45 @@ def video(
     Args:
         trial: Any trial, simulated or real.
         path: An MP4 file, written when the film is complete.
-        width: Of the picture, even [pixels].
-        height: Of the picture, even [pixels].
-        frames_per_second: [1/s].
+        film: Its size, which has to be even, its pace, its part of the trial, and the camera.
         speed: 2 shows the trial twice as fast [-].
-        progress: Called with the time of the trial [s] that has been filmed.
+        progress: Called with how much of the trial has been filmed [s].
 
     Raises:
         MissingExtra: If MuJoCo or PyOpenGL is not installed.
         MissingProgram: If the system has no ffmpeg or no EGL.
         ValueError: If an argument is out of its range.
     """
-    rate, speed = positive("frames_per_second", frames_per_second, "1/s"), positive("speed", speed)
-    size = _pixels("width", width), _pixels("height", height)
-    for name, pixels in zip(("width", "height"), size, strict=True):
-        if pixels % 2:
-            raise BadArgument(name, f"must be even for a video, got {pixels}")
+    step = positive("speed", speed) / film.frames_per_second
+    begin, end = film.span(trial)
+    if any(pixels % 2 for pixels in film.size):
+        raise BadArgument("size", f"must be even for a video, got {film.size}")
     check_video()
-    with closing(_Studio(trial, *size)) as studio:
+    with closing(_Set(trial, film)) as scenery:
 
         def pictures() -> Iterator[Picture]:
-            for k in range(math.floor(trial.duration / speed * rate + 1e-9) + 1):
-                shown = min(k * speed / rate, trial.duration)
-                yield studio.picture(float(trial.time[0]) + shown, speed)
+            for k in range(math.floor((end - begin) / step + 1e-9) + 1):
+                shown = min(k * step, end - begin)
+                yield scenery.picture(begin + shown, speed)
                 if progress is not None:
                     progress(shown)
 
-        write_video(pictures(), path, size=size, frames_per_second=rate)
+        write_video(pictures(), path, size=film.size, frames_per_second=film.frames_per_second)
 
 
-def still(
-    trial: Trial, path: str | Path, *, time: float | None = None, width: int = WIDTH, height: int = HEIGHT
-) -> None:
+def still(trial: Trial, path: str | Path, film: Film = Film(), *, time: float | None = None) -> None:  # noqa: B008
     """Show one moment of a trial; what is not said here is as for `video`.
 
     Args:
         trial: Any trial, simulated or real.
         path: A PNG file.
-        time: The moment [s]; None is the end.
-        width: Of the picture [pixels].
-        height: Of the picture [pixels].
+        film: Its size, and the camera.
+        time: The moment [s]; None is the end of the film.
     """
-    size = _pixels("width", width), _pixels("height", height)
-    moment = float(trial.time[-1])
-    if time is not None:
-        moment = within("time", time, float(trial.time[0]), moment, "s")
-    with closing(_Studio(trial, *size)) as studio:
-        Image.fromarray(studio.picture(moment)).save(path, optimize=True)
+    begin, end = film.span(trial)
+    moment = end if time is None else within("time", time, begin, end, "s")
+    with closing(_Set(trial, film)) as scenery:
+        Image.fromarray(scenery.picture(moment)).save(path, optimize=True)
 
 
 def check_video() -> None:
@@ -102,36 +89,30 @@ def check_video() -> None:
     check_offscreen()
 
 
-class _Studio:
-    """The 3D robot of a trial, and the camera in front of it; a resource to be closed."""
+class _Set:
+    """A trial in front of a camera; a resource to be closed."""
 
-    def __init__(self, trial: Trial, width: int, height: int) -> None:
-        self._replay = Replay(trial, width, height)
-        self._path = lines.path_dashes(trial, self._replay.height)
-        self._screen = Offscreen(self._replay.model)
+    def __init__(self, trial: Trial, film: Film) -> None:
+        self._trial, self._film = trial, film
+        self._studio = stage_of(trial, Studio, size=film.size)
+        self._path = lines.path_dashes(trial, self._studio.height)
 
     def picture(self, time: float, speed: float = 1.0) -> Picture:
         """The picture of a moment, words included."""
-        replay, screen, trial, camera = self._replay, self._screen, self._replay.trial, load_mujoco().MjvCamera()
-        replay.go_to(time)
-        aim(camera, view(trial, time, replay.height, screen.width / screen.height))
-        picture = screen.picture(replay.data, camera, lambda scene: self._decorate(scene, time, camera.lookat))
+        trial, height = self._trial, self._studio.height
+
+        def decorate(scene: Any) -> None:
+            lines.draw_path(scene, trial, self._path)
+            lines.draw_trail(scene, trial, time, height)
+
+        camera = view(trial, time, height, self._film)
+        picture = self._studio.picture(posture_at(trial, time, height), camera, decorate)
         figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
         return write_words(picture, figures, words(trial, speed))
 
-    def _decorate(self, scene: Any, time: float, target: np.ndarray) -> None:
-        """Fog, shadows where the robot is, its trail, and the path that it followed."""
-        flags = load_mujoco().mjtRndFlag
-        scene.flags[flags.mjRND_FOG], scene.flags[flags.mjRND_HAZE] = True, False
-        for light in scene.lights[: scene.nlight]:
-            if not light.headlight:
-                light.pos = target + np.array([0.0, 0.0, 2.0])
-        lines.draw_path(scene, self._replay.trial, self._path)
-        lines.draw_trail(scene, self._replay.trial, time, self._replay.height)
-
     def close(self) -> None:
         """Give back the graphics memory."""
-        self._screen.close()
+        self._studio.close()
 
 
 def speed_at(trial: Trial, time: float) -> float:
@@ -159,13 +140,6 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
     if speed != 1.0:
         lines[0] += f"  (shown at {speed:g} times its speed)"
     return lines
-
-
-def _pixels(name: str, value: int) -> int:
-    number = whole(name, value, LEAST_PIXELS)
-    if number > MOST_PIXELS:
-        raise BadArgument(name, f"must be at most {MOST_PIXELS} pixels, got {number}")
-    return number
 
 
 def write_words(picture: Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> Picture:

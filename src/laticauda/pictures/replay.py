@@ -5,78 +5,35 @@ import platform
 import time
 import warnings
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any, TypeVar
 
 import numpy as np
-from jaxtyping import Float
 
 from laticauda.errors import LaticaudaError, instance, positive
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import link_angles
-from laticauda.pictures.camera import VIEW_DEG, aim, view
-from laticauda.pictures.surroundings import add_surroundings
-from laticauda.robot import Ground
-from laticauda.spatial import mjcf, scene
+from laticauda.pictures.camera import Film, view
+from laticauda.pictures.stage import Posture, Stage, flat_posture
 from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
 
-MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
-CLEARANCE = 0.45  # least height over the floor [m]
 PICTURES_PER_SECOND = 60.0
-ASPECT = 1.6  # of a usual window
-
-
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
+StageType = TypeVar("StageType", bound=Stage)
 
 
-class Replay:
-    """The model of a trial's robot, and its state.
+def stage_of(trial: Trial, kind: type[StageType] = Stage, **options: Any) -> StageType:
+    """The place of a trial, as it is shown.
 
     Args:
         trial: Any trial, simulated or real.
-        width: Of pictures that will be taken of it [pixels].
-        height: The same [pixels].
+        kind: Of stage.
+        options: Of the stage.
     """
-
-    def __init__(self, trial: Trial, width: int = 1280, height: int = 720) -> None:
-        instance("trial", trial, Trial)
-        self.trial = trial
-        self.height = swimming_height(trial)
-        ground: Any = trial.settings.get("ground")
-        spec = mjcf.spec(trial.robot, trial.environment, sensors=False, ground=ground)
-        is_deep = isinstance(trial.environment, Ground) or (_is_planar(trial) and trial.environment.depth is None)
-        add_surroundings(
-            spec, trial.environment, floor=floor_height(trial), length=trial.robot.reach, surface=not is_deep
-        )
-        picture = spec.visual.global_
-        picture.offwidth, picture.offheight, picture.fovy = width, height, VIEW_DEG
-        self.model: Any = spec.compile()
-        self.data: Any = load_mujoco().MjData(self.model)
-
-    def go_to(self, time: float) -> None:
-        """Take the posture of a time within the trial's [s]."""
-        mujoco, data, posture = load_mujoco(), self.data, posture_at(self.trial, time, self.height)
-        angles = np.append(posture.joint_angle, posture.fin_angle)
-        data.qpos[:3], data.qpos[3:7] = 0.0, posture.orientation
-        data.qpos[7 : 7 + angles.size] = angles
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_comPos(self.model, data)
-        data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
-        mujoco.mj_forward(self.model, data)
-
-
-class Posture(NamedTuple):
-    """One instant."""
-
-    center_of_mass: Float[np.ndarray, "3"]
-    """[m]."""
-    orientation: Float[np.ndarray, "4"]
-    """Of module 0, a quaternion (w, x, y, z) [-]."""
-    joint_angle: Float[np.ndarray, " n_joints"]
-    """Of all joints of the robot, those that the planar model holds included [rad]."""
-    fin_angle: Float[np.ndarray, " n_fin_joints"]
-    """Of the joints of a fin that is driven or bends, from its root on; straight if the trial does not say [rad]."""
+    instance("trial", trial, Trial)
+    lowest = float(trial.center_of_mass[:, 2].min()) if trial.center_of_mass.shape[1] == 3 else None
+    return kind(trial.robot, trial.environment, trial.scenario.model, lowest=lowest, **options)
 
 
 def posture_at(trial: Trial, time: float, height: float) -> Posture:
@@ -107,37 +64,11 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
         first, second = (np.array([trial.signals[name][k] for name in ORIENTATION]) for k in (before, after))
         mixed = (1.0 - share) * first + share * (second if first @ second >= 0.0 else -second)
         return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle)
-    if center.size == 3:  # upright, as far as one knows
+    if center.size == 3:
         tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
     else:
-        center = np.append(center, height)
         tail = link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
-        yaw = joint_angle
-        joint_angle = np.zeros(trial.robot.n_joints)  # the planar model holds the others straight
-        joint_angle[[i for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw"]] = yaw
-    return Posture(center, np.array([np.cos(0.5 * tail), 0.0, 0.0, np.sin(0.5 * tail)]), joint_angle, fin_angle)
-
-
-def swimming_height(trial: Trial) -> float:
-    """Height at which a planar robot is shown [m]; the surface of the water, or the ground, is at 0."""
-    environment = trial.environment
-    if isinstance(environment, Ground):
-        return mjcf.start_height(trial.robot, environment)
-    return -(MID_WATER if environment.depth is None else environment.depth)
-
-
-def floor_height(trial: Trial) -> float:
-    """Of the floor of the water, or of the ground [m]."""
-    if isinstance(trial.environment, Ground):
-        return 0.0
-    if trial.settings.get("ground") == "ramp":
-        return -scene.TANK_DEPTH
-    lowest = swimming_height(trial) if _is_planar(trial) else float(trial.center_of_mass[:, 2].min())
-    return min(-FLOOR, lowest - CLEARANCE)
-
-
-def _is_planar(trial: Trial) -> bool:
-    return trial.center_of_mass.shape[1] == 2
+    return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)
 
 
 # ---- in MuJoCo's own window ----------------------------------------------------------------------------------------
@@ -163,18 +94,20 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
     viewer = _viewer()
-    replay = Replay(trial)
+    stage = stage_of(trial)
     began = time.monotonic()
-    replay.go_to(float(trial.time[0]))
-    with viewer.launch_passive(replay.model, replay.data, show_left_ui=False, show_right_ui=False) as window:
+    stage.take(posture_at(trial, float(trial.time[0]), stage.height))
+    with viewer.launch_passive(stage.model, stage.data, show_left_ui=False, show_right_ui=False) as window:
         with window.lock():
             window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # from where a film begins; the mouse moves it
-            window.cam.trackbodyid = replay.model.body("module_0").id
-            aim(window.cam, view(trial, float(trial.time[0]), replay.height, ASPECT))
+            window.cam.trackbodyid = stage.model.body("module_0").id
+            first = view(trial, float(trial.time[0]), stage.height, Film())
+            for name in ("lookat", "distance", "azimuth", "elevation"):
+                setattr(window.cam, name, getattr(first, name))
         while window.is_running():
             shown = (time.monotonic() - began) * speed % max(trial.duration, 1e-9)
             with window.lock():
-                replay.go_to(float(trial.time[0]) + shown)
+                stage.take(posture_at(trial, float(trial.time[0]) + shown, stage.height))
             window.sync()
             time.sleep(1.0 / PICTURES_PER_SECOND)
 

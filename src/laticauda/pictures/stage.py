@@ -1,0 +1,214 @@
+"""A robot in its place as MuJoCo draws it: light, shadows, water, and the renderer in front of it; no simulation."""
+
+import os
+import platform
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from laticauda.dynamics.plant import Plant, PlantState
+from laticauda.errors import MissingExtra, MissingProgram
+from laticauda.extras import load_mujoco
+from laticauda.pictures.camera import VIEW_DEG, in_space, look
+from laticauda.pictures.surroundings import add_surroundings, draw_shadows
+from laticauda.planar import rows
+from laticauda.planar.model import PlanarPlant
+from laticauda.robot import Environment, Ground, Robot
+from laticauda.scenarios import Model, Spatial
+from laticauda.spatial import mjcf
+from laticauda.spatial.model import SpatialPlant
+
+PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
+MOST_SHAPES = 4000
+MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
+DEEP = 2.0  # to which a robot in space may dive above the floor, where nobody knows how deep it will [m]
+CLEARANCE = 0.45  # least height over the floor [m]
+SIZE = (640, 360)  # [pixels]
+Picture = UInt8[np.ndarray, "height width 3"]
+
+
+class Posture(NamedTuple):
+    """One instant of a robot."""
+
+    center_of_mass: Float[np.ndarray, "3"]
+    """[m]."""
+    orientation: Float[np.ndarray, "4"]
+    """Of module 0, a quaternion (w, x, y, z) [-]."""
+    joint_angle: Float[np.ndarray, " n_joints"]
+    """Of all joints of the robot, those that the planar model holds included [rad]."""
+    fin_angle: Float[np.ndarray, " n_fin_joints"]
+    """Of the joints of a fin that is driven or bends, from its root on; straight if nothing is known of it [rad]."""
+
+
+class Stage:
+    """The model of a robot and its place, to be looked at, and its state.
+
+    Args:
+        robot: Who is seen.
+        environment: Where.
+        model: Whose settings say what else is there; None: nothing.
+        lowest: Least height of the center of mass that will be shown; None: the robot swims in a plane [m].
+        size: Width and height of pictures that will be taken of it [pixels].
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        environment: Environment,
+        model: Model | None = None,
+        *,
+        lowest: float | None = None,
+        size: tuple[int, int] = SIZE,
+    ) -> None:
+        self.robot, self.height = robot, swimming_height(robot, environment)
+        shore = model.shore if isinstance(model, Spatial) else None
+        spec = mjcf.spec(robot, environment, sensors=False, ground=None if shore is None else "ramp")
+        on_land = isinstance(environment, Ground)
+        self.floor = 0.0 if on_land else min(-FLOOR, (self.height if lowest is None else lowest) - CLEARANCE)
+        """Height of the floor of the water, or of the ground [m]."""
+        is_deep = on_land or (lowest is None and environment.depth is None)
+        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, surface=not is_deep)
+        picture = spec.visual.global_
+        (picture.offwidth, picture.offheight), picture.fovy = size, VIEW_DEG
+        self.model: Any = spec.compile()
+        self.data: Any = load_mujoco().MjData(self.model)
+
+    def take(self, posture: Posture) -> None:
+        """Bend and put the robot so."""
+        mujoco, data = load_mujoco(), self.data
+        angles = np.append(posture.joint_angle, posture.fin_angle)
+        data.qpos[:3], data.qpos[3:7] = 0.0, posture.orientation
+        data.qpos[7 : 7 + angles.size] = angles
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
+        mujoco.mj_forward(self.model, data)
+
+
+class Studio(Stage):
+    """A stage and MuJoCo's renderer in front of it, without a window; a resource to be closed.
+
+    Arguments are those of `Stage`.
+
+    Raises:
+        MissingExtra: If MuJoCo or PyOpenGL is not installed.
+        MissingProgram: If the system has no EGL.
+    """
+
+    def __init__(self, robot: Robot, environment: Environment, model: Model | None = None, **options: Any) -> None:
+        super().__init__(robot, environment, model, **options)
+        self._renderer = _renderer(self.model)
+
+    @classmethod
+    def of(cls, plant: Plant[Any], size: tuple[int, int] = SIZE) -> "Studio":
+        """One for states of a plant."""
+        lowest = -DEEP if isinstance(plant, SpatialPlant) else None
+        return cls(plant.robot, plant.environment, plant.settings, lowest=lowest, size=size)
+
+    def picture(self, posture: Posture, camera: Any = None, decorate: Callable[[Any], None] | None = None) -> Picture:
+        """What a camera sees.
+
+        Args:
+            posture: Of the robot.
+            camera: A `MjvCamera`; None: beside the robot, always in the same direction.
+            decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
+        """
+        self.take(posture)
+        renderer, flags = self._renderer, load_mujoco().mjtRndFlag
+        aspect = renderer.width / renderer.height
+        renderer.update_scene(self.data, camera or look(self.robot, posture.center_of_mass, 0.0, aspect))
+        scene = renderer.scene
+        scene.flags[flags.mjRND_FOG] = True
+        scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
+        draw_shadows(scene, self.model, self.data)
+        if decorate is not None:
+            decorate(scene)
+        return renderer.render()
+
+    def close(self) -> None:
+        """Give back the graphics memory."""
+        self._renderer.close()
+
+
+def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
+    """How a plant's robot lies in a state.
+
+    Args:
+        plant: Of either model.
+        state: One of its.
+    """
+    seen, robot = plant.observe(state), plant.robot
+    if isinstance(plant, SpatialPlant):
+        qpos = plant.data(state).qpos
+        turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
+        angles = qpos[-len(robot.joints) - len(robot.fin_joints) :]
+        return Posture(seen.center_of_mass, turned, angles[: robot.n_joints], angles[robot.n_joints :])
+    assert isinstance(plant, PlanarPlant)
+    fin = [state.values[rows.LOG_STATE + plant.layout.tail_link - 1 - k] for k in robot.fin_joints]
+    height = swimming_height(robot, plant.environment)
+    return flat_posture(robot, seen.center_of_mass, seen.link_angle[0], seen.joint_angle, np.array(fin), height)
+
+
+def flat_posture(
+    robot: Robot, center: np.ndarray, tail: float, joint_angle: np.ndarray, fin_angle: np.ndarray, height: float
+) -> Posture:
+    """The posture of a robot that is upright.
+
+    Args:
+        robot: All its joints; where only its yaw joints' angles are known, the others are straight.
+        center: Of mass, in the plane or in space [m].
+        tail: Angle of its tail link [rad].
+        joint_angle: Of all joints, or of the yaw joints alone [rad].
+        fin_angle: Of the fin's joints [rad].
+        height: Where it is if `center` does not say [m].
+    """
+    if joint_angle.size < robot.n_joints:
+        yaw, joint_angle = joint_angle, np.zeros(robot.n_joints)  # the planar model holds the others straight
+        joint_angle[[i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]] = yaw
+    return Posture(in_space(center, height), upright(tail), joint_angle, fin_angle)
+
+
+def upright(angle: float) -> Float[np.ndarray, "4"]:
+    """The orientation that a turn about the vertical gives [rad]."""
+    return np.array([np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)])
+
+
+def swimming_height(robot: Robot, environment: Environment) -> float:
+    """Height at which a planar robot is shown [m]; the surface of the water, or the ground, is at 0."""
+    if isinstance(environment, Ground):
+        return mjcf.start_height(robot, environment)
+    return -(MID_WATER if environment.depth is None else environment.depth)
+
+
+def check_offscreen() -> None:
+    """Refuse what cannot be rendered here; errors as for `Studio`."""
+    _renderer(load_mujoco().MjSpec().compile()).close()
+
+
+def _renderer(model: Any) -> Any:
+    """MuJoCo's renderer of a model, as large as its off-screen buffer.
+
+    Without a word from the environment variable `MUJOCO_GL` it draws with EGL on Linux, which needs no screen; MuJoCo's
+    own choice, made when it was imported, may need one.
+    """
+    mujoco = load_mujoco()
+    try:
+        contexts = import_module(mujoco.Renderer.__module__).gl_context
+        usual = contexts.GLContext
+        if platform.system() == "Linux" and not os.environ.get("MUJOCO_GL"):
+            contexts.GLContext = import_module("mujoco.egl").GLContext
+        try:
+            size = model.vis.global_
+            return mujoco.Renderer(model, size.offheight, size.offwidth, MOST_SHAPES)
+        finally:
+            contexts.GLContext = usual
+    except ModuleNotFoundError as error:
+        if error.name and error.name.startswith("OpenGL"):
+            raise MissingExtra("Rendering", "PyOpenGL", "spatial") from error
+        raise
+    except Exception as error:
+        # Depending on what is missing, PyOpenGL raises an AttributeError, an ImportError or an error of its own.
+        raise MissingProgram("Rendering without a screen", "EGL with a driver (Mesa's will do)", PACKAGES) from error
