@@ -17,6 +17,7 @@ from laticauda.pictures import lines, render, stage
 from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import posture_at, stage_of
+from laticauda.pictures.stage import Studio, posture_of
 from laticauda.scenarios import Experiment
 
 pytest.importorskip("mujoco")

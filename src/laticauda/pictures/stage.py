@@ -119,7 +119,10 @@ class Studio(Stage):
         self.take(posture)
         renderer, flags = self._renderer, load_mujoco().mjtRndFlag
         aspect = renderer.width / renderer.height
-        renderer.update_scene(self.data, camera or look(self.robot, posture.center_of_mass, 0.0, aspect))
+        camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect)
+        # Planes without end are put where the camera was before.
+        load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
+        renderer.update_scene(self.data, camera)
         scene = renderer.scene
         scene.flags[flags.mjRND_FOG] = True
         scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
