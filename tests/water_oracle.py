@@ -4,7 +4,7 @@ Way (b): the force that makes a model without added mass accelerate as one with 
 used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity terms from their textbook definitions.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -56,13 +56,13 @@ def inertia_and_force(
     data: mujoco.MjData,
     elements: Sequence[Element],
     form: str = "kirchhoff",
-    current: Sequence[float] = (0.0, 0.0, 0.0),
+    current: Sequence[float] | Callable[..., Sequence[float]] = (0.0, 0.0, 0.0),
 ) -> tuple[np.ndarray, np.ndarray]:
     """A, and the generalized force of drag and added mass for joints that do not accelerate (tau_fluid - b_A).
 
-    `data` has been through `mj_forward` of a model without water.
+    `data` has been through `mj_forward` of a model without water. `current` is the water's velocity, or a function of
+    place and time of what `water.attach` takes: velocity, material acceleration and rotation.
     """
-    V = np.array(current)
     A, force = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
     shape = (3, model.nv)
     J, K, J_dot, K_dot = (np.zeros(shape) for _ in range(4))
@@ -74,12 +74,15 @@ def inertia_and_force(
         mujoco.mj_jacDot(model, data, J_dot, K_dot, at, body)
         v, w = J @ data.qvel, K @ data.qvel
         a, alpha = J_dot @ data.qvel, K_dot @ data.qvel
+        moving = current(*at, data.time) if callable(current) else (*current, 0, 0, 0, 0, 0, 0)
+        V, flow, spin = np.reshape(moving, (3, 3))
         m, i = R @ np.diag(e.added_mass) @ R.T, R @ np.diag(e.added_inertia) @ R.T
         A += J.T @ m @ J + K.T @ i @ K
         u = v - V
         seen = -V if form == "classic" else u
-        f = -m @ (a - np.cross(w, seen))
-        tau = -i @ alpha
+        f = -m @ (a - np.cross(w, seen) - flow - np.cross(spin, u)) + 1000.0 * e.volume * flow
+        w = w - spin  # from here on
+        tau = -i @ (alpha + np.cross(w, spin))
         if form == "kirchhoff":
             f -= np.cross(w, m @ u)
             tau -= np.cross(w, i @ w) + np.cross(u, m @ u)
@@ -96,7 +99,7 @@ def acceleration(
     data: mujoco.MjData,
     elements: Sequence[Element],
     form: str = "kirchhoff",
-    current: Sequence[float] = (0.0, 0.0, 0.0),
+    current: Sequence[float] | Callable[..., Sequence[float]] = (0.0, 0.0, 0.0),
 ) -> np.ndarray:
     """(M + A)^-1 of all forces, at the state in `data`, with a model without water."""
     mujoco.mj_forward(model, data)

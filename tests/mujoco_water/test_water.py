@@ -2,7 +2,9 @@
 
 import copy
 import gc
+import math
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -412,6 +414,102 @@ def test_drag_only_takes_energy():
             )
         ]
         assert np.all(np.sum(force * np.array(velocity), axis=1) <= 0.0)
+
+
+# ---- water that accelerates ----------------------------------------------------------------------------------------
+
+
+def waves(x, y, z, t):
+    """Water waves 1.3 m deep in the mean, as a velocity; waves of k = 2/m that run along x and y."""
+    phase, decay = 2.0 * (0.6 * x + 0.8 * y) - 4.4 * t, math.exp(2.0 * (z - 1.3))
+    along = 0.5 * decay * math.cos(phase)
+    return 0.6 * along - y * z, 0.8 * along + 0.3 * x, 0.5 * decay * math.sin(phase)
+
+
+def waves_complete(x, y, z, t):
+    """The same with material acceleration and rotation, by hand."""
+    phase, decay = 2.0 * (0.6 * x + 0.8 * y) - 4.4 * t, math.exp(2.0 * (z - 1.3))
+    c, s = 0.5 * decay * math.cos(phase), 0.5 * decay * math.sin(phase)
+    u, v, w = 0.6 * c - y * z, 0.8 * c + 0.3 * x, s
+    u_x, u_y, u_z = -0.72 * s, -0.96 * s - z, 1.2 * c - y
+    v_x, v_y, v_z = -0.96 * s + 0.3, -1.28 * s, 1.6 * c
+    w_x, w_y, w_z = 1.2 * c, 1.6 * c, 2.0 * s
+    flow_x = 0.6 * 4.4 * s + u * u_x + v * u_y + w * u_z
+    flow_y = 0.8 * 4.4 * s + u * v_x + v * v_y + w * v_z
+    flow_z = -4.4 * c + u * w_x + v * w_y + w * w_z
+    return u, v, w, flow_x, flow_y, flow_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y)
+
+
+@pytest.mark.parametrize(("field", "error"), [(waves_complete, 1e-9), (waves, 1e-7)])
+def test_a_chain_in_waves_accelerates_as_the_oracle_says_with_derivatives_given_or_found(field, error: float):
+    wet, dry = pair()
+    elements = [replace(e, volume=1e-3) for e in oracle.elements()]
+    water.attach(wet, elements, current=field, usual_speed=0.01)
+    d, e = mujoco.MjData(wet), mujoco.MjData(dry)
+    for seed in range(5):
+        oracle.random_state(wet, d, seed)
+        oracle.random_state(dry, e, seed)
+        d.time = e.time = 0.1 * seed
+        mujoco.mj_forward(wet, d)
+        expected = oracle.acceleration(dry, e, elements, "kirchhoff", waves_complete)
+        np.testing.assert_allclose(d.qacc, expected, atol=error * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("density", [300.0, 1000.0, 4000.0])
+def test_a_sphere_in_water_that_goes_to_and_fro_moves_as_theory_says(density: float):
+    """(m + m_A) dv/dt = (rho V + m_A) dV/dt; a neutral one moves with the water."""
+    text = body("sphere", ".1", option='gravity="0 0 0" integrator="RK4"', density=density)
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
+    water.attach(model, [element], current=to_and_fro)
+    data = mujoco.MjData(model)
+    share = (1000.0 * element.volume + element.added_mass[0]) / (model.body_mass[1] + element.added_mass[0])
+    for _ in range(10):
+        mujoco.mj_step(model, data, nstep=100)
+        assert data.qvel[0] == pytest.approx(share * 0.2 * np.sin(3.0 * data.time), abs=1e-6)
+
+
+def to_and_fro(x, y, z, t):
+    return 0.2 * math.sin(3.0 * t), 0.0, 0.0
+
+
+def gust(x, y, z, t):
+    return 0.5 * t, -0.3 * t, 0.8 * t
+
+
+@pytest.mark.filterwarnings(STILL)
+def test_water_that_accelerates_as_one_is_still_water_under_another_gravity():
+    motions = []
+    for current, gravity in ((gust, (0.0, 0.0, -9.81)), ((0.0, 0.0, 0.0), (-0.5, 0.3, -10.61))):
+        text = oracle.snake(3, option='integrator="RK4"').replace("1000", "900")
+        model = water.compiled(mujoco.MjSpec.from_string(text))
+        model.opt.gravity = gravity
+        drags = GeomCoefficients(drag=(0.2, 1.0, 1.0), rotational_drag=1.0)
+        water.attach(model, [water.geom_element(model, g, drags) for g in range(3)], current=current, usual_speed=0.01)
+        data = mujoco.MjData(model)
+        oracle.random_state(model, data)
+        mujoco.mj_step(model, data, nstep=500)
+        moved = np.array(gust(0, 0, 0, data.time) if current is gust else current)
+        motions.append(np.concatenate([data.qvel[:3] - moved, data.qvel[3:], data.qpos[3:]]))
+    np.testing.assert_allclose(*motions, atol=1e-8)
+
+
+def whirl(x, y, z, t):
+    return -0.7 * y, 0.7 * x, 0.0
+
+
+@pytest.mark.parametrize("size", [".1 .1 .1", ".05 .02 .03"])
+def test_a_neutral_body_goes_round_with_turning_water(size: str):
+    text = body("ellipsoid", size, option='gravity="0 0 0" integrator="RK4"')
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    element = water.geom_element(model, "g", GeomCoefficients(rotational_drag=1.0))
+    water.attach(model, [element], current=whirl)
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[1], data.qvel[5] = 1.0, 0.7, 0.7
+    mujoco.mj_step(model, data, nstep=1000)
+    angle = 0.7 * data.time
+    np.testing.assert_allclose(data.qpos[:3], [np.cos(angle), np.sin(angle), 0.0], atol=1e-9)
+    np.testing.assert_allclose(data.qpos[3:], [np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)], atol=1e-9)
 
 
 # ---- through the surface -------------------------------------------------------------------------------------------

@@ -1,12 +1,13 @@
 """The water's load on one element, and the inertia of the water that it takes along.
 
 Per element with velocity u relative to the water, angular velocity w (both in element axes), spatial acceleration a (at
-rest in the joints: what the velocities alone call for), added mass m and inertia I:
+rest in the joints: what the velocities alone call for), added mass m and inertia I, in still water:
 
     relative     f = -m (a + w x V)                    tau = -I alpha
     kirchhoff    f = -m (a + w x V) - w x m u          tau = -I alpha - w x I w - u x m u
     classic      f = -m (a + w x (v + V))              tau = -I alpha
 
+In water that accelerates and turns, `fluid.inertia` says what w, a and alpha count against.
 The part that is linear in the joint accelerations is not a force but inertia: it is added to MuJoCo's matrix M.
 """
 
@@ -17,6 +18,7 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 from typing import no_type_check
 
 from laticauda.compiling import compiled, kernel
+from laticauda.fluid import inertia
 from laticauda.fluid.laws import plate
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground_loads import ground_load
@@ -39,6 +41,8 @@ from laticauda.mujoco_water.vectors import (
 wetted = compiled(hydrostatics.wetted)
 wetting = compiled(hydrostatics.wetting)
 plate_law = compiled(plate)
+carried = compiled(inertia.carried)
+load = compiled(inertia.load)
 
 
 @kernel
@@ -58,7 +62,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         center = (c_x, c_y, c_z)
         if wet == 0.0 and E[o + CONTACT] == 0.0:
             return
-    u, w, a, alpha = motion(T, P, S, R, place, arm, body, data, law_io)
+    u, w, a, alpha, flow = motion(T, P, S, R, place, arm, body, data, law_io)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
     if 0.0 < wet < 1.0 and T[HAS_INERTIA]:
@@ -67,7 +71,8 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         added_torque = plus(added_torque, scaled(-rate, times(three(E, o + INERTIA), w)))
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
-    lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], three(numbers(model + T[AT_GRAVITY], 3), 0))
+    weight = plus(three(numbers(model + T[AT_GRAVITY], 3), 0), scaled(-1.0, flow))
+    lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], weight)
     pull = three(E, o + PULL)
     if T[OUT] != 0:
         write_loads(T, o, R, dragged, added, lift, own, pull, wet)
@@ -104,29 +109,44 @@ def pose(E, o, T, body, data):
 @kernel
 @no_type_check
 def motion(T, P, S, R, place, arm, body, data, law_io):
-    """In element axes: u, w, a (what the frame's turning adds included) and alpha; see the head of this module."""
+    """In element axes u, w, a (with what their turning adds) and alpha; in world axes the water's acceleration."""
     cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
     w, alpha = three(cvel, 6 * body), three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     a = plus(three(S, 6 * body + 3), cross(alpha, arm))
-    V = three(P, V_X)
+    V, flow, spin = three(P, V_X), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if T[CURRENT] != 0:
-        law_io[0], law_io[1], law_io[2], law_io[3] = place[0], place[1], place[2], number_at(data + T[AT_TIME])
-        call_1(T[CURRENT], law_io.ctypes.data)
-        V = three(law_io, 4)
-    seen = plus(V, scaled(1.0 - P[OWN_VELOCITY], v))
+        V, flow, spin = flow_at(T, place, data, law_io)
     u = plus(v, scaled(-1.0, V))
-    return to_own(R, u), to_own(R, w), to_own(R, plus(a, cross(w, seen))), to_own(R, alpha)
+    a = plus(a, cross(w, plus(V, scaled(1.0 - P[OWN_VELOCITY], v))))
+    if T[CURRENT] != 0:
+        (f_x, f_y, f_z), (s_x, s_y, s_z), (u_x, u_y, u_z) = flow, spin, u
+        with_x, with_y = carried(f_x, s_y, s_z, u_y, u_z), carried(f_y, s_z, s_x, u_z, u_x)
+        a = plus(a, scaled(-1.0, (with_x, with_y, carried(f_z, s_x, s_y, u_x, u_y))))
+        alpha = plus(alpha, cross(w, spin))
+        w = plus(w, scaled(-1.0, spin))
+    return to_own(R, u), to_own(R, w), to_own(R, a), to_own(R, alpha), flow
+
+
+@kernel
+@no_type_check
+def flow_at(T, place, data, io):
+    """The water's motion at a place: its velocity, its material acceleration and its rotation, world axes."""
+    io[0], io[1], io[2], io[3] = place[0], place[1], place[2], number_at(data + T[AT_TIME])
+    call_1(T[CURRENT], io.ctypes.data)
+    return three(io, 4), three(io, 7), three(io, 10)
 
 
 @kernel
 @no_type_check
 def added_mass(keep, m, i, u, w, a, alpha):
     """Force and torque of the added mass for joints that do not accelerate; keep: 1 for kirchhoff, else 0."""
-    momentum = times(m, u)
-    force = plus(times(m, a), scaled(keep, cross(w, momentum)))
-    turning = plus(cross(w, times(i, w)), cross(u, momentum))
-    return scaled(-1.0, force), scaled(-1.0, plus(times(i, alpha), scaled(keep, turning)))
+    (p_x, p_y, p_z), (l_x, l_y, l_z), (w_x, w_y, w_z) = times(m, u), times(i, w), w
+    munk = scaled(-keep, cross(u, (p_x, p_y, p_z)))
+    f_x, f_y = load(keep, m[0], a[0], w_y, w_z, p_y, p_z), load(keep, m[1], a[1], w_z, w_x, p_z, p_x)
+    t_x, t_y = load(keep, i[0], alpha[0], w_y, w_z, l_y, l_z), load(keep, i[1], alpha[1], w_z, w_x, l_z, l_x)
+    f_z, t_z = load(keep, m[2], a[2], w_x, w_y, p_x, p_y), load(keep, i[2], alpha[2], w_x, w_y, l_x, l_y)
+    return (f_x, f_y, f_z), plus((t_x, t_y, t_z), munk)
 
 
 @kernel

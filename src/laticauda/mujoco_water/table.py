@@ -23,7 +23,7 @@ from laticauda.formulas import MOST_NUMBERS
     ELEMENTS,  # records of numbers, see below
     WATER,  # numbers: see below
     LAWS,  # of each element: its law, a cfunc of two addresses; see law_entry
-    CURRENT,  # cfunc: x, y, z, t in, three out behind them; 0: constant
+    CURRENT,  # cfunc: x, y, z, t in, velocity, acceleration and rotation out behind them; 0: constant
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
     # offsets in the model

@@ -120,7 +120,8 @@ def attach(
         elements: What the water sees.
         density: rho, for the buoyancy [kg/m^3].
         current: Velocity that the water moves to, world axes [m/s]; or a function of x, y, z [m] and t [s] that Numba
-            can compile and that returns three numbers. Its own acceleration is left out: it must change slowly.
+            can compile and that returns three numbers, or nine: velocity, material acceleration [m/s^2] and half the
+            vorticity [rad/s]. Of three, the rest is found by differences.
         surface: Height of the flat surface [m]; None: everything is covered.
         form: Velocity terms of the added mass: `kirchhoff`, the complete ones; `relative`, without the Munk moment; or
             `classic`, the bare acceleration.
