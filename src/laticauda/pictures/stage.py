@@ -65,7 +65,8 @@ class Stage:
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         shore = model.shore if isinstance(model, Spatial) else None
-        spec = mjcf.spec(robot, environment, sensors=False, ground=None if shore is None else "ramp")
+        ground = None if shore is None else "ramp"
+        spec = mjcf.spec(robot, environment, sensors=False, ground=ground, ballast_depth=_ballast(robot, model))
         on_land = isinstance(environment, Ground)
         self.floor = 0.0 if on_land else min(-FLOOR, (self.height if lowest is None else lowest) - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
@@ -86,6 +87,14 @@ class Stage:
         mujoco.mj_comPos(self.model, data)
         data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
         mujoco.mj_forward(self.model, data)
+
+
+def _ballast(robot: Robot, model: Model | None) -> float:
+    """How far the modules' centers of mass lie below their axes in a model [m]."""
+    if not isinstance(model, Spatial) or not model.gravity:
+        return 0.0
+    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
+    return model.ballast_depth if is_free else 0.0
 
 
 class Studio(Stage):
