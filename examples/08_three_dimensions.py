@@ -11,6 +11,7 @@ from math import pi, radians
 import numpy as np
 
 import laticauda as lc
+from laticauda.spatial.scene import Shore
 
 robot = lc.load_robot("mamba-modules")
 water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)  # it neither rises nor sinks
@@ -44,7 +45,7 @@ for name, gait, ground in (("lateral undulation", yaw, snake_skin), ("sidewindin
     forward, left, _ = np.diff(trial.center_of_mass[[0, -1]], axis=0)[0] / trial.duration
     print(f"{name}: {forward:.2f} m/s forward, {left:.2f} m/s to the left")
 
-shore = lc.plant(robot, lc.load_water("paper-lateral"), model="spatial", shore=snake_skin)
+shore = lc.plant(robot, lc.load_water("paper-lateral"), model="spatial", scene=Shore(ground=snake_skin))
 start = lc.Start(center_of_mass=(1.6, 0.0))  # the shore ends at x = 2.5 m
 trial = lc.run(shore, lc.OpenLoop(command=lc.Command(gait=yaw)), 20.0, start=start)
 trial.save("shore.nc")  # laticauda view shore.nc --video shore.mp4

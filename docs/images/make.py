@@ -33,6 +33,7 @@ from laticauda.paper.settings import path_following_settings
 from laticauda.pictures.camera import Film
 from laticauda.pictures.render import still
 from laticauda.reports.front import front_figure
+from laticauda.spatial.scene import Shore
 from laticauda.studies import Grid, Optimization, Sweep, optimize, run_sweep
 from laticauda.trial.null_models import mape
 
@@ -201,7 +202,7 @@ def three_dimensions(folder: Path) -> None:
     sidewinding = replace(yaw, amplitude=radians(25), pitch=replace(wave, amplitude=radians(5)))
     bare = replace(ground, tangential=0.4, normal=0.4)
     smaller_still(lc.swim(robot, sidewinding, 6.0, environment=bare, model="spatial"), folder / "sidewinding.png", 6.0)
-    plant = lc.plant(robot, water, model="spatial", shore=ground)
+    plant = lc.plant(robot, water, model="spatial", scene=Shore(ground=ground))
     start = lc.Start(center_of_mass=(1.6, 0.0))
     smaller_still(lc.run(plant, lc.OpenLoop(command=lc.Command(gait=yaw)), 9.0, start=start), folder / "shore.png", 7.0)
 

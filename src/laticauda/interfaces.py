@@ -143,6 +143,10 @@ class Observation:
     """phi' [rad/s]."""
     pitch: float = 0.0
     """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
+    contact_force: Float[np.ndarray, "n_links 3"] | None = None
+    """In a scene the force of all contacts on every link, as it was when the last command ended [N]."""
+    ranges: Float[np.ndarray, " n_rays"] | None = None
+    """How far the head sees along every ray of `Spatial.rays`, infinite where nothing is [m]."""
 
 
 @value

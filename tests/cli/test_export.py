@@ -8,7 +8,7 @@ mujoco = pytest.importorskip("mujoco")
 
 
 def test_an_exported_mjcf_file_opens_in_mujoco(run, folder):
-    done = run("export mjcf robot.xml --robot mamba-modules-fin --tank --actuators servo")
+    done = run("export mjcf robot.xml --robot mamba-modules-fin --scene tank --actuators servo")
     assert (done.status, done.err) == (0, "")
     assert done.out.startswith("robot.xml: mamba-modules-fin, 19 modules, 14.855 kg, 1.71 m (")
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
@@ -67,7 +67,7 @@ def test_an_exported_fmu_takes_parameters_and_references(run, folder):
         ("export mjcf robot.txt", "OUTPUT must be a file that ends in .xml, got robot.txt."),
         ("export urdf robot.xml", "OUTPUT must be a file that ends in .urdf, got robot.xml."),
         ("export mjcf no/robot.xml", "OUTPUT must be a file in a folder that exists, got no/robot.xml."),
-        ("export mjcf robot.xml --ground coulomb --tank", "--tank must not be given with --ground."),
+        ("export mjcf robot.xml --ground coulomb --scene tank", "--scene must not be `tank` without water, got"),
         ("export mjcf robot.xml --ground coulomb --water paper-eel", "--water must not be given with --ground."),
         ("export urdf robot.urdf --meshes a.stl", "--meshes must be one file per module, 9, or none, got 1."),
         ("export mjcf robot.xml --meshes a.stl", "--meshes must be one file per module, 9, or none, got 1."),

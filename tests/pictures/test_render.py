@@ -19,6 +19,7 @@ from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import posture_at, stage_of
 from laticauda.pictures.stage import Studio, posture_of
 from laticauda.scenarios import Experiment
+from laticauda.spatial.scene import Shore
 
 pytest.importorskip("mujoco")
 
@@ -111,7 +112,7 @@ def test_the_water_has_its_depth_and_the_ground_its_height(trial):
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = stage_of(with_other(trial, model=lc.Spatial(shore=lc.load_ground("coulomb")))).model
+    model = stage_of(with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1

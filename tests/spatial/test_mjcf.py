@@ -260,7 +260,7 @@ def test_the_robot_starts_in_the_waters_depth_or_on_the_ground():
 
 
 def test_a_robot_let_go_rests_on_the_floor_of_the_tank():
-    model, data = compiled(lc.load_robot("mamba-fin"), tank=True)
+    model, data = compiled(lc.load_robot("mamba-fin"), scene="tank")
     for _ in range(1500):
         mujoco.mj_step(model, data)
     lowest = min(data.body(f"module_{i}").xipos[2] for i in range(9))
@@ -269,7 +269,7 @@ def test_a_robot_let_go_rests_on_the_floor_of_the_tank():
 
 
 def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor():
-    model, data = compiled(lc.load_robot("mamba-fin"), ground="ramp")
+    model, data = compiled(lc.load_robot("mamba-fin"), scene="shore")
     mujoco.mj_forward(model, data)
     assert data.body("module_0").xpos[2] == pytest.approx(0.10 + 0.055)
     for _ in range(500):
@@ -294,9 +294,9 @@ def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor
 
 
 def test_places_that_exclude_each_other_are_refused():
-    for options in ({"environment": lc.load_ground("coulomb")}, {"environment": WATER, "tank": True}):
-        with pytest.raises(ValueError, match="`ground` must not be `ramp` in the tank or without water"):
-            mjcf.spec(lc.load_robot("mamba"), ground="ramp", **options)
+    for scene in ("shore", "tank"):
+        with pytest.raises(ValueError, match=f"`scene` must not be `{scene}` without water, got the ground `coulomb`"):
+            mjcf.spec(lc.load_robot("mamba"), lc.load_ground("coulomb"), scene=scene)
 
 
 def test_modules_do_not_touch_each_other():
@@ -329,8 +329,8 @@ def test_bad_arguments_are_refused_by_name():
         mjcf.spec(robot, WATER, root="fixed")
     with pytest.raises(ValueError, match=r"`actuators` must be one of `none`, `servo`"):
         mjcf.spec(robot, WATER, actuators="pd")
-    with pytest.raises(ValueError, match=r"`ground` must be one of `flat`, `ramp`, got 'hill'"):
-        mjcf.spec(robot, WATER, ground="hill")
+    with pytest.raises(ValueError, match=r"`scene` must be one of `pegs`, .*, got 'hill'"):
+        mjcf.spec(robot, WATER, scene="hill")
     with pytest.raises(ValueError, match=r"`meshes` must be one file per module, 9, or none, got 1"):
         mjcf.spec(robot, WATER, meshes=["a.stl"])
     with pytest.raises(ValueError, match=r"`meshes` must be files that exist and end in .stl or .obj, got a.stl"):

@@ -122,7 +122,7 @@ def test_the_physical_robot_swims_upright_from_any_roll():
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
     body = SpatialPlant(
-        robot=robot, environment=WATER, settings=lc.Spatial(root="free", tank=True, dt=0.002, joints=Servo())
+        robot=robot, environment=WATER, settings=lc.Spatial(root="free", scene="tank", dt=0.002, joints=Servo())
     )
     command = Command(gait=replace(GAIT, amplitude=0.0))
     _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)

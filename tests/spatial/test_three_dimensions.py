@@ -12,6 +12,7 @@ from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.mujoco_water.ground import SINK
 from laticauda.pictures.lines import path_dashes
 from laticauda.simulate import plant, resume, run
+from laticauda.spatial.scene import Shore
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")
@@ -226,7 +227,7 @@ def test_sidewinding_goes_sideways_and_its_mirror_image_to_the_other_side():
 
 
 def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
-    body = plant(ROBOT, WATER, model="spatial", shore=SMOOTH)
+    body = plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
     trial = run(body, OpenLoop(command=Command(gait=YAW)), 25.0, start=Start(center_of_mass=(1.6, 0.0)), throw=True)
     z = trial.center_of_mass[:, 2]
     assert z[0] > 0.14  # dry
@@ -235,11 +236,11 @@ def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
     assert displacement(trial)[0] > 2.5
     late = trial.time > 20.0
     assert np.ptp(trial.center_of_mass[late, 0]) > 0.2
-    assert trial.settings["ground"] == "ramp"
+    assert trial.settings["scene"] == "shore"
 
 
 def test_a_run_from_the_shore_goes_on_where_it_ended():
-    body = plant(ROBOT, WATER, model="spatial", shore=SMOOTH)
+    body = plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
     first = run(body, OpenLoop(command=Command(gait=YAW)), 1.0)
     again = plant(first.scenario)
     assert again.settings == body.settings
@@ -248,11 +249,11 @@ def test_a_run_from_the_shore_goes_on_where_it_ended():
 
 
 def test_a_shore_is_refused_where_it_cannot_be():
-    with pytest.raises(ValueError, match="`shore` must be left out unless `model` is `spatial`"):
-        plant(ROBOT, WATER, shore=SMOOTH)
-    with pytest.raises(ValueError, match="`shore` must be None in the tank or without water"):
-        plant(ROBOT, SMOOTH, model="spatial", shore=SMOOTH)
-    with pytest.raises(ValueError, match="`root` must be `free`, with `gravity`, for a robot that begins on a shore"):
-        plant(ROBOT, WATER, model="spatial", shore=SMOOTH, root="planar")
+    with pytest.raises(ValueError, match="`scene` must be left out unless `model` is `spatial`"):
+        plant(ROBOT, WATER, scene="shore")
+    with pytest.raises(ValueError, match="`scene` must not be `shore` without water, got the ground `coulomb`"):
+        plant(ROBOT, SMOOTH, model="spatial", scene="shore")
+    with pytest.raises(ValueError, match="`root` must be `free`, with `gravity`, for a robot that lies on a scene"):
+        plant(ROBOT, WATER, model="spatial", scene="shore", root="planar")
     with pytest.raises(ValueError, match="`root` must be `planar` on the ground without `gravity`"):
         plant(ROBOT, SMOOTH, model="spatial", gravity=False)

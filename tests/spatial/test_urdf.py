@@ -42,7 +42,7 @@ def test_a_file_opens_in_plain_mujoco_with_the_robots_mass_and_axes(preset, kind
     robot = lc.load_robot(preset)
     file = tmp_path / f"robot.{kind}"
     if kind == "mjcf":
-        write_mjcf(file, robot, WATER, tank=True, actuators="servo")
+        write_mjcf(file, robot, WATER, scene="tank", actuators="servo")
     else:
         write_urdf(file, robot)
     model = mujoco.MjModel.from_xml_path(str(file))

@@ -54,7 +54,7 @@ class Urdf(Command):
 class Mjcf(Urdf):
     """Write a robot, and the place that it is in, to an MJCF file that plain MuJoCo opens.
 
-    For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --tank --actuators servo
+    For example: laticauda export mjcf mamba.xml --robot mamba-modules-fin --scene tank --actuators servo
     """
 
     output: Annotated[Output, Written((".xml",))] = option(OUTPUT)
@@ -62,7 +62,10 @@ class Mjcf(Urdf):
         "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
     )
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
-    tank: bool = option("The tank of the experiments around it: 40 m x 6.45 m, 1.5 m deep", default=False)
+    scene: str | None = option(
+        "What is around it: tank (that of the experiments), pegs, slope, pipe, shore, height-field or an MJCF file",
+        default=None,
+    )
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
     actuators: Literal["none", "servo"] = option(
         "Servos in the joints, with the angle wanted as their input", default="none"
@@ -70,13 +73,12 @@ class Mjcf(Urdf):
 
     def write(self, robot: Robot) -> None:
         """Write the file; see `Urdf.write`."""
-        for name in ("water", "tank"):
-            if self.ground is not None and getattr(self, name):
-                raise BadArgument(name, "must not be given with --ground")
+        if self.ground is not None and self.water:
+            raise BadArgument("water", "must not be given with --ground")
         from laticauda.spatial.mjcf import write_mjcf
 
         place = load_water(self.water or "paper-lateral") if self.ground is None else load_ground(self.ground)
-        settings: Any = {name: getattr(self, name) for name in ("tank", "meshes", "root", "actuators")}
+        settings: Any = {name: getattr(self, name) for name in ("scene", "meshes", "root", "actuators")}
         write_mjcf(self.output, robot, place, **settings)
 
 

@@ -30,6 +30,7 @@ NOT_FLAGS = (
     "robot",
     "values",
     "waypoints",
+    "heights",
     "fin_phase_shift",
     "recorded",
     "profile",
@@ -45,7 +46,7 @@ CALLED = {
 SPELLED = {
     **{"center_of_mass": "position", "interval": "control_interval"},
     **{f"start.{name}": f"start_{name}" for name in ("depth", "pitch", "roll")},
-    **{"frames_per_second": "fps", "begin": "from", "end": "to"},
+    **{"frames_per_second": "fps", "begin": "from", "end": "to", "spatial.gravity": "weight"},
 }
 """Fields of nested values, and what their flags are called."""
 PRESETS = ("robot", "water", "ground", "parameters", "base")

@@ -79,7 +79,7 @@ class Names(Choice):
             words: What was typed. A file may come first: its scenario is changed by those names that were typed.
         """
         if words and not words[0].startswith("-"):
-            for option in ("gait", "law", "joints"):  # a file imports nothing, so what it names is typed as well
+            for option in ("gait", "law", "joints", "scene"):  # a file imports nothing: what it names is typed too
                 imported(getattr(self, option) or "", option)
             return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
         gait = self.motion()
@@ -105,6 +105,8 @@ class Names(Choice):
         where = chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
         model = chosen.model if "model" in typed else found.model
         joints = self._known().joints if "joints" in typed else None
+        if "scene" in typed:
+            model = model_of(model, scene=self._known().scene)
         return replace(
             found,
             robot=chosen.robot,
@@ -114,8 +116,9 @@ class Names(Choice):
         )
 
     def _known(self) -> Self:
-        """These names, with a joint law that is imported if it says from where."""
-        return self if self.joints is None else replace(self, joints=imported(self.joints, "joints"))
+        """These names, with a joint law and a scene that are imported if they say from where."""
+        given = {name: imported(one, name) for name in ("joints", "scene") if (one := getattr(self, name)) is not None}
+        return replace(self, **given)
 
     def _with_law(self, environment: Environment) -> Environment:
         if self.law is None:

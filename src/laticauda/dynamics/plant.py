@@ -51,6 +51,8 @@ class Samples(NamedTuple):
     """Angle, rate, reference and torque of the fin's joints."""
     signals: Mapping[str, np.ndarray]
     """What else there is."""
+    link_force: Mapping[str, np.ndarray] | None = None
+    """Forces on every link that are logged whether they are asked for or not [N]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -156,7 +158,8 @@ class Plant(ABC, Generic[ModelType]):
         log = self._log(samples, command)
         if link_forces:
             force = self._link_forces(state, command, samples, every, dt)
-            log = replace(log, link_force={name: force[i] for i, name in enumerate(FORCES)})
+            found = {name: force[i] for i, name in enumerate(FORCES)}
+            log = replace(log, link_force={**found, **(log.link_force or {})})
         for wave in self._held_waves(command):
             end[wave] = state.values[wave]
         return PlantState(values=end), log, None
@@ -233,7 +236,7 @@ class Plant(ABC, Generic[ModelType]):
             joint_torque=found.torque,
             work=found.work[:, :3],
             electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
-            link_force=None,
+            link_force=found.link_force,
             signals={**found.signals, **driven, **fin_signals(self.robot.fin_joints, *found.fin)},
         )
 

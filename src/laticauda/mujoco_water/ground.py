@@ -13,6 +13,8 @@ Plain scalar functions, which the kernels compile.
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from laticauda.fluid.laws import dry
 
 SINK = 1e-3  # [m]
@@ -35,9 +37,9 @@ class Contact:
     """eps of dry friction; 0: viscous [m/s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Terrain:
-    """Flat ground that may end in a slope down along x to a floor."""
+    """Flat ground that may end in a slope along x, down to a floor, and what stands out of it."""
 
     height: float = 0.0
     """Of the flat ground [m]."""
@@ -47,6 +49,30 @@ class Terrain:
     """Tangent of the slope; 0: flat everywhere [-]."""
     floor: float = 0.0
     """Height of the floor at the slope's foot [m]."""
+    grid: np.ndarray | None = None
+    """Heights over all that at nodes, by x and y; bilinear in between, level beyond the edges [m]."""
+    corner: tuple[float, float] = (0.0, 0.0)
+    """x and y of the first node [m]."""
+    cell: tuple[float, float] = (1.0, 1.0)
+    """Between two nodes, along x and y [m]."""
+
+    @property
+    def profile(self) -> tuple[float, float, float, float]:
+        """The arguments of `terrain` behind x."""
+        return self.height, self.edge, self.slope, self.floor
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The grid as compiled code reads it: corner, cell, numbers of nodes, then their heights; empty without one."""
+        if self.grid is None:
+            return np.zeros(0)
+        return np.array([*self.corner, *self.cell, *self.grid.shape, *self.grid.ravel()])
+
+    def at(self, x: float, y: float) -> tuple[float, float, float]:
+        """Height of the ground at `x`, `y` [m], and the tangents of its fall along both [-]."""
+        height, fall = terrain(x, *self.profile)
+        more = (0.0, 0.0, 0.0) if self.grid is None else uneven(x, y, self.nodes)
+        return height + more[0], fall + more[1], more[2]
 
 
 def stable_step(contacts: list[Contact], gravity: float) -> float:
@@ -64,6 +90,27 @@ def terrain(x: float, height: float, edge: float, slope: float, floor: float) ->
         return height, 0.0
     here = height - slope * (x - edge)
     return (here, slope) if here > floor else (floor, 0.0)
+
+
+def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
+    """Height that a grid adds at x, y [m], and the tangents of its fall [-].
+
+    Args:
+        x: [m].
+        y: [m].
+        nodes: See `Terrain.nodes`.
+    """
+    n, m = int(nodes[4]), int(nodes[5])
+    u, v = (x - nodes[0]) / nodes[2], (y - nodes[1]) / nodes[3]
+    in_x, in_y = 0.0 <= u <= n - 1.0, 0.0 <= v <= m - 1.0
+    u, v = min(max(u, 0.0), n - 1.0), min(max(v, 0.0), m - 1.0)
+    i, j = min(int(u), n - 2), min(int(v), m - 2)
+    a, b, k = u - i, v - j, 6 + i * m + j
+    low, high = nodes[k] + b * (nodes[k + 1] - nodes[k]), nodes[k + m] + b * (nodes[k + m + 1] - nodes[k + m])
+    left, right = nodes[k] + a * (nodes[k + m] - nodes[k]), nodes[k + 1] + a * (nodes[k + m + 1] - nodes[k + 1])
+    fall_x = (low - high) / nodes[2] if in_x else 0.0
+    fall_y = (left - right) / nodes[3] if in_y else 0.0
+    return low + a * (high - low), fall_x, fall_y
 
 
 def touch(

@@ -12,6 +12,7 @@ from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
 
 terrain = compiled(ground.terrain)
+uneven = compiled(ground.uneven)
 touch = compiled(ground.touch)
 
 
@@ -36,9 +37,9 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for sign in (-1.0, 1.0):
-        to_point, normal = lowest_point(E, o, P, R, place, sign)
+        to_point, normal = lowest_point(T, E, o, P, R, place, sign)
         at = plus(place, to_point)
-        depth = (terrain(at[0], *three(P, TERRAIN), P[TERRAIN + 3])[0] - at[2]) * normal[2]
+        depth = (ground_at(T, P, at[0], at[1])[0] - at[2]) * normal[2]
         if depth > 0.0:
             push = push_of(E, o, R, depth, plus(v, cross(w, to_point)), normal)
             force, torque = plus(force, push), plus(torque, cross(to_point, push))
@@ -51,12 +52,23 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
 
 @kernel
 @no_type_check
-def lowest_point(E, o, P, R, place, sign):
+def ground_at(T, P, x, y):
+    """Height of the ground at a place, and the tangents of its fall along x and y."""
+    height, fall = terrain(x, *three(P, TERRAIN), P[TERRAIN + 3])
+    if T[GRID_SIZE] == 0:
+        return height, fall, 0.0
+    more, fall_x, fall_y = uneven(x, y, numbers(T[GRID], T[GRID_SIZE]))
+    return height + more, fall + fall_x, fall_y
+
+
+@kernel
+@no_type_check
+def lowest_point(T, E, o, P, R, place, sign):
     """From the element's middle to the lowest point of the section at one end, and the ground's normal there."""
     half = three(E, o + HALF)
-    fall = terrain(place[0] + sign * half[0] * R[0], *three(P, TERRAIN), P[TERRAIN + 3])[1]
-    steep = (1.0 + fall * fall) ** -0.5
-    normal = (fall * steep, 0.0, steep)
+    _, fall, aside = ground_at(T, P, place[0] + sign * half[0] * R[0], place[1] + sign * half[0] * R[3])
+    steep = (1.0 + fall * fall + aside * aside) ** -0.5
+    normal = (fall * steep, aside * steep, steep)
     up = to_own(R, normal)
     reach = times((0.0, half[1], half[2]), up)
     size = (reach[1] * reach[1] + reach[2] * reach[2]) ** 0.5 + 1e-12

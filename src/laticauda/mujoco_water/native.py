@@ -44,7 +44,8 @@ free_stack = _function("mj_freeStack", types.void, _word)
 allocate = _function("mj_stackAllocNum", _word, _word, _word)
 forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _flag)
 integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
-_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions)
+forces_after = _function("mj_rnePostConstraint", types.void, _word, _word)
+_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions, forces_after)
 
 
 @cache

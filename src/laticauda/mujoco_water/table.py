@@ -26,6 +26,8 @@ from laticauda.formulas import MOST_NUMBERS
     CURRENT,  # cfunc: x, y, z, t in, velocity, acceleration and rotation out behind them; 0: constant
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
+    GRID,  # of the terrain, see ground.Terrain.nodes
+    GRID_SIZE,  # how many numbers; 0: none
     # offsets in the model
     AT_GRAVITY,
     AT_TIME_STEP,
@@ -45,7 +47,7 @@ from laticauda.formulas import MOST_NUMBERS
     AT_QFRC_FLUID,
     AT_TIME,
     TABLE_SIZE,
-) = range(37)
+) = range(39)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)

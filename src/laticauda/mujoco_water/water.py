@@ -149,7 +149,8 @@ def attach(
     water[rows.DENSITY] = positive("density", density, "kg/m^3")
     water[rows.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
     water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = form != "classic", form == "kirchhoff"
-    water[rows.TERRAIN :] = astuple(terrain or Terrain())
+    terrain = terrain or Terrain()
+    water[rows.TERRAIN : rows.TERRAIN + 4] = terrain.profile
     bodies = np.array([body_of(model, element.body) for element in elements])
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
@@ -157,6 +158,8 @@ def attach(
     table, arrays = _table(model, elements, bodies, water)
     table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
     table[rows.HAS_SURFACE] = surface is not None
+    arrays["nodes"] = terrain.nodes
+    table[rows.GRID], table[rows.GRID_SIZE] = arrays["nodes"].ctypes.data, arrays["nodes"].size
     keep: list[Any] = []
     if callable(current):
         flow = compiled_current(current)

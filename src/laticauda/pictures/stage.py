@@ -64,9 +64,8 @@ class Stage:
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
-        shore = model.shore if isinstance(model, Spatial) else None
-        ground = None if shore is None else "ramp"
-        spec = mjcf.spec(robot, environment, sensors=False, ground=ground, ballast_depth=_ballast(robot, model))
+        scene = model.scene if isinstance(model, Spatial) else None
+        spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=_ballast(robot, model))
         on_land = isinstance(environment, Ground)
         self.floor = 0.0 if on_land else min(-FLOOR, (self.height if lowest is None else lowest) - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""

@@ -1,9 +1,11 @@
 """What the robot moves in or on: `Water` and `Ground`. Both are data; the loads are computed elsewhere."""
 
-from collections.abc import Mapping
-from typing import ClassVar, Literal, TypeAlias
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal, TypeAlias, cast
 
-from laticauda.errors import BadArgument, label
+from laticauda.errors import BadArgument, label, one_of
+from laticauda.extensions import Extensible
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
@@ -79,6 +81,54 @@ class Ground:
 
 
 Environment: TypeAlias = Water | Ground
+SCENES: dict[str, str] = dict.fromkeys(
+    ("pegs", "slope", "pipe", "shore", "tank", "height-field", "mjcf", "edited"), "laticauda.spatial.scene"
+)
+"""Where the scenes are that come with the package; they are imported when one is named."""
+
+
+@value
+class Scene(Extensible, group="scenes", homes=SCENES):
+    """What is around a robot in space: obstacles, walls, terrain. One's own is a class below this one.
+
+    World axes: z is up, and 0 the height of the ground, or of the water's surface unless it says otherwise.
+    """
+
+    dt: ClassVar[float] = 0.002
+    """Step at which contacts with it are resolved [s]."""
+    level: float = quantity("m", "Height of the water's surface", default=0.0)
+    ground: Ground | None = option(
+        "Friction of its ground along and across the robot; left out, that of an environment that is a ground, and in "
+        "water MuJoCo's contact, which knows no directions",
+        default=None,
+    )
+
+    def __call__(self, spec: Any) -> None:
+        """Put it into a `mujoco.MjSpec` in which the robots are already."""
+        raise NotImplementedError
+
+    @property
+    def terrain(self) -> Any:
+        """Its ground, as a `laticauda.mujoco_water.Terrain`; None: it brings none of its own."""
+        return None
+
+    def check(self, environment: "Environment") -> None:
+        """Raise a ValueError if it cannot be in `environment`."""
+
+    @classmethod
+    def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
+        """A scene, which may be `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
+
+        Raises:
+            ValueError: If there is none of that name.
+        """
+        if given is None or isinstance(given, Scene):
+            return given
+        if isinstance(given, str | Path) and Path(given).suffix == ".xml":
+            return cast("Any", cls.named("mjcf"))(file=str(given))
+        if callable(given):
+            return cast("Any", cls.named("edited"))(edit=given)
+        return cls.named(one_of("scene", given, cls.names()))()
 
 
 def law_of(environment: Environment) -> DragLaw:

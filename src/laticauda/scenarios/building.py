@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
+from laticauda.codec import decode, with_new_names
 from laticauda.errors import BadArgument, instance, nearest, one_of
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
@@ -14,9 +15,9 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import (
     TEXTBOOK,
     Environment,
-    Ground,
     Parameters,
     Robot,
+    Scene,
     Water,
     from_toml,
     ground_names,
@@ -47,8 +48,8 @@ class ModelChanges(TypedDict, total=False):
     root: Literal["free", "planar"] | str | None
     gravity: bool | None
     ballast_depth: float
-    tank: bool
-    shore: Ground | None
+    scene: Scene | Callable[[Any], None] | str | None
+    rays: tuple[float, ...]
 
 
 class Changes(ModelChanges, total=False):
@@ -113,6 +114,7 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         instance("model", model, *MODELS.values())
     base = MODELS[one_of("model", model, tuple(MODELS))]() if isinstance(model, str) else model
     known = [field.name for field in fields(base)]
+    changes = with_new_names(type(base), changes)
     for name, given in changes.items():
         if name in known:
             continue
@@ -121,6 +123,8 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         raise TypeError(f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}.")
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])
+    if isinstance(changes.get("scene"), dict):
+        changes["scene"] = decode(Scene, changes["scene"])
     return replace(base, **changes) if changes else base
 
 
@@ -212,6 +216,10 @@ class Choice:
         "prescribed, if left out",
         default=None,
     )
+    scene: str | None = option(
+        "What is around it in space: pegs, slope, pipe, shore, tank, height-field, an MJCF file (.xml) or one's own",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         """Refuse what says the same twice."""
@@ -238,7 +246,8 @@ class Choice:
         environment, origin = self._environment(robot, gait, parameters)
         if parameters is not None:
             robot = parameters.robot(robot, gait.kind)
-        return Chosen(robot, environment, model_of(self.model, joints=joints), origin)
+        scene = {} if self.scene is None else {"scene": self.scene}
+        return Chosen(robot, environment, model_of(self.model, joints=joints, **scene), origin)
 
     def _environment(self, robot: Robot, gait: Gait, parameters: Parameters | None) -> tuple[Environment, str]:
         if self.ground is not None:

@@ -215,5 +215,5 @@ def _model(settings: dict[str, Any]) -> Model | None:
         settings["shore"] = from_toml(settings["shore"], Ground)
     for name in ("model", "joints", "fluid_law"):
         settings.pop(name, None)
-    own = {name: settings.pop(name) for name in kind.__dataclass_fields__ if name in settings}
-    return kind(**own, joints=JointLaw.named(joints)())
+    own = {name: settings.pop(name) for name in (*kind.__dataclass_fields__, "tank", "shore") if name in settings}
+    return decode(kind, {**own, "joints": joints})

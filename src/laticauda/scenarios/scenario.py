@@ -12,7 +12,7 @@ from laticauda.extensions import Unknown, name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Environment, Ground, Robot
+from laticauda.robot import Environment, Robot, Scene
 
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters let everything through at once [rad/s]."""
@@ -68,11 +68,25 @@ class Spatial(_Model):
         "keeps a robot upright. Mamba's is not known; the default is an assumption",
         default=0.005,
     )
-    tank: bool = option("Whether the tank's floor and walls are there", default=False)
-    shore: Ground | None = option(
-        "The ground of a shore that leads down into the water, on which the robot begins; no land if left out",
+    scene: Scene | None = option(
+        "What is around the robot: a scene, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`; open "
+        "water or flat ground if left out",
         default=None,
+        check=lambda _, given: Scene.of(given),
     )
+
+    rays: tuple[float, ...] = quantity(
+        "rad", "Directions in which the head measures distances, in its plane and positive to its left", default=()
+    )
+
+    @staticmethod
+    def former(table: Mapping[str, Any]) -> dict[str, Any]:
+        """The `table` of a file with a scene where older ones have a tank or a shore."""
+        found = dict(table)
+        tank, shore = found.pop("tank", None), found.pop("shore", None)
+        if tank or shore is not None:
+            found.setdefault("scene", {"kind": "tank"} if tank else {"kind": "shore", "ground": shore})
+        return found
 
 
 Model: TypeAlias = Planar | Spatial
@@ -97,10 +111,11 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
     Args:
         model: Any.
     """
-    plain = {name: one for name, one in vars(model).items() if not isinstance(one, JointLaw | Ground)}
-    joints = model.joints.kind if isinstance(model.joints, Unknown) else name_of(type(model.joints))
-    shore = {} if isinstance(model, Planar) or model.shore is None else {"ground": "ramp", "shore": model.shore.name}
-    return {"model": name_of(type(model)), "joints": joints, **plain, **shore}
+    words = {
+        name: one.kind if isinstance(one, Unknown) else name_of(type(one)) if isinstance(one, JointLaw | Scene) else one
+        for name, one in vars(model).items()
+    }
+    return {"model": name_of(type(model)), **words}
 
 
 @value

@@ -13,9 +13,10 @@ from typing import Any, Literal
 from laticauda.errors import instance, one_of
 from laticauda.extras import load_mujoco
 from laticauda.files import write
-from laticauda.robot import Environment, Ground, Joint, Module, Robot, Water, check_fits
+from laticauda.robot import Environment, Ground, Joint, Module, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
-from laticauda.spatial import appearance, scene
+from laticauda.spatial import appearance
+from laticauda.spatial import scene as scenes
 from laticauda.spatial.bodies import bodies, mounts
 
 ROOTS = ("free", "planar")
@@ -33,8 +34,7 @@ def spec(
     actuators: Literal["none", "servo"] = "none",
     sensors: bool = True,
     visuals: bool = True,
-    tank: bool = False,
-    ground: Literal["flat", "ramp"] | None = None,
+    scene: Scene | str | None = None,
     ballast_depth: float | None = None,
     meshes: Iterable[str | Path] = (),
 ) -> Any:
@@ -54,9 +54,8 @@ def spec(
             and `force_i` and `torque_i` between it and the module on its tail side; `fin_angle` and `fin_rate` of a
             driven fin.
         visuals: Shapes and colors of the robot and the light on it. Without them it has its collision shapes only.
-        tank: The tank of the experiments around the water: 40 m x 6.45 m, 1.5 m deep, with its floor and walls.
-        ground: Solid ground: `flat` at z = 0, or a `ramp` from a shore down into the water along x, with the robot on
-            the shore. None: flat where the environment is ground, else none.
+        scene: What is around it, see `Scene.of`. None: flat ground at z = 0 where the environment is ground, else
+            nothing.
         ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as far as in a simulation
             (`Spatial.ballast_depth`) for a free root, else on them.
         meshes: A file (STL or OBJ) per module, tail first, in the module's frame and in meters, to see and, as its
@@ -74,14 +73,13 @@ def spec(
     one_of("root", root, ROOTS)
     one_of("actuators", actuators, ACTUATORS)
     check_fits(robot, environment)
-    files = appearance.checked(meshes, robot.n_links)
+    files, around = appearance.checked(meshes, robot.n_links), Scene.of(scene)
     model = _empty(robot)
     if visuals:
         appearance.add_materials(model)
-    scene.add(model, environment, tank=tank, ground=ground, visuals=visuals)
     if ballast_depth is None:
         ballast_depth = Spatial().ballast_depth if root == "free" else 0.0
-    _add_bodies(model, robot, start_height(robot, environment, ground), root, ballast_depth)
+    _add_bodies(model, robot, start_height(robot, environment, around), root, ballast_depth)
     appearance.add_shapes(model, robot, files, visuals=visuals)
     if sensors:
         _add_sensors(model, robot)
@@ -90,6 +88,7 @@ def spec(
             _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
         for joint in robot.driven_joints[robot.n_joints :]:
             _add_servo(model, "fin_servo", "fin_joint", joint)
+    scenes.add(model, environment, around, visuals=visuals)
     return model
 
 
@@ -123,20 +122,21 @@ def write_mjcf(
     write(path, model.to_xml())
 
 
-def start_height(robot: Robot, environment: Environment, ground: str | None = None) -> float:
+def start_height(robot: Robot, environment: Environment, scene: Scene | None = None) -> float:
     """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground.
 
     Args:
         robot: What swims.
         environment: The water it swims in or the ground it crawls on.
-        ground: As for `spec`.
+        scene: What is around it.
     """
-    if ground is None and isinstance(environment, Water):
-        return -(DEPTH if environment.depth is None else environment.depth)
+    if isinstance(environment, Water) and (scene is None or scene.ground is None):
+        return (0.0 if scene is None else scene.level) - (DEPTH if environment.depth is None else environment.depth)
     heights = [module.section.half_height for module in robot.modules]
     fin = robot.caudal_fin
     highest = max([*heights, 0.5 * fin.height] if fin else heights)
-    return highest + (scene.SHORE_HEIGHT if ground == "ramp" else 0.0)
+    terrain = None if scene is None else scene.terrain
+    return highest + (0.0 if terrain is None else terrain.at(0.0, 0.0)[0])
 
 
 def _empty(robot: Robot) -> Any:

@@ -1,5 +1,6 @@
 """The robot in space as a `Plant`: MuJoCo with the water of `laticauda.mujoco_water`."""
 
+import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,11 +15,11 @@ from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
 from laticauda.kinematics import turn
 from laticauda.mujoco_water import Element, ground
-from laticauda.robot import Ground
+from laticauda.robot import Ground, Scene
 from laticauda.scenarios import Spatial
 from laticauda.spatial import rows
 from laticauda.spatial.bodies import quaternion
-from laticauda.spatial.twin import Twin
+from laticauda.spatial.twin import Twin, land_of
 from laticauda.spatial.water_robot import mounted_elements
 
 CONTACT_SHARE = 2.0  # of the time in which the stiffest contact settles; Runge-Kutta is stable up to 2.8
@@ -54,12 +55,12 @@ class SpatialPlant(Plant[Spatial]):
             root = "free" if any(joint.axis == "pitch" for joint in self.robot.joints) else "planar"
             settings = replace(settings, root=root)
             object.__setattr__(self, "settings", settings)
-        if settings.shore is not None and (settings.tank or on_ground):
-            raise BadArgument("shore", "must be None in the tank or without water, got a Ground")
         if on_ground and settings.root == "free" and not settings.gravity:
             raise BadArgument("root", "must be `planar` on the ground without `gravity`, got 'free'")
-        if settings.shore is not None and not (settings.root == "free" and settings.gravity):
-            raise BadArgument("root", "must be `free`, with `gravity`, for a robot that begins on a shore")
+        scene = settings.scene or Scene()
+        scene.check(self.environment)
+        if scene.ground is not None and not (settings.root == "free" and settings.gravity):
+            raise BadArgument("root", "must be `free`, with `gravity`, for a robot that lies on a scene's ground")
         super().__post_init__()
 
     @property
@@ -85,6 +86,7 @@ class SpatialPlant(Plant[Spatial]):
         if self.settings.root == "planar":
             start.check_planar()
         values = np.zeros(self._size)
+        values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos] = twin.model.qpos0
         yaw, pitch, fin = self._first_waves(command)
         values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
@@ -98,18 +100,35 @@ class SpatialPlant(Plant[Spatial]):
             qpos[:3] = start.center_of_mass[0] - x, start.center_of_mass[1] - y, start.heading
             speed[:2] = start.velocity * axes[:2, 0]
         else:
-            level = twin.height if start.depth is None else -start.depth
             qpos[:2] = start.center_of_mass[0] - x, start.center_of_mass[1] - y
-            qpos[2:7] = level - axes[2, 0] * twin.center[0], *turned
+            qpos[2:7] = self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0], *turned
             speed[:3] = start.velocity * axes[:, 0]
-        values[-self.robot.n_links :] = start.heading
-        return PlantState(values=values)
+        values[rows.STATE_ROWS + twin.n_qpos + twin.n_qvel :][: self.robot.n_links] = start.heading
+        state = PlantState(values=values)
+        if self.settings.scene is not None:
+            twin.check_free(self.data(state))
+        return state
+
+    def _level(self, start: Start, x: float, y: float) -> float:
+        """Height of the axis of a robot whose tail end is at x, y [m]: in its depth, or on the highest ground there."""
+        scene, twin = self.settings.scene or Scene(), self._twin
+        if start.depth is not None:
+            return scene.level - start.depth
+        if scene.terrain is None or land_of(self.environment, self.settings) is None:
+            return twin.height
+        c, s = math.cos(start.heading), math.sin(start.heading)
+        along = [0.05 * self.robot.length * k for k in range(21)]
+        highest = max(scene.terrain.at(x + a * c, y + a * s)[0] for a in along)
+        return twin.height - scene.terrain.at(0.0, 0.0)[0] + highest
 
     def observe(self, state: PlantState) -> Observation:
         """What can be seen of a state."""
         sample = self._as_it_is(state)
         pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
-        return Observation(**{name: value[0] for name, value in self._seen(sample).items()}, pitch=pitch)
+        seen = {name: value[0] for name, value in self._seen(sample).items()}
+        contact = None if self.settings.scene is None else self._contact(sample)[0]
+        ranges = self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
+        return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
     @cached_property
     def _twin(self) -> Twin:
@@ -117,7 +136,8 @@ class SpatialPlant(Plant[Spatial]):
 
     @property
     def _size(self) -> int:
-        return rows.STATE_ROWS + self._twin.n_qpos + self._twin.n_qvel + self.robot.n_links
+        per_link = 1 if self.settings.scene is None else 4
+        return rows.STATE_ROWS + self._twin.n_qpos + self._twin.n_qvel + per_link * self.robot.n_links
 
     @property
     def _words(self) -> str:
@@ -131,6 +151,8 @@ class SpatialPlant(Plant[Spatial]):
         contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
         if contacts:
             limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
+        if self.settings.scene is not None:
+            limit = min(limit, self.settings.scene.dt)
         return min(limit, ELASTIC_DT) if self.is_implicit else limit
 
     def _rows(self, command: Command) -> Given:
@@ -180,7 +202,8 @@ class SpatialPlant(Plant[Spatial]):
     def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector, and log it."""
         values, n, joints = values.copy(), self.robot.n_links, len(self._twin.joints)
-        log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints))
+        touched = 0 if self.settings.scene is None else 3 * n
+        log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints + touched))
         written = self._twin.run(values, given, steps, dt, every, log)
         return values, log[:written]
 
@@ -218,9 +241,15 @@ class SpatialPlant(Plant[Spatial]):
             "joint_rate": samples[:, first + 2 * n - 1 : first + 3 * n - 2],
         }
 
+    def _contact(self, samples: np.ndarray) -> np.ndarray:
+        """Force of all contacts on every link of every sample, in a scene [N]."""
+        n = self.robot.n_links
+        return samples[:, -3 * n :].reshape(len(samples), n, 3)
+
     def _samples(self, samples: np.ndarray) -> Samples:
         n, o = self.robot.n_links, rows.STATE_ROWS
         first = o + rows.SAMPLE_HEADER + 3 * n - 2
+        last = rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * len(self._twin.joints)
         waves = [rows.SECOND if joint.axis == "pitch" else 0 for joint in self.robot.joints]
         return Samples(
             seen=self._seen(samples),
@@ -228,6 +257,7 @@ class SpatialPlant(Plant[Spatial]):
             offset=samples[:, [wave + rows.OFFSET_NOW for wave in waves]],
             torque=samples[:, first + n - 1 : first + 2 * n - 2],
             work=samples[:, rows.WORK_ABSOLUTE : rows.PITCH],
-            fin=tuple(np.moveaxis(samples[:, first + 2 * n - 2 :].reshape(len(samples), 4, -1), 1, 0)),
+            fin=tuple(np.moveaxis(samples[:, first + 2 * n - 2 : last].reshape(len(samples), 4, -1), 1, 0)),
+            link_force=None if self.settings.scene is None else {"contact": self._contact(samples)},
             signals={name: samples[:, o + rows.ORIENTATION + k] for k, name in enumerate((*ORIENTATION, "pitch"))},
         )

@@ -1,6 +1,7 @@
 """What stands where in the arrays of the kernels: state, command, setup, joints, and a sample of the log.
 
-A state is one flat array: the rows below, then qpos, qvel and the links' angles.
+A state is one flat array: the rows below, then qpos, qvel, the links' angles, and in a scene the contacts' forces on
+every link.
 """
 
 from laticauda.actuation.laws import JOINT
@@ -52,8 +53,11 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     AT_XIPOS,
     AT_SUBTREE_COM,
     AT_CVEL,
+    AT_CFRC_EXT,
+    HAS_SCENE,  # contact forces are part of the state then
+    N_FIN_BODIES,  # whose contacts are those of the tail link
     SETUP_SIZE,
-) = range(18)
+) = range(21)
 
 # --- One row of joint parameters: the joint's numbers, its law, and which wave moves it
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
@@ -61,5 +65,5 @@ WAVE = LAW + 1
 YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
 # --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the
-# --- body's joints, then the same of the fin's
+# --- body's joints, then the same of the fin's, and in a scene the contacts' forces on every link
 (COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12, 13)

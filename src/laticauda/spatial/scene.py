@@ -1,104 +1,293 @@
-"""Where the robot is: the tank of the experiments with its water, flat ground, or a ramp from a shore into water."""
+"""What is around the robot: the scenes that come with the package, and how a scene gets into a model.
+
+A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches what is there by MuJoCo's
+contacts. Only the ground is taken by the robot's elements instead (`laticauda.mujoco_water.ground`), where a `Ground`
+says how it rubs along and across the robot: that of the scene, or the environment. A scene's ground are its geoms
+that are called as in `GROUNDS`.
+"""
 
 import math
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from typing import Any, ClassVar
 
-from laticauda.errors import BadArgument, one_of
+import numpy as np
+
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
-from laticauda.robot import Environment, Ground
+from laticauda.fluid.laws import CoulombFriction
+from laticauda.mujoco_water import Terrain
+from laticauda.quantities import option, quantity, value
+from laticauda.robot import Environment, Ground, Scene
 from laticauda.spatial.bodies import Three
+
+Quaternion = tuple[float, float, float, float]
 
 # The tank at Trondheim in which the paper's robot swam [m].
 TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
 WALL = 0.1  # half thickness [m]
-# The ramp: a shore a little above the water, then downhill along x to the depth of the tank [m], [rad].
-SHORE_HEIGHT, SHORE_END, SHORE_LENGTH, SHORE_WIDTH, SLOPE = 0.10, 2.5, 12.0, 6.0, math.radians(12.0)
-THICK = 0.2  # half thickness of the shore and the ramp [m]
+THICK = 0.2  # half thickness of the ground's boxes [m]
+FAR = 12.0  # how long ground is that has no end of its own [m]
+STAVES = 24  # of a pipe
 SURFACE = "water"  # to be seen only
-GROUNDS = ("flat", "ramp")
-TOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 1}
-UNTOUCHED: dict[str, Any] = {"contype": 0, "conaffinity": 0}
+GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
+SKIN = Ground(name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
 # Red, green, blue, opacity.
 MATERIALS = {
     "water": (0.30, 0.65, 0.75, 0.22),
     "wall": (0.80, 0.88, 0.90, 0.25),
     "sand": (0.66, 0.60, 0.48, 1.0),
+    "peg": (0.85, 0.78, 0.35, 1.0),
 }
+LOOKS = {"water": "water", "wall": "wall", "stave": "wall", "peg": "peg", "floor": "tiles"}  # by how names begin
 
 
-class _Solid(NamedTuple):
-    """A part of the place."""
+@value
+class Pegs(Scene):
+    """A field of upright pegs in staggered rows, with a way for a straight robot between the two middle ones."""
 
-    name: str
-    kind: str
-    size: Three
-    material: str
-    pos: Three = (0.0, 0.0, 0.0)
-    quat: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.4)
+    gap: float = quantity("m", "From row to row", gt=0.0, default=0.4)
+    radius: float = quantity("m", "Of a peg", gt=0.0, default=0.04)
+    rows: int = quantity("", "How many there are, to both sides", ge=1, default=4)
+    field: tuple[float, float] = quantity("m", "From where to where along x they stand", default=(-1.5, 6.0))
+    slip: float = quantity("", "Friction of the pegs, as MuJoCo has it", ge=0.0, default=0.05)
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        first, last = self.field
+        for row in range(self.rows):
+            y = (row + 0.5 - 0.5 * self.rows) * self.gap
+            for k, x in enumerate(np.arange(first + 0.5 * self.spacing * (row % 2), last, self.spacing)):
+                size = (self.radius, 0.5 * TANK_DEPTH + 0.25, 0.0)
+                peg = solid(spec, f"peg_{row}_{k}", "CYLINDER", size, (float(x), y, -0.5))
+                peg.friction, peg.priority = (self.slip, 0.0, 0.0), 1
 
 
-def add(
-    model: Any, environment: Environment, *, tank: bool, ground: Literal["flat", "ramp"] | None, visuals: bool
-) -> None:
-    """Put the place into a model; arguments as for `mjcf.spec`.
+@value
+class Slope(Scene):
+    """Flat ground, and from an edge on a slope along x, up or down."""
+
+    height: float = quantity("m", "Of the flat ground", default=0.0)
+    edge: float = quantity("m", "x at which the slope begins", default=1.5)
+    angle: float = quantity("rad", "Of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(10.0))
+    bottom: float = quantity("m", "Height of the floor at the foot of a slope that leads down", default=-TANK_DEPTH)
+
+    def __post_init__(self) -> None:
+        """Refuse a floor above the ground that leads down to it."""
+        if self.angle < 0.0 and self.bottom >= self.height:
+            raise BadArgument("bottom", f"must be < `height` = {self.height:g} m, got {self.bottom:g}")
+
+    @property
+    def terrain(self) -> Terrain:
+        """See `Scene`."""
+        return Terrain(height=self.height, edge=self.edge, slope=-math.tan(self.angle), floor=self._foot)
+
+    @property
+    def _foot(self) -> float:
+        return self.bottom if self.angle < 0.0 else -FAR
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        sin, cos, width = math.sin(self.angle), math.cos(self.angle), 0.5 * FAR
+        length = (self._foot - self.height) / sin if sin < 0.0 else FAR
+        flat = (self.edge - 0.5 * FAR, 0.0, self.height - THICK)
+        # The middle of the slope's face, then half a thickness into the ground.
+        x, z = self.edge + 0.5 * length * cos + THICK * sin, self.height + 0.5 * length * sin - THICK * cos
+        turned = (math.cos(0.5 * self.angle), 0.0, -math.sin(0.5 * self.angle), 0.0)
+        solid(spec, "shore", "BOX", (0.5 * FAR, width, THICK), flat)
+        solid(spec, "ramp", "BOX", (0.5 * length, width, THICK), (x, 0.0, z), turned)
+        if sin < 0.0:
+            solid(spec, "floor", "PLANE", (0.0, 0.0, 1.0), (0.0, 0.0, self.bottom))
+
+
+@value
+class Shore(Slope):
+    """A shore above the water, on which the robot begins, and a slope down into it."""
+
+    height: float = quantity("m", "Of the flat ground", default=0.10)
+    edge: float = quantity("m", "x at which the slope begins", default=2.5)
+    angle: float = quantity("rad", "Of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0))
+    ground: Ground | None = option("Friction of its ground along and across the robot", default=SKIN)
+
+    def check(self, environment: Environment) -> None:
+        """See `Scene`."""
+        needs_water(self, environment)
+
+
+@value
+class HeightField(Scene):
+    """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
+
+    heights: tuple[tuple[float, ...], ...] | None = quantity(
+        "m", "At the nodes: one row per x, each along y; left out, waves of the next two", default=None
+    )
+    amplitude: float = quantity("m", "Of the waves", ge=0.0, default=0.03)
+    wavelength: float = quantity("m", "Of the waves", gt=0.0, default=1.0)
+    extent: tuple[float, float] = quantity("m", "Along x and y; it ends in level ground", gt=0.0, default=(12.0, 6.0))
+    middle: tuple[float, float] = quantity("m", "x and y of its middle", default=(3.0, 0.0))
+
+    def __post_init__(self) -> None:
+        """Refuse what is no grid."""
+        if self.heights is not None and (len(self.heights) < 2 or {len(row) for row in self.heights} - {1} == set()):
+            raise BadArgument("heights", "must have two rows of two numbers at least")
+        if self.heights is not None and len({len(row) for row in self.heights}) != 1:
+            raise BadArgument("heights", "must have rows of the same length")
+
+    @property
+    def terrain(self) -> Terrain:
+        """See `Scene`."""
+        grid = self._nodes()
+        cell = [size / (n - 1) for size, n in zip(self.extent, grid.shape, strict=True)]
+        corner = [at - 0.5 * size for at, size in zip(self.middle, self.extent, strict=True)]
+        return Terrain(grid=grid, corner=(corner[0], corner[1]), cell=(cell[0], cell[1]))
+
+    def _nodes(self) -> np.ndarray:
+        if self.heights is not None:
+            return np.array(self.heights)
+        x, y = (np.linspace(-0.5 * one, 0.5 * one, round(16.0 * one / self.wavelength) + 1) for one in self.extent)
+        k = 2.0 * math.pi / self.wavelength
+        return self.amplitude * np.outer(np.cos(k * x), np.cos(k * y))
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        nodes = self._nodes()
+        low, rise = float(nodes.min()), max(float(np.ptp(nodes)), 1e-3)
+        size = (0.5 * self.extent[0], 0.5 * self.extent[1], rise, THICK)
+        rows, columns = nodes.T.shape
+        spec.add_hfield(name="terrain", nrow=rows, ncol=columns, size=size, userdata=(nodes.T - low).ravel().tolist())
+        ground = solid(spec, "terrain", "HFIELD", (0.0, 0.0, 0.0), (*self.middle, low))
+        ground.hfieldname = "terrain"
+
+
+@value
+class Pipe(Scene):
+    """A pipe to swim through, or around; its axis is along x unless it is tilted."""
+
+    bore: float = quantity("m", "Its inner radius", gt=0.0, default=0.35)
+    length: float = quantity("m", "From end to end", gt=0.0, default=8.0)
+    center: tuple[float, float, float] = quantity("m", "Its middle", default=(2.0, 0.0, -0.5))
+    tilt: float = quantity("rad", "Of its axis, positive nose up; 90 degrees: upright", ge=-2.0, le=2.0, default=0.0)
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        thick = 0.01
+        turned = (math.cos(0.5 * self.tilt), 0.0, -math.sin(0.5 * self.tilt), 0.0)
+        pipe = spec.worldbody.add_body(name="pipe", pos=self.center, quat=turned)
+        size = (0.5 * self.length, (self.bore + 2.0 * thick) * math.tan(math.pi / STAVES), thick)
+        for k in range(STAVES):
+            angle = 2.0 * math.pi * k / STAVES
+            y, z = math.sin(angle) * (self.bore + thick), math.cos(angle) * (self.bore + thick)
+            about = (math.cos(0.5 * angle), -math.sin(0.5 * angle), 0.0, 0.0)
+            solid(pipe, f"stave_{k}", "BOX", size, (0.0, y, z), about)
+
+
+@value
+class Tank(Scene):
+    """The tank of the experiments: 40 m x 6.45 m, 1.5 m deep, with its floor and walls."""
+
+    dt: ClassVar[float] = math.inf  # its walls are far
+
+    def check(self, environment: Environment) -> None:
+        """See `Scene`."""
+        needs_water(self, environment)
+
+    def __call__(self, spec: Any) -> None:
+        """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
+        x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
+        solid(spec, "floor", "PLANE", (x, y, 1.0), (0.0, 0.0, -TANK_DEPTH))
+        solid(spec, "wall_left", "BOX", (x, WALL, z), (0.0, y + WALL, -z))
+        solid(spec, "wall_right", "BOX", (x, WALL, z), (0.0, -y - WALL, -z))
+        solid(spec, "wall_front", "BOX", (WALL, y, z), (x + WALL, 0.0, -z))
+        solid(spec, "wall_back", "BOX", (WALL, y, z), (-x - WALL, 0.0, -z))
+
+
+@value
+class Mjcf(Scene):
+    """What an MJCF file holds: its bodies, with their joints, and what they are made of; its options do not count."""
+
+    file: str = option("The file (.xml), which has to be there whenever the scenario runs")
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        spec.attach(load_mujoco().MjSpec.from_file(self.file), frame=spec.worldbody.add_frame(), prefix="")
+
+
+@value
+class Edited(Scene):
+    """What a function of one's own makes of a `mujoco.MjSpec`; a file keeps its name only: write a class for more."""
+
+    edit: Callable[[Any], None] = option("f(spec)")
+
+    def check(self, environment: Environment) -> None:
+        """See `Scene`."""
+        if not callable(self.edit):
+            raise BadArgument("scene", "must be given anew: a file keeps no more of a function than its name")
+
+    def __call__(self, spec: Any) -> None:
+        """See `Scene`."""
+        self.edit(spec)
+
+
+def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: bool) -> None:
+    """Put the place into a model that has its robots; arguments as for `mjcf.spec`.
 
     Raises:
-        ValueError: If there is no such ground, or a ramp is asked for without water or together with the tank.
+        ValueError: If the scene does not go with the environment, or is none that MuJoCo can work with.
     """
-    if ground is not None:
-        one_of("ground", ground, GROUNDS)
-    if ground == "ramp" and (tank or isinstance(environment, Ground)):
-        raise BadArgument("ground", "must not be `ramp` in the tank or without water: it leads down into open water")
-    dressed = visuals and (tank or ground is not None)
-    if dressed:
-        _add_materials(model)
-        _add_light(model)
-    solids = _tank() if tank else []
-    if ground == "ramp":
-        solids = _ramp()
-    elif ground == "flat" or isinstance(environment, Ground):
-        solids.append(_Solid("ground", "PLANE", (0.0, 0.0, 1.0), "sand"))
-    kinds = load_mujoco().mjtGeom
-    for name, kind, size, material, pos, quat in solids:
-        if name != SURFACE or dressed:
-            touch = UNTOUCHED if name == SURFACE else TOUCHED
-            shape = getattr(kinds, f"mjGEOM_{kind}")
-            geom = model.worldbody.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, **touch)
-            if dressed:
-                geom.material = material
+    if isinstance(environment, Ground) and (scene is None or scene.terrain is None):
+        solid(model, "ground", "PLANE", (0.0, 0.0, 1.0))
+    if scene is None:
+        return
+    scene.check(environment)
+    with blamed():
+        scene(model)
+    if visuals:
+        if not isinstance(environment, Ground):
+            size = (0.5 * TANK_LENGTH, 0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH), 1.0)
+            surface = solid(model, SURFACE, "PLANE", size, (0.0, 0.0, scene.level))
+            surface.conaffinity = 0
+        _dress(model)
 
 
-def _tank() -> list[_Solid]:
-    """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
-    x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
-    return [
-        _Solid("floor", "PLANE", (x, y, 1.0), "tiles", (0.0, 0.0, -TANK_DEPTH)),
-        _Solid("wall_left", "BOX", (x, WALL, z), "wall", (0.0, y + WALL, -z)),
-        _Solid("wall_right", "BOX", (x, WALL, z), "wall", (0.0, -y - WALL, -z)),
-        _Solid("wall_front", "BOX", (WALL, y, z), "wall", (x + WALL, 0.0, -z)),
-        _Solid("wall_back", "BOX", (WALL, y, z), "wall", (-x - WALL, 0.0, -z)),
-        _Solid(SURFACE, "PLANE", (x, y, 1.0), "water"),
-    ]
+def solid(
+    where: Any, name: str, kind: str, size: Three, pos: Three = (0.0, 0.0, 0.0), quat: Quaternion = UPRIGHT
+) -> Any:
+    """Add a geom that the robot touches.
+
+    Args:
+        where: A `mujoco.MjSpec`, or a body of one.
+        name: What messages and pictures call it.
+        kind: Its shape, as MuJoCo calls it: BOX, PLANE and the like.
+        size: As MuJoCo wants it [m].
+        pos: Of its middle [m].
+        quat: Which way it is turned [-].
+    """
+    body = getattr(where, "worldbody", where)
+    shape = getattr(load_mujoco().mjtGeom, f"mjGEOM_{kind}")
+    return body.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, contype=0, conaffinity=1)
 
 
-def _ramp() -> list[_Solid]:
-    """A shore that ends at x = SHORE_END, a slope behind it, and the floor that it leads to."""
-    length = (SHORE_HEIGHT + TANK_DEPTH) / math.sin(SLOPE)
-    cos, sin = math.cos(SLOPE), math.sin(SLOPE)
-    shore = (SHORE_END - 0.5 * SHORE_LENGTH, 0.0, SHORE_HEIGHT - THICK)
-    # The middle of the slope's face, then half a thickness into the ground.
-    middle = (SHORE_END + 0.5 * length * cos - THICK * sin, 0.0, SHORE_HEIGHT - 0.5 * length * sin - THICK * cos)
-    downhill = (math.cos(0.5 * SLOPE), 0.0, math.sin(0.5 * SLOPE), 0.0)  # along x
-    width = 0.5 * SHORE_WIDTH
-    return [
-        _Solid("shore", "BOX", (0.5 * SHORE_LENGTH, width, THICK), "sand", shore),
-        _Solid("ramp", "BOX", (0.5 * length, width, THICK), "sand", middle, downhill),
-        _Solid("floor", "PLANE", (0.0, 0.0, 1.0), "tiles", (0.0, 0.0, -TANK_DEPTH)),
-        _Solid(SURFACE, "PLANE", (0.5 * TANK_LENGTH, 0.5 * TANK_LENGTH, 1.0), "water"),
-    ]
+@contextmanager
+def blamed() -> Generator[None]:
+    """Within it, what MuJoCo complains of becomes a sentence about the scene: the robot alone is none of it."""
+    try:
+        yield
+    except ValueError as error:
+        said = " ".join(str(error).removeprefix("Error: ").split())
+        raise BadArgument("scene", f"must be one that MuJoCo can compile beside the robot; it says: {said}") from error
 
 
-def _add_materials(model: Any) -> None:
+def needs_water(scene: Scene, environment: Environment) -> None:
+    """Refuse a scene of water without any."""
+    if isinstance(environment, Ground):
+        word = type(scene).__name__.lower()
+        raise BadArgument("scene", f"must not be `{word}` without water, got the ground `{environment.name}`")
+
+
+def _dress(model: Any) -> None:
+    """Materials and light."""
     kind = load_mujoco()
     for name, color in MATERIALS.items():
         model.add_material(name=name, rgba=color, specular=0.2)
@@ -107,11 +296,9 @@ def _add_materials(model: Any) -> None:
     tiles.rgb1, tiles.markrgb = (0.36, 0.58, 0.62), (0.26, 0.45, 0.50)
     material = model.add_material(name="tiles", texuniform=True, texrepeat=(2.0, 2.0), specular=0.1)
     material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-
-
-def _add_light(model: Any) -> None:
-    """Light from above, and the color of what is far away."""
-    kind = load_mujoco()
+    for geom in model.geoms:
+        if geom.contype == 0 and not geom.material and geom.name:
+            geom.material = LOOKS.get(geom.name.partition("_")[0], "sand")
     sun = model.worldbody.add_light(name="sun", type=kind.mjtLightType.mjLIGHT_DIRECTIONAL, dir=(0.2, 0.3, -1.0))
     sun.pos, sun.castshadow = (0.0, 0.0, 4.0), False
     sky = model.add_texture(name="sky", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=128, height=128)

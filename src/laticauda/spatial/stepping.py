@@ -24,7 +24,7 @@ from laticauda.compiling import compiled, entry, kernel
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
-from laticauda.mujoco_water.native import forward_skip, integrate_positions
+from laticauda.mujoco_water.native import forces_after, forward_skip, integrate_positions
 from laticauda.mujoco_water.vectors import field
 from laticauda.spatial.rows import *
 
@@ -216,7 +216,21 @@ def follow_links(N, order, qpos, links):
 
 @kernel
 @no_type_check
-def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
+def sum_contacts(N, order, forces):
+    """Force of all contacts on every link, world axes, from what the solver has found; the fin's on the tail link."""
+    forces_after(N[MODEL], N[DATA])
+    on_body = field(N[DATA], N[AT_CFRC_EXT], 6 * N[N_BODIES])
+    n = N[N_LINKS]
+    forces[:] = 0.0
+    for i in range(n + N[N_FIN_BODIES]):
+        link = i if i < n else 0
+        for k in range(3):
+            forces[3 * link + k] += on_body[6 * order[i] + 3 + k]
+
+
+@kernel
+@no_type_check
+def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     """One sample of the log.
 
     `mass` is that of every body, 0 of those that are not the robot's; `order` holds the body of each link.
@@ -267,6 +281,7 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, sample):
             sample[at + 2 * count + i] = R[0, first + i]
             sample[at + 3 * count + i] = U[first + i]
         at += 4 * count
+    sample[at:] = forces
 
 
 @entry
@@ -280,7 +295,8 @@ def run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     n_q, n_v, n_joints = N[N_QPOS], N[N_QVEL], J.shape[0]
     qpos, qvel = field(N[DATA], N[AT_QPOS], n_q), field(N[DATA], N[AT_QVEL], n_v)
     qacc = field(N[DATA], N[AT_QACC], n_v)
-    X, links = state[:STATE_ROWS], state[STATE_ROWS + n_q + n_v :]
+    X, links = state[:STATE_ROWS], state[STATE_ROWS + n_q + n_v :][: N[N_LINKS]]
+    forces = state[STATE_ROWS + n_q + n_v + N[N_LINKS] :]
     qpos[:] = state[STATE_ROWS : STATE_ROWS + n_q]
     qvel[:] = state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v]
     R, U, K = np.zeros((3, n_joints)), np.zeros(n_joints), np.zeros((2, n_joints))
@@ -303,7 +319,9 @@ def run(N, state, C, J, mass, order, hold, steps, dt, every, log):
         if step % every == 0:
             if not all_finite(N, qpos, qvel, U):
                 return written
-            write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, log[step // every])
+            if N[HAS_SCENE] != 0 and C[IS_LED] != 0.0:
+                sum_contacts(N, order, forces)
+            write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, log[step // every])
             written += 1
         if step == steps:
             break

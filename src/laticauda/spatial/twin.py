@@ -1,8 +1,8 @@
 """A spatial plant's model in MuJoCo, and what the kernels need of it."""
 
-import math
 from threading import RLock
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -10,14 +10,16 @@ from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import FORCES, has_hinges, joint_table
+from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
-from laticauda.robot import Environment, Ground, Robot
+from laticauda.robot import Environment, Ground, Robot, Scene
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene
-from laticauda.spatial.bodies import center_of_mass
+from laticauda.spatial.bodies import center_of_mass, fin_bodies
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
+DEEPEST = 2e-3  # how deep a robot may begin in a scene's geoms [m]
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
 
@@ -36,16 +38,20 @@ class Twin:
             actuators="none",
             sensors=False,
             visuals=False,
-            tank=setup.tank,
-            ground=None if setup.shore is None else "ramp",
+            scene=setup.scene,
             ballast_depth=ballast,
         )
+        if setup.scene is not None:  # where the solver begins must not depend on what was marched before
+            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
         if land is not None:
-            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT  # the ground is among the loads
+            for geom in spec.geoms:
+                if geom.name in scene.GROUNDS:  # it is among the loads
+                    geom.contype = geom.conaffinity = 0
             spec.option.gravity = (0.0, 0.0, -land.gravity)
         if not setup.gravity or setup.root == "planar":
             spec.option.gravity = (0.0, 0.0, 0.0)
-        self.model = water.compiled(spec)
+        with scene.blamed():
+            self.model = water.compiled(spec)
         if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
             self.model.jnt_limited[:] = 0
         if setup.dt is not None:
@@ -61,7 +67,9 @@ class Twin:
         self.water.numbers["hold"] = self._hold
         self.water.table[table.HOLD] = self._hold.ctypes.data
         self.water.table[table.HAS_INERTIA] = 1
-        self._order = np.array([self.model.body(f"module_{i}").id for i in range(robot.n_links)])
+        fin = fin_bodies(robot.caudal_fin) if robot.caudal_fin is not None else []
+        names = [*(f"module_{i}" for i in range(robot.n_links)), *(body.name for body in fin)]
+        self._order = np.array([self.model.body(name).id for name in names])
         own = self.model.body_rootid == self._order[0]
         self._mass = np.where(own, self.model.body_mass, 0.0)
         self._setup = self._numbers(robot, setup)
@@ -71,27 +79,23 @@ class Twin:
         elements = robot_elements(robot, environment, floats=setup.gravity and setup.root == "free")
         land = land_of(environment, setup)
         if land is not None:
-            elements = on_ground(elements, robot, land, wet=setup.shore is not None)
+            elements = on_ground(elements, robot, land, wet=not isinstance(environment, Ground))
+        around = setup.scene or Scene()
         if isinstance(environment, Ground):
-            return water.attach(self.model, elements)
-        terrain = None
-        if setup.shore is not None:
-            terrain = water.Terrain(
-                height=scene.SHORE_HEIGHT, edge=scene.SHORE_END, slope=math.tan(scene.SLOPE), floor=-scene.TANK_DEPTH
-            )
+            return water.attach(self.model, elements, terrain=around.terrain)
         return water.attach(
             self.model,
             elements,
             density=environment.density,
             current=(*environment.current, 0.0)[:3],
-            surface=0.0 if setup.root == "free" and setup.gravity else None,
+            surface=around.level if setup.root == "free" and setup.gravity else None,
             form=environment.added_mass_form,
-            terrain=terrain,
+            terrain=around.terrain,
         )
 
     def _numbers(self, robot: Robot, setup: Spatial) -> np.ndarray:
         base = (3, 3) if setup.root == "planar" else (7, 6)
-        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel")
+        fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel", "cfrc_ext")
         return np.array(
             [
                 self.model._address,
@@ -104,6 +108,8 @@ class Twin:
                 not setup.joints.prescribed or has_hinges(robot),
                 setup.root == "planar",
                 *native.offsets(*fields),
+                setup.scene is not None,
+                self._order.size - robot.n_links,
             ],
             dtype=np.int64,
         )
@@ -132,12 +138,42 @@ class Twin:
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
         loads_on = self.water.forces(self._data)
-        total = np.zeros((len(FORCES), self._order.size, 3))
+        total = np.zeros((len(FORCES), int(self._setup[rows.N_LINKS]), 3))
         for i, element in enumerate(self.water.elements):
             link = int(element.body.removeprefix("module_")) if element.body.startswith("module_") else 0
             for k, name in enumerate(FORCES):
                 total[k, link] += loads_on[name][i]
         return total
+
+    def check_free(self, data: Any) -> None:
+        """Refuse a start at which the robot is inside something.
+
+        Args:
+            data: A `mujoco.MjData` at the start, with its kinematics.
+        """
+        load_mujoco().mj_collision(self.model, data)
+        for touch in data.contact[: data.ncon]:
+            bodies = [int(self.model.geom_bodyid[k]) for k in touch.geom]
+            mine = [k for k, body in enumerate(bodies) if body in self._order]
+            if touch.dist < -DEEPEST and len(mine) == 1:
+                link, other = (self.model.geom(int(touch.geom[k])).name for k in (mine[0], 1 - mine[0]))
+                depth = f"{link.removesuffix('_hull')} is {-1e3 * touch.dist:.0f} mm deep in it"
+                raise BadArgument("start", f"must not put the robot into `{other}` of the scene, but {depth}")
+
+    def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
+        """Distances from the tip of the head [m], infinite where there is nothing.
+
+        Args:
+            data: A `mujoco.MjData` with its kinematics.
+            rays: Directions in the head's plane, from its x axis to its left [rad].
+        """
+        mujoco, n = load_mujoco(), int(self._setup[rows.N_LINKS])
+        head, geom = int(self._order[n - 1]), np.zeros(1, dtype=np.int32)
+        turned, tip = data.xmat[head].reshape(3, 3), data.site(f"module_{n - 1}_center").xpos
+        tip = data.xpos[head] + 2.0 * (tip - data.xpos[head])
+        ways = [turned @ (np.cos(angle), np.sin(angle), 0.0) for angle in rays]
+        found = np.array([mujoco.mj_ray(self.model, data, tip, way, None, 1, head, geom) for way in ways])
+        return np.where(found < 0.0, np.inf, found)
 
 
 def stepping(joints: JointLaw) -> ModuleType:
@@ -156,9 +192,10 @@ def land_of(environment: Environment, setup: Spatial) -> Ground | None:
         environment: The water it swims in, or the ground.
         setup: The model's settings.
     """
-    if isinstance(environment, Ground) and setup.root == "free" and setup.gravity:
-        return environment
-    return setup.shore
+    own = None if setup.scene is None else setup.scene.ground
+    if isinstance(environment, Ground):
+        return (own or environment) if setup.root == "free" and setup.gravity else None
+    return own
 
 
 def _joint_rows(robot: Robot, law: JointLaw) -> np.ndarray:

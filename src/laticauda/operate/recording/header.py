@@ -100,8 +100,8 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
 
 def _record_of(plant: Plant[Any]) -> Experiment:
     """How a plant was made, as a recording keeps it."""
-    if isinstance(law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "shore", None) is not None:
-        raise BadArgument("plant", "must have a law that is a class, and no shore, to be recorded")
+    if isinstance(law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
+        raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)
 
 
