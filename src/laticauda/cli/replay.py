@@ -71,8 +71,8 @@ class Replay(Filming):
 
     def _estimates(self, log: OperationLog) -> list[Estimate] | None:
         if self.kinematics:
-            mount = getattr(log.header.estimator, "mount", None)
-            kwargs = {} if mount is None else {"mount": mount}
+            known = {name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")}
+            kwargs = {name: one for name, one in known.items() if one is not None}
             return rerun_estimator(log, KinematicEstimator(robot=log.header.run.robot, **kwargs))
         return rerun_estimator(log, plant=simulate.plant) if self.estimate else None
 

@@ -11,8 +11,8 @@ from jaxtyping import Float
 
 from laticauda.angles import wrap_to_pi
 from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Sample, StateEstimator
-from laticauda.kinematics import center_of_mass, heading, link_angles
-from laticauda.quantities import quantity, value
+from laticauda.kinematics import center_of_mass, heading, link_angles, module_poses, turn
+from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " _n"]
@@ -24,10 +24,12 @@ class Posture:
 
     time: float
     """[s]."""
-    center_of_mass: Float[np.ndarray, " 2"]
+    center_of_mass: Float[np.ndarray, " n_axes"]
     """[m]."""
     heading: float
     """Unwrapped [rad]."""
+    pitch: float
+    """Mean of the modules, positive downward; 0 in the plane [rad]."""
     link_angle: Vector
     """[rad]."""
     joint_angle: Vector
@@ -48,9 +50,12 @@ class KinematicState:
 class KinematicEstimator(StateEstimator):
     """From the pose of the last module and the joint angles to center of mass and link angles.
 
-    Joint angles are interpolated to the time of the frame. Velocities are differences over `span`.
+    Joint angles are interpolated to the time of the frame. Velocities are differences over `span`. In space, height and
+    pitch are known too: the whole rotation of the marker body is used, and the angles of all joints. The center of mass
+    is then that of modules whose own are on their axes.
     """
 
+    in_space: bool = option("whether it measures in three dimensions; else pitch joints are straight", default=False)
     span: float = quantity("s", "time over which velocities are taken", gt=0.0, default=0.1)
 
     @cached_property
@@ -72,7 +77,7 @@ class KinematicEstimator(StateEstimator):
             ValueError: If the sample does not fit the robot.
         """
         if isinstance(sample, JointSample):
-            angle = self.robot.yaw_joints("angle", sample.angle)
+            angle = self._own(sample.angle)
             if not np.isfinite(angle).all() or (state.joints and sample.time <= state.joints[-1][0]):
                 return state
             kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]
@@ -83,23 +88,45 @@ class KinematicEstimator(StateEstimator):
 
     def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
         assert frame.rotation is not None  # the caller looked
-        link, offset = self.on_link
         if state.postures and frame.time <= state.postures[-1].time:
             return state
         times = np.array([time for time, _ in state.joints])
         angles = np.stack([angle for _, angle in state.joints])
         joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
-        theta = link_angles(joint, angle=self.mount.link_yaw(frame.rotation), link=link)
+        theta, place, pitch = self._seen(frame.position, frame.rotation, joint)
         if state.postures:
             before = state.postures[-1].heading
             now = float(heading(theta))
             theta = theta + (before + wrap_to_pi(now - before) - now)
-        place = center_of_mass(self._chain, frame.position[:2], theta, link=link, offset=offset)
         posture = Posture(
-            time=frame.time, center_of_mass=place, heading=float(heading(theta)), link_angle=theta, joint_angle=joint
+            time=frame.time,
+            center_of_mass=place,
+            heading=float(heading(theta)),
+            pitch=pitch,
+            link_angle=theta,
+            joint_angle=joint,
         )
         kept = [old for old in state.postures if old.time >= frame.time - self.span - 1e-9]
         return replace(state, postures=(*kept, posture))
+
+    def _own(self, angle: Vector) -> Vector:
+        """The joints that count, of all."""
+        return angle[: self.robot.n_joints] if self.in_space else self.robot.yaw_joints("angle", angle)
+
+    def _seen(self, position: Vector, rotation: np.ndarray, joint: Vector) -> tuple[Vector, Vector, float]:
+        """Link angles [rad], center of mass [m] and mean pitch [rad], by the pose of the marker body."""
+        if not self.in_space:
+            link, offset = self.on_link
+            theta = link_angles(joint, angle=self.mount.link_yaw(rotation), link=link)
+            return theta, center_of_mass(self._chain, position[:2], theta, link=link, offset=offset), 0.0
+        modules = module_poses(self.robot, np.zeros(3), np.eye(3), joint)  # in the axes of the tail module
+        carrier = modules.rotation[self.mount.module]
+        turned = rotation @ turn("yaw", -self.mount.angle) @ carrier.T
+        marker = modules.position[self.mount.module] + carrier @ np.array((*self.mount.offset, 0.0)[:3])
+        ahead = turned @ modules.rotation[:, :, 0].T
+        theta: Vector = np.unwrap(np.arctan2(ahead[1], ahead[0]))
+        pitch: Vector = -np.arctan2(ahead[2], np.hypot(ahead[0], ahead[1]))
+        return theta, position - turned @ marker, float(pitch.mean())
 
     def estimate(self, state: KinematicState, time: float | None = None) -> Estimate | None:
         """What the last frame said; None before the first one.
@@ -120,6 +147,7 @@ class KinematicEstimator(StateEstimator):
             center_of_mass=last.center_of_mass,
             center_of_mass_velocity=pace * (last.center_of_mass - first.center_of_mass),
             heading=last.heading,
+            pitch=last.pitch,
             heading_rate=pace * (last.heading - first.heading),
             link_angle=last.link_angle,
             joint_angle=last.joint_angle,

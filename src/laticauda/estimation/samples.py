@@ -17,6 +17,7 @@ from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
 from laticauda.robot.body import reduce_to_plane
 
+Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
 Vector: TypeAlias = Float[np.ndarray, " _"]
 
 
@@ -103,7 +104,7 @@ Status: TypeAlias = Literal["tracking", "bridging", "lost"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate(Observation):
-    """What an estimator says can be seen of the robot, in the plane, and how sure that is; a controller takes it."""
+    """What an estimator says can be seen of the robot, and how sure that is; a controller takes it."""
 
     status: Status
     """`tracking`: motion capture sees the robot; `bridging`: a drop-out is being bridged; `lost`: for too long [-]."""
@@ -127,8 +128,8 @@ class Mount:
     """
 
     module: int = quantity("", "which module of the robot carries it, 0 = tail", ge=0, default=0)
-    offset: tuple[float, float] = quantity(
-        "m", "its place from the middle of that module: toward the head, to the left", default=(0.0, 0.0)
+    offset: Offset = quantity(
+        "m", "its place from the middle of that module: toward the head, to the left, and up", default=(0.0, 0.0)
     )
     angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
 
@@ -145,7 +146,7 @@ class Mount:
         if self.module >= len(robot.modules):
             raise BadArgument("module", f"must be < {len(robot.modules)}, the number of modules, got {self.module}")
         plane = reduce_to_plane(robot.modules, robot.joints)
-        along, across = self.offset
+        along, across = self.offset[:2]
         return plane.link[self.module], (plane.shift[self.module] + along, across)
 
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:

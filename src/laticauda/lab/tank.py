@@ -237,7 +237,7 @@ class Tank:
 
 HELP = (
     "Lines: a fault (" + ", ".join(KINDS) + ") with node=, duration=, share=, delay=, temperature=; `clear` ends all "
-    "faults; `carry X Y HEADING_DEG` puts the robot back; `truth` says where it is."
+    "faults; `carry X Y HEADING_DEG [DEPTH]` puts the robot back; `truth` says where it is."
 )
 
 
@@ -272,9 +272,12 @@ def assist(tank: Tank, line: str) -> str:
 
 def _carry(tank: Tank, words: list[str]) -> str:
     try:
-        x, y, heading = (float(word) for word in words)
+        x, y, heading, *depth = (float(word) for word in words)
     except ValueError:
         got = " ".join(words)
-        raise BadArgument("carry", f"must have three numbers, x y [m] and heading [deg], got {got!r}") from None
-    tank.carry(Start(center_of_mass=(x, y), heading=math.radians(heading)))
-    return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg"
+        rule = "must have three numbers, x y [m] and heading [deg], and a depth [m] in space, got"
+        raise BadArgument("carry", f"{rule} {got!r}") from None
+    at = f" depth {depth[0]:g} m" if depth else ""
+    start = Start(center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None)
+    tank.carry(start)
+    return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg{at}"

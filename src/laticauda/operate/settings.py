@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from laticauda.control import Following
 from laticauda.errors import BadArgument
 from laticauda.estimation import Mount
+from laticauda.estimation.samples import Offset
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, check_waves
 from laticauda.protocol import bus_address
@@ -78,6 +79,7 @@ class CaptureVolume:
     volume_y: tuple[float, float] = quantity("m", "across it", default=(-2.725, 2.725))
     path_origin: tuple[float, float] = quantity("m", "origin of the path frame", default=(0.0, 0.0))
     path_heading: float = quantity("rad", "direction of its x axis", default=0.0)
+    surface: float = quantity("m", "height of the water's surface, at which the path frame has 0", default=0.0)
 
     def __post_init__(self) -> None:
         """Refuse a volume that is turned inside out."""
@@ -87,18 +89,16 @@ class CaptureVolume:
                 raise BadArgument(name, f"must be a smaller and a greater number in m, got {(low, high)!r}")
 
     def to_path(self, position: Vector) -> Vector:
-        """A position of the tank frame in the path frame [m]; the height stays."""
+        """A position of the tank frame in the path frame [m]."""
         cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
         x, y = position[0] - self.path_origin[0], position[1] - self.path_origin[1]
-        return np.array([cos * x + sin * y, cos * y - sin * x, *position[2:]])
+        return np.array([cos * x + sin * y, cos * y - sin * x, *(position[2:] - self.surface)])
 
     def to_tank(self, position: Vector) -> Vector:
         """A position of the path frame in the tank frame [m]."""
         cos, sin = math.cos(self.path_heading), math.sin(self.path_heading)
-        x, y = position[0], position[1]
-        return np.array(
-            [self.path_origin[0] + cos * x - sin * y, self.path_origin[1] + sin * x + cos * y, *position[2:]]
-        )
+        x, y = cos * position[0] - sin * position[1], sin * position[0] + cos * position[1]
+        return np.array([self.path_origin[0] + x, self.path_origin[1] + y, *(position[2:] + self.surface)])
 
     def room(self, position: Vector, velocity: Vector) -> float:
         """Distance to the edge that the robot moves to; infinite if it moves to none [m].
@@ -125,8 +125,8 @@ class Calibration:
     joint_zeros: bool = option("whether joint zeros are measured", default=False)
     max_joint_zero: float = quantity("rad", "larger zeros are refused", gt=0.0, default=math.radians(5.0))
     marker_module: int = quantity("", "the module that carries the rigid body, 0 = tail", ge=0, default=0)
-    marker_offset: tuple[float, float] = quantity(
-        "m", "of the rigid body from the middle of its module: toward the head, to the left", default=(0.0, 0.0)
+    marker_offset: Offset = quantity(
+        "m", "of the rigid body from the middle of its module: toward the head, to the left, and up", default=(0.0, 0.0)
     )
     marker_yaw: float = quantity("rad", "direction of the rigid body's x axis to the module's", default=0.0)
     straight_heading: float | None = quantity(
@@ -190,7 +190,8 @@ class Operation:
         "V", "V of (4), by which the power meter's current becomes power; needed beside a meter", gt=0.0, default=None
     )
     estimator: Literal["filter", "kinematics"] = option(
-        "what says where the robot is; kinematics, as in the paper, bridges no drop-out", default="filter"
+        "what says where the robot is; kinematics, as in the paper, bridges no drop-out; in space it is always taken",
+        default="filter",
     )
     connection: Connection = option("where the devices are", default_factory=Connection)
     tank: CaptureVolume = option("where the path is in the tank", default_factory=CaptureVolume)
@@ -204,6 +205,11 @@ class Operation:
         if self.supply_voltage is None and self.connection.meter_port:
             rule = "must be given in V beside a power meter, whose current it turns into power, got None"
             raise BadArgument("supply_voltage", rule)
+
+    @property
+    def in_space(self) -> bool:
+        """Whether depth and pitch are measured: for a path in space, or a gait that moves pitch joints."""
+        return self.gait.pitch is not None or (self.following is not None and self.following.path_depth is not None)
 
     def body(self) -> Robot:
         """The robot.

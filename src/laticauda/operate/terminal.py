@@ -246,7 +246,7 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
     if estimate is None:
         rows.append(("pose", "not known yet"))
     else:
-        x, y = estimate.center_of_mass
+        x, y, *height = estimate.center_of_mass
         speed = math.hypot(*estimate.center_of_mass_velocity)
         rows += [
             ("position", f"{x:7.3f}, {y:7.3f} m"),
@@ -254,6 +254,7 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
             ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
             ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
         ]
+        rows += [("depth", f"{-z:7.3f} m, pitch {math.degrees(estimate.pitch):.1f}° down") for z in height]
     if state.reference.command is not None and operation.following is not None:
         rows.append(("offset", f"{math.degrees(state.reference.command.offset):7.1f}°"))
     if state.reading is not None:

@@ -1,7 +1,8 @@
 """A Robot as URDF, for the tools of ROS and for every other reader of it.
 
 Links and joints have the names, the frames and the numbers of `spatial.bodies`; URDF has no ellipses, so links look
-like round cylinders of the same volume. The water is not in it: URDF has no words for that.
+like round cylinders of the same volume. The water is not in it: URDF has no words for that. The modules' centers of
+mass lie as far below their axes as in a simulation (`Spatial.ballast_depth`).
 """
 
 import math
@@ -13,6 +14,7 @@ from laticauda.angles import from_quaternion
 from laticauda.errors import BadArgument, instance
 from laticauda.files import write
 from laticauda.robot import Joint, Module, Robot
+from laticauda.scenarios import Spatial
 from laticauda.spatial.appearance import MATERIALS, checked, copied, plate
 from laticauda.spatial.bodies import Body, bodies, mounts
 
@@ -42,7 +44,8 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     for body in bodies(robot):
         link = _add(root, "link", name=body.name)
         inertial, (ixx, iyy, izz) = _add(link, "inertial"), body.inertia
-        _add(inertial, "origin", xyz=(body.center, 0.0, 0.0))
+        below = Spatial().ballast_depth if isinstance(body.part, Module) else 0.0
+        _add(inertial, "origin", xyz=(body.center, 0.0, -below))
         _add(inertial, "mass", value=body.mass)
         _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
         if isinstance(body.part, Module):

@@ -67,8 +67,8 @@ class Operator:
     def estimator(self) -> Estimator | KinematicEstimator:
         """The state estimation."""
         mount = self.operation.calibration.mount
-        if self.operation.estimator == "kinematics":
-            return KinematicEstimator(robot=self.robot, mount=mount)
+        if self.operation.estimator == "kinematics" or self.operation.in_space:
+            return KinematicEstimator(robot=self.robot, mount=mount, in_space=self.operation.in_space)
         lost_after = self.operation.limits.mocap_timeout
         return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
 
@@ -118,7 +118,8 @@ class Operator:
         tank, found = self.operation.tank, dict(inputs.events)
         room = float("inf")
         if state.estimate is not None and state.phase == "running":
-            velocity = tank.to_tank(state.estimate.center_of_mass_velocity) - tank.to_tank(np.zeros(2))
+            velocity = state.estimate.center_of_mass_velocity
+            velocity = tank.to_tank(velocity) - tank.to_tank(np.zeros_like(velocity))
             room = tank.room(tank.to_tank(state.estimate.center_of_mass), velocity)
         sent = before.supervisor.sends_references
         started = state.since if state.since is not None else now

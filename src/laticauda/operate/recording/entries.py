@@ -118,7 +118,7 @@ class Timing:
 
 
 Numbers: TypeAlias = Float[np.ndarray, " _"]
-ESTIMATE = "/estimate"
+ESTIMATE, IN_SPACE = "/estimate", "/estimate/in_space"
 OPTIONAL = ("rotation", "rate", "torque", "current", "average", "minimum", "maximum", "since")
 """Fields that are None where nothing was measured."""
 _STATUS = get_args(Status)
@@ -213,10 +213,17 @@ SCHEMAS: dict[str, Schema] = {
         "time status age center_of_mass:2 center_of_mass_velocity:2 heading heading_rate center_of_mass_std "
         "heading_std current:2 current_std n joint_angle:n joint_rate:n link_angle:n+1",
     ),
+    IN_SPACE: Schema(
+        Estimate,
+        "time, status, age, center of mass, its velocity, heading, heading rate, pitch, "
+        "n joints, n joint angles, n joint rates, n + 1 link angles",
+        "time status age center_of_mass:3 center_of_mass_velocity:3 heading heading_rate pitch "
+        "n joint_angle:n joint_rate:n link_angle:n+1",
+    ),
 }
-_TOPICS = {schema.kind: topic for topic, schema in SCHEMAS.items()}
+_TOPICS = {schema.kind: topic for topic, schema in SCHEMAS.items() if topic != IN_SPACE}
 
 
 def topic_of(entry: Measurement | Estimate) -> str:
     """Where an entry is recorded."""
-    return _TOPICS[type(entry)]
+    return IN_SPACE if isinstance(entry, Estimate) and entry.center_of_mass.size == 3 else _TOPICS[type(entry)]

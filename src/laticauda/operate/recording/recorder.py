@@ -5,7 +5,6 @@ same in the types that Foxglove draws by itself. docs/how-to/recordings.md lists
 writes what the loop hands over, so that no disk makes it late.
 """
 
-import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -17,11 +16,11 @@ from laticauda.codec import encode
 from laticauda.errors import not_negative
 from laticauda.estimation import Estimate, JointSample, PoseSample
 from laticauda.interfaces import Command
-from laticauda.kinematics import to_quaternion
+from laticauda.kinematics import to_quaternion, turn
 from laticauda.logs import Recorder
 from laticauda.operate.course.state import OperatorState, Outputs
 from laticauda.operate.drivers.can import Frame
-from laticauda.operate.recording.entries import ESTIMATE, SCHEMAS, Event, Measurement, PowerReading, Tick, topic_of
+from laticauda.operate.recording.entries import SCHEMAS, Event, Measurement, PowerReading, Tick, topic_of
 from laticauda.operate.recording.header import HEADER, Header
 
 CHUNK = 0.5  # what is lost at most when the program is killed [s]
@@ -80,10 +79,10 @@ class OperationRecorder:
     def estimate(self, estimate: Estimate) -> None:
         """An `estimate` of where the robot was."""
         time = estimate.time
-        self._array(ESTIMATE, time, estimate)
-        x, y = estimate.center_of_mass.tolist()
-        half = 0.5 * estimate.heading
-        self._recorder.pose("/estimate/body", time, (x, y, 0.0), (math.cos(half), 0.0, 0.0, math.sin(half)))
+        self._array(topic_of(estimate), time, estimate)
+        x, y, z = (*estimate.center_of_mass.tolist(), 0.0)[:3]
+        turned = to_quaternion(turn("yaw", estimate.heading) @ turn("pitch", estimate.pitch))
+        self._recorder.pose("/estimate/body", time, (x, y, z), turned)
         self._recorder.scalar("/estimate/heading", time, estimate.heading, unit="rad")
 
     def _array(self, topic: str, time: float, entry: Measurement | Estimate) -> None:

@@ -1,7 +1,7 @@
 """The run of a recording as a trial, with (5) and (4)."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from laticauda.estimation import Estimate, JointSample, ReferenceSample
 from laticauda.interfaces import Observation
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
+from laticauda.robot import Robot
 from laticauda.trial import Trial
 from laticauda.trial.metrics import joint_work
 
@@ -20,6 +21,8 @@ OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name not i
 """What a trial has of every estimate as it is."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
+Own = Callable[[Robot, str, Column], Column]
+"""The joints that a trial has, of all."""
 
 
 def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
@@ -62,8 +65,9 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     time = np.array([estimate.time for estimate in run])
     observed: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED}
     electrical, power_source = electrical_work(log, time)
-    torque = _torque(log, time)
-    joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time)}
+    own = _all_joints if observed["center_of_mass"].shape[1] == 3 else Robot.yaw_joints
+    torque = _torque(log, time, own)
+    joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time, own)}
     work = None if torque is None else joint_work(time, torque, observed["joint_rate"])
     fin = _of_fin(log, time)
     if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
@@ -131,13 +135,17 @@ def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
     return two.average * (two.time - one.since) - one.average * (one.time - one.since)
 
 
-def _torque(log: OperationLog, time: Column) -> Table | None:
-    """Torques of the yaw joints at some times, straight between samples but for what is nan; None if not reported."""
+def _all_joints(robot: Robot, name: str, values: Column) -> Column:
+    return values[: robot.n_joints]
+
+
+def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
+    """Torques of those joints at some times, straight between samples but for what is nan; None if not reported."""
     samples = sorted((one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time)
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
-    table = np.stack([log.header.run.robot.yaw_joints("torque", sample.torque) for sample in samples])
+    table = np.stack([own(log.header.run.robot, "torque", sample.torque) for sample in samples])
     known = np.isfinite(table)
     columns: list[Column] = [
         np.interp(time, when[is_known], column[is_known]) if is_known.any() else np.zeros(time.size)
@@ -162,13 +170,13 @@ def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
     return found
 
 
-def _references(log: OperationLog, time: Column) -> Table | None:
+def _references(log: OperationLog, time: Column, own: Own) -> Table | None:
     """What was in force at some times; None if none was sent. Before the first one, straight."""
     samples: list[ReferenceSample] = log.of(ReferenceSample)
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
-    table = np.stack([log.header.run.robot.yaw_joints("angle", sample.angle) for sample in samples])
+    table = np.stack([own(log.header.run.robot, "angle", sample.angle) for sample in samples])
     held = np.searchsorted(when, time, side="right") - 1
     return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
 
@@ -180,6 +188,8 @@ def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, 
         "center_of_mass_std": np.array([estimate.center_of_mass_std for estimate in run]),
         "heading_std": np.array([estimate.heading_std for estimate in run]),
     }
+    if run[0].center_of_mass.size == 3:
+        found["pitch"] = np.array([estimate.pitch for estimate in run])
     begin, end = log.span
     decisions = [item for item in log.of(Decision) if begin <= item.time <= end and item.signals]
     if decisions:
