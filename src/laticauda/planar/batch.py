@@ -7,7 +7,6 @@ Runs may carry derivatives: then every number of a block is complex, and its ima
 derivative to the run's parameter.
 """
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -20,6 +19,7 @@ from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
+from laticauda.dynamics.school import usable_cores
 from laticauda.interfaces import Command, Start
 from laticauda.planar import rows
 from laticauda.planar.layout import Layout
@@ -127,13 +127,6 @@ def march_many(
         finally:
             for future in waiting:
                 future.cancel()
-
-
-def usable_cores() -> int:
-    """How many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1  # pragma: no cover - systems that bind no process to cores
 
 
 def _tasks(runs: Sequence[Run], interval: float) -> Iterator[list[np.ndarray]]:

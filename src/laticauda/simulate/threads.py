@@ -6,7 +6,7 @@ from threading import Event, local
 from typing import TypeVar
 
 from laticauda.errors import BadArgument, instance
-from laticauda.planar.batch import usable_cores
+from laticauda.dynamics.school import usable_cores
 from laticauda.scenarios import Scenario
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, run
