@@ -47,7 +47,7 @@ class School(school.School[PlanarPlant]):
         self._start = plant.rows(plant.init(Start(), command), command)
         self._lanes = aligned((n_blocks, self._start.size, self._width), float)
         self._lanes[:] = self._start[:, np.newaxis]
-        n_threads = min(whole("threads", threads or (1 if threads is None else threads), 1), n_blocks)
+        n_threads = min(whole("threads", 1 if threads is None else threads, 1), n_blocks)
         self._shares = np.array_split(np.arange(n_blocks), n_threads)
         self._workers = ThreadPoolExecutor(n_threads) if n_threads > 1 else None
         work = rows.WORK_ELECTRICAL if has_power_model(plant.robot, plant.joints) else rows.WORK_ABSOLUTE

@@ -3,7 +3,9 @@
 from typing import Any, Unpack, cast
 
 from laticauda.dynamics.plant import Plant
+from laticauda.dynamics.school import School
 from laticauda.errors import BadArgument, instance
+from laticauda.interfaces import Command
 from laticauda.robot import Environment, Ground, Robot, Water, law_of
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial, model_of, unknown_in
 
@@ -55,6 +57,15 @@ def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
     from laticauda.spatial.model import SpatialPlant
 
     return SpatialPlant(robot=robot, environment=environment, settings=model)
+
+
+def school_of(plant: Plant[Any], command: Command, n: int, interval: float, *, threads: int | None) -> School[Any]:
+    """Many of a plant's robots side by side; arguments as for the `School` of its model."""
+    if isinstance(plant.settings, Planar):
+        from laticauda.planar import school
+    else:
+        from laticauda.spatial import school
+    return school.School(cast(Any, plant), command, n, interval, threads=threads)
 
 
 def needs_compiling(environment: Environment, model: Model | str | None = None) -> bool:

@@ -5,8 +5,8 @@ from concurrent.futures import ThreadPoolExecutor
 from threading import Event, local
 from typing import TypeVar
 
-from laticauda.errors import BadArgument, instance
 from laticauda.dynamics.school import usable_cores
+from laticauda.errors import BadArgument, instance
 from laticauda.scenarios import Scenario
 from laticauda.simulate.plants import plant
 from laticauda.simulate.runner import Progress, run

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
@@ -15,7 +16,7 @@ from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
 from laticauda.kinematics import turn
 from laticauda.mujoco_water import Element, ground
-from laticauda.robot import Ground, Scene
+from laticauda.robot import Ground, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.spatial import rows
 from laticauda.spatial.bodies import quaternion
@@ -130,6 +131,19 @@ class SpatialPlant(Plant[Spatial]):
         ranges = self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
         return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
+    def in_current(self, velocity: Sequence[float]) -> "SpatialPlant":
+        """The same in other water; they share a model in MuJoCo, so one of them marches at a time.
+
+        Args:
+            velocity: Of the water along x and y [m/s].
+        """
+        if not isinstance(self.environment, Water):
+            raise BadArgument("environment", "must be a Water to have a current, got a Ground")
+        current = (*velocity, *self.environment.current[2:])
+        other = replace(self, environment=replace(self.environment, current=current))
+        vars(other)["_twin"] = self._twin
+        return other
+
     @cached_property
     def _twin(self) -> Twin:
         return Twin(self.robot, self.environment, self.settings)
@@ -204,7 +218,8 @@ class SpatialPlant(Plant[Spatial]):
         values, n, joints = values.copy(), self.robot.n_links, len(self._twin.joints)
         touched = 0 if self.settings.scene is None else 3 * n
         log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints + touched))
-        written = self._twin.run(values, given, steps, dt, every, log)
+        current = self.environment.current if isinstance(self.environment, Water) else None
+        written = self._twin.run(values, given, steps, dt, every, log, current)
         return values, log[:written]
 
     def _as_it_is(self, state: PlantState) -> np.ndarray:

@@ -122,12 +122,15 @@ class Twin:
         dt: float,
         every: int,
         log: np.ndarray,
+        current: tuple[float, ...] | None,
     ) -> int:
-        """Advance `values` in place; see `stepping.run`."""
+        """Advance `values` in place; see `stepping.run`. The `current` is that of the water now [m/s]."""
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
+            if current is not None:
+                self.water.set_current((*current, 0.0)[:3])
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
             for record, element in zip(records[len(records) - len(given[2]) :], given[2], strict=True):
                 record[table.THRUST : table.THRUST + 3] = element.thrust

@@ -10,7 +10,8 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, SwimmingEnv, SwimmingVectorEnv, swimmer
+from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
+from laticauda.quantities import value
 
 SHORT = {"duration": 1.0}  # five steps
 INFOS = ("x", "y", "heading", "power")
@@ -32,6 +33,35 @@ def test_gymnasium_has_no_complaint_about_the_single_environment(name: str):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make(name, **SHORT).unwrapped)
+
+
+def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_do():
+    pytest.importorskip("mujoco")
+    settings = {"duration": 0.6, "model": "spatial", "interval": 0.1}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make(IDS[0], **settings).unwrapped)
+    many = rolled(gymnasium.make_vec(IDS[0], num_envs=3, threads=2, **settings), count=8)
+    singles = rolled(gymnasium.make_vec(IDS[0], num_envs=3, vectorization_mode="sync", **settings), count=8)
+    planar = rolled(gymnasium.make_vec(IDS[0], num_envs=3, duration=0.6, interval=0.1), count=8)
+    for one, other, flat in zip(many, singles, planar, strict=True):
+        for x, y in zip(one[:-1], other[:-1], strict=True):
+            np.testing.assert_array_equal(x, y)
+        np.testing.assert_allclose(one[-1]["x"], flat[-1]["x"], atol=1e-4)  # the same episode by another model
+
+
+def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
+    @value
+    class Dive(Efficiency):
+        @property
+        def sights(self):
+            return (
+                Sight(name="height", of=lambda step: np.array([o.center_of_mass[2] for o in step.after.observations])),
+            )
+
+    task = Dive(scenario=swimmer(robot="mamba", model="spatial", root="free", duration=0.4))
+    seen, _ = SwimmingVectorEnv(2, task=task).reset(seed=0)
+    assert seen[:, 0] == pytest.approx([-0.505, -0.505])
 
 
 @pytest.mark.parametrize("name", IDS)

@@ -149,7 +149,7 @@ class SwimmingVectorEnv(VectorEnv):
         num_envs: How many.
         task: As for `SwimmingEnv`.
         autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
-        threads: As for `laticauda.planar.school.School`.
+        threads: As for `Episodes`.
         render_mode: None.
         settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
@@ -163,7 +163,7 @@ class SwimmingVectorEnv(VectorEnv):
         *,
         task: str | Swimming = "PathFollowing",
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        threads: int = 1,
+        threads: int | None = None,
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:

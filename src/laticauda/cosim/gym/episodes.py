@@ -12,9 +12,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.cosim.gym.swimming import Step, Swimming
+from laticauda.dynamics.school import Motion
 from laticauda.errors import BadArgument, finite, one_of
 from laticauda.interfaces import Command, Controller, Observation
-from laticauda.planar.school import Motion, School
+from laticauda.simulate.plants import school_of
 
 BOUND = 10.0
 """Numbers of an observation are cut off there [-]."""
@@ -42,15 +43,15 @@ class Episodes:
     Args:
         task: What they are to do.
         n: How many.
-        threads: As for `School`.
+        threads: That march them; None: one for planar robots, one for every core for those in space.
 
     Raises:
         ValueError: If an argument is out of its range.
     """
 
-    def __init__(self, task: Swimming, n: int, *, threads: int = 1) -> None:
+    def __init__(self, task: Swimming, n: int, *, threads: int | None = None) -> None:
         self.task = task
-        self._school = School(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
+        self._school = school_of(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
         self.n = self._school.n
         """How many lanes there are."""
         self._n_steps = np.zeros(n, dtype=int)

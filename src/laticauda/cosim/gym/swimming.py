@@ -10,18 +10,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Unpack, cast
+from typing import Any, Unpack
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.dynamics.plant import Plant
+from laticauda.dynamics.school import Motion
 from laticauda.errors import instance, within
 from laticauda.gaits import Gait
-from laticauda.planar.model import PlanarPlant
-from laticauda.planar.school import Motion
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Robot
-from laticauda.scenarios import Changes, Planar, Scenario, scenario
+from laticauda.scenarios import Changes, Scenario, scenario
 from laticauda.simulate import plant
 
 Numbers = Float[np.ndarray, " n"]
@@ -122,7 +122,6 @@ class Swimming(ABC):
     def __post_init__(self) -> None:
         """Check what goes together."""
         instance("scenario.motion", self.scenario.motion, Gait)
-        instance("scenario.model", self.scenario.model, Planar)
         within("interval", self.interval, 0.0, self.scenario.duration, "s")
 
     @property
@@ -136,9 +135,9 @@ class Swimming(ABC):
         return round(self.scenario.duration / self.interval)
 
     @cached_property
-    def plant(self) -> PlanarPlant:
+    def plant(self) -> Plant[Any]:
         """What swims."""
-        return cast(PlanarPlant, plant(self.scenario))
+        return plant(self.scenario)
 
     @property
     @abstractmethod
