@@ -6,9 +6,10 @@ no other one. Its numbers are those of the same robot alone (`Plant.step`), what
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -69,12 +70,18 @@ class School(ABC, Generic[PlantType]):
         command: What they are asked for until they are told otherwise, and where their generators begin.
         n: How many.
         interval: From one command to the next [s].
+        threads: The robots are shared out among as many, to no effect on their numbers; None: see `usual_threads`.
 
     Raises:
         ValueError: If an argument is out of its range.
     """
 
-    def __init__(self, plant: PlantType, command: Command, n: int, interval: float) -> None:
+    usual_threads: ClassVar[int]
+    """How many pay where nobody knows what else the cores have to do."""
+
+    def __init__(
+        self, plant: PlantType, command: Command, n: int, interval: float, *, threads: int | None = None
+    ) -> None:
         if not isinstance(plant.environment, Water):
             raise BadArgument("plant", "must swim in water, got one on the ground")
         self.plant, self.n, self.command = plant, whole("n", n, 1), command
@@ -87,6 +94,9 @@ class School(ABC, Generic[PlantType]):
         cut = [part - CLOSE] if part > 2.0 * CLOSE else []
         self._line = [np.repeat(self._first[:, np.newaxis], n, axis=1) for _ in range(int(late) + 1 + len(cut))]
         self._parts = [*cut, self.interval - sum(cut)]
+        self._shares = self._begin(self.usual_threads if threads is None else whole("threads", threads, 1))
+        self._workers = ThreadPoolExecutor(len(self._shares))
+        self._keep_seen()
 
     @property
     def motion(self) -> Motion:
@@ -145,9 +155,20 @@ class School(ABC, Generic[PlantType]):
     def state(self, which: int) -> PlantState:
         """The state of one of them, for the plant."""
 
-    @abstractmethod
     def close(self) -> None:
         """Let threads go."""
+        self._workers.shutdown()
+
+    @abstractmethod
+    def _begin(self, threads: int) -> Sequence[Any]:
+        """Make room for all robots; their shares, one for each thread and no more than `threads`."""
+
+    def _on_threads(self, work: Callable[[Any], None]) -> None:
+        """Do something with every share."""
+        if len(self._shares) == 1:
+            work(self._shares[0])
+        else:
+            list(self._workers.map(work, self._shares))
 
     @abstractmethod
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:

@@ -1,15 +1,13 @@
 """A school of planar robots: the lanes are those of `laticauda.planar.batch`, but stay in place between intervals."""
 
-from concurrent.futures import ThreadPoolExecutor
-from itertools import repeat
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from laticauda.dynamics import school
 from laticauda.dynamics.plant import PlantState
-from laticauda.errors import whole
-from laticauda.interfaces import Command, Observation, Start
+from laticauda.interfaces import Observation, Start
 from laticauda.planar import rows
 from laticauda.planar.batch import WIDTH, aligned
 from laticauda.planar.model import PlanarPlant
@@ -23,38 +21,23 @@ SEEN = (rows.TIME, rows.X, rows.Y, rows.VX, rows.VY, rows.HEADING, rows.HEADING_
 
 
 class School(school.School[PlanarPlant]):
-    """Planar robots in lanes.
+    """Planar robots in lanes; more threads pay from some thousand robots on. Arguments are those of the base."""
 
-    Args:
-        plant: See `laticauda.dynamics.school.School`.
-        command: As there.
-        n: As there.
-        interval: As there [s].
-        threads: The lanes are shared out among as many; None: one. More pay from some thousand robots on, on cores that
-            have nothing else to do.
+    usual_threads = 1
 
-    Raises:
-        ValueError: If an argument is out of its range.
-    """
-
-    def __init__(
-        self, plant: PlanarPlant, command: Command, n: int, interval: float, *, threads: int | None = None
-    ) -> None:
-        super().__init__(plant, command, n, interval)
+    def _begin(self, threads: int) -> Sequence[np.ndarray]:
+        plant, n = self.plant, self.n
         # One robot is faster in a kernel of one lane, and does the same in it.
         self._width = 1 if n == 1 else WIDTH
         n_blocks = -(-n // self._width)
-        self._start = plant.rows(plant.init(Start(), command), command)
+        self._start = plant.rows(plant.init(Start(), self.command), self.command)
         self._lanes = aligned((n_blocks, self._start.size, self._width), float)
         self._lanes[:] = self._start[:, np.newaxis]
-        n_threads = min(whole("threads", 1 if threads is None else threads, 1), n_blocks)
-        self._shares = np.array_split(np.arange(n_blocks), n_threads)
-        self._workers = ThreadPoolExecutor(n_threads) if n_threads > 1 else None
         work = rows.WORK_ELECTRICAL if has_power_model(plant.robot, plant.joints) else rows.WORK_ABSOLUTE
         self._seen = np.array((*SEEN, work)) - rows.TIME
         kernel: Any = plant.kernels_of(self._width).run
         self._kernel, self._shape = kernel, plant.layout.chain
-        self._keep_seen()
+        return np.array_split(np.arange(n_blocks), min(threads, n_blocks))
 
     def state(self, which: int) -> PlantState:
         """The state of one of them, for `PlanarPlant`."""
@@ -63,11 +46,6 @@ class School(school.School[PlanarPlant]):
         n_bodies = self.plant.layout.n_bodies
         body = values[rows.HEADER_ROWS : rows.HEADER_ROWS + n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
         return PlantState(values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE])))
-
-    def close(self) -> None:
-        """Let threads go."""
-        if self._workers is not None:
-            self._workers.shutdown()
 
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
         block, lane = np.divmod(which, self._width)
@@ -87,10 +65,7 @@ class School(school.School[PlanarPlant]):
         self._lanes[:, COMMAND] = every.reshape(len(told), -1, self._width).transpose(1, 0, 2)
         steps = self.plant.steps_in(duration)
         how = (self.plant.is_implicit, steps, duration / steps, steps)
-        if self._workers is None:
-            self._run(self._shares[0], how)
-        else:
-            list(self._workers.map(self._run, self._shares, repeat(how)))
+        self._on_threads(lambda blocks: self._run(blocks, how))
         return self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
 
     def _run(self, blocks: np.ndarray, how: tuple[bool, int, float, int]) -> None:

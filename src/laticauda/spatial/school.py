@@ -1,15 +1,13 @@
 """A school of robots in space: they share a few models in MuJoCo, one for every thread that marches them."""
 
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from laticauda.dynamics import school
 from laticauda.dynamics.plant import PlantState
-from laticauda.dynamics.school import usable_cores
-from laticauda.errors import whole
-from laticauda.interfaces import Command, Observation, Start
+from laticauda.interfaces import Observation, Start
 from laticauda.robot import has_power_model
 from laticauda.spatial import rows
 from laticauda.spatial.model import SpatialPlant
@@ -18,41 +16,21 @@ WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, ph
 
 
 class School(school.School[SpatialPlant]):
-    """Robots in space.
+    """Robots in space, whose marches let go of the interpreter. Arguments are those of the base."""
 
-    Args:
-        plant: See `laticauda.dynamics.school.School`.
-        command: As there.
-        n: As there.
-        interval: As there [s].
-        threads: How many march them; None: one for every core that this process may use.
+    usual_threads = school.usable_cores()
 
-    Raises:
-        ValueError: If an argument is out of its range.
-    """
-
-    def __init__(
-        self, plant: SpatialPlant, command: Command, n: int, interval: float, *, threads: int | None = None
-    ) -> None:
-        super().__init__(plant, command, n, interval)
-        own = [plant] + [
-            replace(plant)
-            for _ in range(1, min(whole("threads", usable_cores() if threads is None else threads, 1), n))
-        ]
-        self._bodies: list[SpatialPlant] = [own[i % len(own)] for i in range(n)]
-        self._states = [plant.init(Start(), command)] * n
-        self._shares = [range(first, n, len(own)) for first in range(len(own))]
-        self._workers = ThreadPoolExecutor(len(own))
+    def _begin(self, threads: int) -> Sequence[range]:
+        plant, n = self.plant, self.n
+        own: list[SpatialPlant] = [plant] + [replace(plant) for _ in range(1, min(threads, n))]
+        self._bodies = [own[i % len(own)] for i in range(n)]
+        self._states = [plant.init(Start(), self.command)] * n
         self._work = rows.WORK_ABSOLUTE + (3 if has_power_model(plant.robot, plant.joints) else 0)
-        self._keep_seen()
+        return [range(first, n, len(own)) for first in range(len(own))]
 
     def state(self, which: int) -> PlantState:
         """The state of one of them, for `SpatialPlant`."""
         return self._states[which]
-
-    def close(self) -> None:
-        """Let threads go."""
-        self._workers.shutdown()
 
     def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: np.ndarray) -> None:
         for k, i in enumerate(map(int, which)):
@@ -70,7 +48,7 @@ class School(school.School[SpatialPlant]):
                 self._states[i], _, failure = self._bodies[i].march(self._states[i], command, duration, duration)
                 well[i] &= failure is None
 
-        list(self._workers.map(march, self._shares))
+        self._on_threads(march)
         return well
 
     def _look(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
