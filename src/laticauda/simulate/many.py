@@ -133,24 +133,15 @@ def swum(scenarios: Sequence[Scenario], threads: int | None, progress: Progress 
     names = (*UNITS, "z")
 
     def figures(trial: Trial) -> tuple[list[float], bool, str]:
-        end = trial.center_of_mass[-1]
-        held = {"heading": trial.heading[-1], **dict(zip("xyz", end, strict=True))}
-        found = [held[name] if name in held else _or_nan(trial, name) for name in names]
-        return found if trial.succeeded else [math.nan] * len(names), trial.succeeded, trial.status
+        end = {"heading": trial.heading[-1], **dict(zip("xyz", trial.center_of_mass[-1], strict=True))}
+        found = {**trial.figures()[0], **end} if trial.succeeded else {}
+        return [math.nan if (one := found.get(name)) is None else one for name in names], trial.succeeded, trial.status
 
     for i, one in enumerate(scenarios):
         instance(f"scenarios[{i}].model", one.model, Spatial)
     numbers, succeeded, status = zip(*swim_each(scenarios, figures, threads=threads, progress=progress), strict=True)
     by_name = dict(zip(names, np.array(numbers).T, strict=True))
     return Collected(figures=by_name, succeeded=np.array(succeeded), status=status)
-
-
-def _or_nan(trial: Trial, figure: str) -> float:
-    """A figure of a trial; nan where it has no meaning."""
-    try:
-        return float(getattr(trial, figure))
-    except ValueError:
-        return math.nan
 
 
 def batch_of(
