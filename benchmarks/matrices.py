@@ -1,11 +1,13 @@
 """How much faster is the kernel than the closed form as one would write it: NumPy matrices and `solve_ivp`?
 
-Question: Mamba, 30 s, prescribed joints; the printed matrices (`planar.equations`) under SciPy's integrators with its
-usual tolerances, against `swim` and a trial of a batch. Printed: time, ratio, and error of the end point over the
+Question: Mamba, 30 s, prescribed joints; the printed matrices (`tests/printed_equations.py`) under SciPy's integrators
+with its usual tolerances, against `swim` and a trial of a batch. Printed: time, ratio, error of the end point over the
 distance (reference: the kernel at a 32nd of its step). All compute the same model.
 """
 
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 from _timing import fastest, print_load
@@ -14,7 +16,9 @@ from scipy.integrate import solve_ivp
 import laticauda as lc
 from laticauda.gaits import reference
 from laticauda.hydrodynamics import link_coefficients
-from laticauda.planar import equations
+
+sys.path.append(str(Path(__file__).parent.parent / "tests"))
+import printed_equations as equations  # the oracle of the tests
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 METHODS = {"RK45, defaults": {"method": "RK45"}, "LSODA, rtol 1e-6": {"method": "LSODA", "rtol": 1e-6, "atol": 1e-9}}

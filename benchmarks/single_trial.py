@@ -2,7 +2,7 @@
 
 Question: does a prescribed trial take under 2 ms of one core at an error of 1e-6 of the distance, and a pd or servo
 trial under 60 ms at 1e-4? Times are the least of many runs; the ratio is to the same accelerations by the printed
-matrices (`planar.equations`, NumPy), as many evaluations as the run makes.
+matrices (`tests/printed_equations.py`, NumPy), as many evaluations as the run makes.
 
 Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes 1.0 of the 1.4 ms:
     joints      dt [s]   time [ms]   matrices / kernel   error / distance
@@ -11,14 +11,18 @@ Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; th
     servo        0.002        15.7               x 510            2.7e-05
 """
 
+import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
 import laticauda as lc
 from laticauda.hydrodynamics import link_coefficients
-from laticauda.planar import equations
+
+sys.path.append(str(Path(__file__).parent.parent / "tests"))
+import printed_equations as equations  # the oracle of the tests
 
 GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
 STAGES = {"prescribed": 6, "pd": 2, "servo": 2}

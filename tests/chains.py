@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 import numpy as np
+import printed_equations as equations
 
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import link_coefficients
-from laticauda.planar import equations, rows
+from laticauda.planar import rows
 from laticauda.planar.layout import Layout, layout
 from laticauda.planar.model import specialize
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, Thruster, Water

@@ -33,6 +33,7 @@ jaxtyping.install_import_hook(
         ".".join(path.relative_to(SOURCES).with_suffix("").parts).removesuffix(".__init__")
         for path in sorted(SOURCES.rglob("*.py"))
         if _states_shapes(path)
-    ],
+    ]
+    + ["printed_equations"],
     "typechecker.check",
 )

@@ -6,15 +6,15 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
+import printed_equations as eq
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from printed_equations import Chain, Options
 from scipy.integrate import solve_ivp
 
 from laticauda.fluid.laws import DragLaw, PolynomialDrag, TotalSpeedDrag
-from laticauda.planar import equations as eq
-from laticauda.planar.equations import Chain, Options
 
 FORMS = ("relative", "kirchhoff", "classic")
 NO_DRAG: dict[str, Any] = {"drag": PolynomialDrag(linear=False, quadratic=False)}

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import printed_equations as equations
 import pytest
 from chains import kernels, oracle
 from hypothesis import given, settings
@@ -12,7 +13,7 @@ from scipy.linalg import eigh
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import bending_frequencies
-from laticauda.planar import equations, rows
+from laticauda.planar import rows
 from laticauda.planar.layout import layout
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, load_robot, load_water

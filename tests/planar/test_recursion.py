@@ -1,4 +1,5 @@
 import numpy as np
+import printed_equations as equations
 import pytest
 from chains import (
     FORMS,
@@ -16,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from laticauda.fluid.laws import TotalSpeedDrag
-from laticauda.planar import equations, rows
+from laticauda.planar import rows
 from laticauda.planar.layout import layout
 from laticauda.robot import Tether, Water, load_robot, load_water
 

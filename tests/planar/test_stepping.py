@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import printed_equations as equations
 import pytest
 from chains import kernels, oracle, random_robot, random_state, random_water, recursion
 from hypothesis import given, settings
@@ -11,7 +12,7 @@ from scipy.integrate import solve_ivp
 import laticauda as lc
 from laticauda.actuation import PD
 from laticauda.fluid.laws import PolynomialDrag
-from laticauda.planar import equations, rows
+from laticauda.planar import rows
 from laticauda.planar.layout import layout
 from laticauda.planar.model import specialize
 from laticauda.robot import Joint, load_robot, load_water

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from printed_equations import Chain, Options, fluid_forces
 
 import laticauda as lc
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.hydrodynamics import link_coefficients, wake_mass
-from laticauda.planar.equations import Chain, Options, fluid_forces
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import textbook_water
 from laticauda.trial.metrics import towing_drag
