@@ -193,5 +193,5 @@ def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
     twin = lc.plant(TWIN.robot, water, joints="servo")
-    with pytest.raises(ValueError, match="`plant` must have a law that is a class, and no shore, to be recorded"):
+    with pytest.raises(ValueError, match="`plant` must have a law that is a class, and no scene, to be recorded"):
         Header(run=Experiment(robot=TWIN.robot, environment=water), estimator=Estimator(robot=TWIN.robot, plant=twin))

@@ -14,10 +14,11 @@ from laticauda.interfaces import Observation
 from laticauda.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.operate.recording.log import OperationLog
 from laticauda.robot import Robot
+from laticauda.series import SERIES
 from laticauda.trial import Trial
 from laticauda.trial.metrics import joint_work
 
-OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name not in ("time", "pitch"))
+OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time")
 """What a trial has of every estimate as it is."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
