@@ -30,7 +30,9 @@ from laticauda.mujoco_water.vectors import field, integers, numbers
 # last bits are the place in the registry.
 PLACE_BITS = 12
 MOST_MODELS = 1 << PLACE_BITS
-registry = np.zeros(2 + 2 * MOST_MODELS, dtype=np.int64)
+REGISTRY_SIZE = 3 + 2 * MOST_MODELS  # the last word: the sensor callback that was there before
+registry = np.zeros(REGISTRY_SIZE, dtype=np.int64)
+SCRATCH = 33  # numbers per body: acceleration and load (6 each), inertia (21)
 
 _SYMBOL = "laticauda_water_registry"
 llvmlite.binding.add_symbol(_SYMBOL, registry.ctypes.data)
@@ -143,21 +145,27 @@ def add_hold(T, data):
 
 @kernel
 @no_type_check
-def apply(model, data, table):
-    """All loads of one model's water."""
-    T = integers(table, TABLE_SIZE)
-    n_bodies = T[N_BODIES]
-    mark_stack(data)
-    S = numbers(allocate(data, 33 * n_bodies + 16), 33 * n_bodies + 16)
-    law_io = S[33 * n_bodies :]
-    for k in range(6 * n_bodies, 33 * n_bodies):
+def collect(T, model, data, S):
+    """Accelerations of all bodies if no joint accelerates, and the loads and inertia of all elements on them."""
+    n_bodies, n = T[N_BODIES], T[N_ELEMENTS]
+    law_io = S[SCRATCH * n_bodies :]
+    for k in range(6 * n_bodies, SCRATCH * n_bodies):
         S[k] = 0.0
     velocity_accelerations(T, data, S)
-    n = T[N_ELEMENTS]
     body, E, P = integers(T[ELEMENT_BODY], n), numbers(T[ELEMENTS], n * ELEMENT_SIZE), numbers(T[WATER], WATER_SIZE)
     step = number_at(model + T[AT_TIME_STEP])
     for e in range(n):
         element_load(E, e * ELEMENT_SIZE, T, P, S, body[e], model, data, law_io, step)
+
+
+@kernel
+@no_type_check
+def apply(model, data, table):
+    """All loads of one model's water."""
+    T = integers(table, TABLE_SIZE)
+    mark_stack(data)
+    S = numbers(allocate(data, SCRATCH * T[N_BODIES] + 16), SCRATCH * T[N_BODIES] + 16)
+    collect(T, model, data, S)
     gather(T, data, S)
     if T[HAS_INERTIA]:
         write_inertia(T, model, data, S)
@@ -167,15 +175,23 @@ def apply(model, data, table):
     free_stack(data)
 
 
+@kernel
 @no_type_check
-def _passive(model, data):
-    R = integers(registry_address(), 2 + 2 * MOST_MODELS)
-    if R[0] != 0:
-        call_2(R[0], model, data)
+def table_of(model):
+    """Address of a model's table; 0: it has no water."""
+    R = integers(registry_address(), REGISTRY_SIZE)
     mark = word_at(model + R[1])
     place = 2 + 2 * (mark & (MOST_MODELS - 1))
-    if mark != 0 and R[place] == mark:
-        apply(model, data, R[place + 1])
+    return R[place + 1] if mark != 0 and R[place] == mark else 0
+
+
+@no_type_check
+def _passive(model, data):
+    before, table = word_at(registry_address()), table_of(model)
+    if before != 0:
+        call_2(before, model, data)
+    if table != 0:
+        apply(model, data, table)
 
 
 @cache

@@ -27,7 +27,8 @@ from laticauda.extras import load_mujoco
 # A free body with a hinged child: every array that is looked for has an address of its own.
 _PROBE = """
 <mujoco><worldbody><body><freejoint/><geom size=".1"/>
-<body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/></body></body></worldbody></mujoco>
+<body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/><site name="s"/></body></body></worldbody>
+<sensor><force site="s"/></sensor></mujoco>
 """
 _RARE = 0.7310585786300049  # a number that stands nowhere else
 
@@ -172,6 +173,12 @@ def _call(where, *arguments):
 def call_1(typingctx, where, a):
     """Call the function f(a) at the address `where`."""
     return _call(where, a)
+
+
+@intrinsic
+def call_3(typingctx, where, a, b, c):
+    """Call the function f(a, b, c) at the address `where`."""
+    return _call(where, a, b, c)
 
 
 @intrinsic

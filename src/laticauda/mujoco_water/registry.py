@@ -55,7 +55,7 @@ def enter(model: Any, table: np.ndarray, keep: Any) -> int:
     Returns:
         The mark.
     """
-    rows = loads.registry[2:].reshape(-1, 2)
+    rows = loads.registry[2:-1].reshape(-1, 2)
     with _lock:
         free = np.flatnonzero(rows[1:, 0] == 0) + 1
         if not free.size and _gone:
@@ -81,7 +81,7 @@ def forget(mark: int) -> None:
 
 
 def _forget(mark: int) -> None:
-    row = loads.registry[2:].reshape(-1, 2)[mark & (loads.MOST_MODELS - 1)]
+    row = loads.registry[2:-1].reshape(-1, 2)[mark & (loads.MOST_MODELS - 1)]
     if row[0] == mark:
         row[:] = 0
     _kept.pop(mark, None)

@@ -28,6 +28,8 @@ from laticauda.formulas import MOST_NUMBERS
     OUT,  # loads per element; 0: not wanted
     GRID,  # of the terrain, see ground.Terrain.nodes
     GRID_SIZE,  # how many numbers; 0: none
+    SENSORS,  # of each force and torque sensor: place of its data, site, body, and 1 for force
+    N_SENSORS,
     # offsets in the model
     AT_GRAVITY,
     AT_TIME_STEP,
@@ -46,8 +48,13 @@ from laticauda.formulas import MOST_NUMBERS
     AT_QFRC_PASSIVE,
     AT_QFRC_FLUID,
     AT_TIME,
+    AT_CACC,
+    AT_CFRC_INT,
+    AT_SITE_XPOS,
+    AT_SITE_XMAT,
+    AT_SENSORDATA,
     TABLE_SIZE,
-) = range(39)
+) = range(46)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)

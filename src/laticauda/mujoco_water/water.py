@@ -15,7 +15,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
-from laticauda.mujoco_water import hydrostatics, native, registry
+from laticauda.mujoco_water import hydrostatics, native, registry, sensors
 from laticauda.mujoco_water import table as rows
 from laticauda.mujoco_water.checks import avoid_sparse_fault, body_of, check_model, warn_of
 from laticauda.mujoco_water.elements import Element
@@ -44,6 +44,9 @@ class Water:
     def detach(self) -> None:
         """Take the water away, from the model and from all copies of it."""
         registry.forget(self.mark)
+        model = self.model()
+        if model is not None:
+            sensors.give_back(model)
 
     @property
     def active(self) -> bool:
@@ -170,6 +173,10 @@ def attach(
             raise BadArgument("current", f"must be a function or 3 numbers, got {current!r}")
         water[[rows.V_X, rows.V_Y, rows.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     positive("usual_speed", usual_speed, "m/s")
+    arrays["sensors"] = sensors.take_over(model)
+    table[rows.SENSORS], table[rows.N_SENSORS] = arrays["sensors"].ctypes.data, arrays["sensors"].size // 4
+    if arrays["sensors"].size:
+        sensors.install()
     registry.install()
     mark = registry.enter(model, table, (arrays, keep))
     handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, mark=mark)
@@ -232,8 +239,8 @@ def _table(
     names = ("gravity", "timestep", "dof_armature")
     table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
     fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
-    fields += ("qfrc_passive", "qfrc_fluid", "time")
-    table[rows.AT_QVEL : rows.AT_TIME + 1] = native.offsets(*fields)
+    fields += ("qfrc_passive", "qfrc_fluid", "time", "cacc", "cfrc_int", "site_xpos", "site_xmat", "sensordata")
+    table[rows.AT_QVEL : rows.TABLE_SIZE] = native.offsets(*fields)
     return table, arrays
 
 

@@ -1,0 +1,144 @@
+"""Force and torque sensors of a model in water: what a real one would tell.
+
+MuJoCo computes what acts between a body and its parent after it has solved for the accelerations, from the inertia of
+the bodies and the forces that it knows; passive forces are none of them. What the water does to a body is such a force,
+and what its added mass does is known only then. So the force and torque sensors of a model with water are made user
+sensors, which MuJoCo leaves to a callback at that very stage: it takes the water's load on all that hangs on a sensor's
+body off what MuJoCo found.
+
+What a sensor was stands in its `refid`, which these two do not use, so copies and files of the model have it.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+# pyright: reportWildcardImportFromLibrary=false
+
+import ctypes
+from functools import cache
+from typing import Any, no_type_check
+
+import numpy as np
+from numba import cfunc, types
+
+from laticauda.compiling import kernel
+from laticauda.compiling.lanes import OPTIONS
+from laticauda.compiling.templates import named_after, sources_digest
+from laticauda.extras import load_mujoco
+from laticauda.mujoco_water.loads import REGISTRY_SIZE, SCRATCH, collect, registry, registry_address, table_of
+from laticauda.mujoco_water.native import allocate, call_3, free_stack, library, mark_stack
+from laticauda.mujoco_water.table import *
+from laticauda.mujoco_water.vectors import cross, field, integers, nine, numbers, plus, scaled, three, to_own
+
+ACCELERATIONS = 3  # MuJoCo's stage, mjSTAGE_ACC
+_KINDS = {"FORCE": -2, "TORQUE": -3}  # by name of the type: `refid` of the user sensor that stands in for it
+
+
+def take_over(model: Any) -> np.ndarray:
+    """Make a model's force and torque sensors ours; those with a history stay MuJoCo's.
+
+    Args:
+        model: The `mujoco.MjModel`.
+
+    Returns:
+        Per sensor: place of its data, its site, the site's body, and 1 if it senses force, else 0.
+    """
+    types_of = load_mujoco().mjtSensor
+    found: list[tuple[int, int, int, int]] = []
+    history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[:, 0]
+    for i in range(model.nsensor):
+        for name, sign in _KINDS.items():
+            own = model.sensor_type[i] == types_of.mjSENS_USER and model.sensor_refid[i] == sign
+            if own or (model.sensor_type[i] == getattr(types_of, f"mjSENS_{name}") and not history[i]):
+                model.sensor_type[i], model.sensor_refid[i] = types_of.mjSENS_USER, sign
+                site = int(model.sensor_objid[i])
+                found.append((int(model.sensor_adr[i]), site, int(model.site_bodyid[site]), int(name == "FORCE")))
+    return np.array(found, dtype=np.int64).ravel()
+
+
+def give_back(model: Any) -> None:
+    """Make the sensors that were taken over what they were.
+
+    Args:
+        model: The `mujoco.MjModel`.
+    """
+    types_of = load_mujoco().mjtSensor
+    for name, sign in _KINDS.items():
+        own = (model.sensor_type == int(types_of.mjSENS_USER)) & (model.sensor_refid == sign)
+        model.sensor_type[own], model.sensor_refid[own] = int(getattr(types_of, f"mjSENS_{name}")), -1
+
+
+def install() -> None:
+    """Put the sensor callback in place, in front of one that is there already."""
+    there, own = ctypes.c_void_p.in_dll(library(), "mjcb_sensor"), int(callback().address)
+    if there.value != own:
+        registry[REGISTRY_SIZE - 1] = there.value or 0
+        there.value = own
+
+
+@kernel
+@no_type_check
+def water_below(T, data, S):
+    """In place of every body's load: that on it and on all that hangs on it, at the accelerations that were found."""
+    n = T[N_BODIES]
+    parent, cacc = integers(T[PARENT], n), field(data, T[AT_CACC], 6 * n)
+    for b in range(n - 1, 0, -1):
+        F, A = 6 * (n + b), 12 * n + 21 * b
+        a = S[6 * b : 6 * b + 6]
+        for k in range(6):  # what the joints' accelerations add to it; MuJoCo's count from the world's, which is -g
+            a[k] = cacc[6 * b + k] - cacc[k] - a[k]
+        for row in range(3):
+            for column in range(3):
+                K = A + (row * (5 - row)) // 2 + column if row <= column else A + (column * (5 - column)) // 2 + row
+                S[F + row] -= S[K] * a[column] + S[A + 6 + 3 * row + column] * a[3 + column]
+                S[F + 3 + row] -= S[A + 6 + 3 * column + row] * a[column] + S[K + 15] * a[3 + column]
+        if parent[b] > 0:
+            for k in range(6):
+                S[6 * (n + parent[b]) + k] += S[F + k]
+
+
+@kernel
+@no_type_check
+def sense(model, data, table):
+    """The readings of one model's force and torque sensors."""
+    T = integers(table, TABLE_SIZE)
+    n = T[N_BODIES]
+    if T[N_SENSORS] == 0:
+        return
+    mark_stack(data)
+    S = numbers(allocate(data, SCRATCH * n + 16), SCRATCH * n + 16)
+    collect(T, model, data, S)
+    water_below(T, data, S)
+    com, inner = field(data, T[AT_SUBTREE_COM], 3 * n), field(data, T[AT_CFRC_INT], 6 * n)
+    sensors, root = integers(T[SENSORS], 4 * T[N_SENSORS]), integers(T[ROOT], n)
+    for i in range(T[N_SENSORS]):
+        at, site, body = sensors[4 * i], sensors[4 * i + 1], sensors[4 * i + 2]
+        place, R = (
+            three(field(data, T[AT_SITE_XPOS], 3 * site + 3), 3 * site),
+            field(data, T[AT_SITE_XMAT], 9 * site + 9),
+        )
+        force = plus(three(inner, 6 * body + 3), scaled(-1.0, three(S, 6 * (n + body) + 3)))
+        found = force
+        if sensors[4 * i + 3] == 0:
+            torque = plus(three(inner, 6 * body), scaled(-1.0, three(S, 6 * (n + body))))
+            found = plus(torque, cross(force, plus(place, scaled(-1.0, three(com, 3 * root[body])))))
+        x, y, z = to_own(nine(R, 9 * site), found)
+        readings = field(data, T[AT_SENSORDATA], at + 3)
+        readings[at], readings[at + 1], readings[at + 2] = x, y, z
+    free_stack(data)
+
+
+@no_type_check
+def _sensors(model, data, stage):
+    table = table_of(model)
+    if stage == ACCELERATIONS and table != 0:
+        sense(model, data, table)
+    before = integers(registry_address(), REGISTRY_SIZE)[REGISTRY_SIZE - 1]
+    if before != 0:
+        call_3(before, model, data, np.int64(stage))
+
+
+@cache
+def callback() -> Any:
+    """The sensor callback for all models with water: a compiled function of the model, the data and the stage."""
+    function = named_after(sources_digest(__name__), _sensors)
+    return cfunc(types.void(types.int64, types.int64, types.int32), cache=True, **OPTIONS)(function)
