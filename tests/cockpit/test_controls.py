@@ -15,7 +15,8 @@ from laticauda.cli import main
 from laticauda.cockpit import Cockpit, Live, numbers
 from laticauda.cockpit.maps import with_wave
 from laticauda.cockpit.pages import Event
-from laticauda.cockpit.simulation import path_of
+from laticauda.cockpit.readouts import numbers_text
+from laticauda.cockpit.simulation import depth_of, path_of
 from laticauda.control import StraightLine
 from laticauda.errors import TrialFileError
 from laticauda.gaits import Custom
@@ -267,3 +268,63 @@ def test_forces_failure_and_reset_are_shown(cockpit):
     assert live.simulation.failure is None
     live.alter(path=StraightLine())
     cockpit.frame()
+
+
+@pytest.fixture
+def in_space():
+    robot = lc.load_robot("mamba-modules")
+    water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
+    start = lc.Start(depth=0.7, roll=0.2, pitch=0.1)
+    served = Cockpit(Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0)
+    yield served
+    served.close()
+
+
+def test_depth_pitch_and_roll_are_shown_of_a_robot_in_space(in_space, cockpit):
+    live = in_space.live
+    live.advance(0.05)
+    in_space.frame()
+    plotted = live.plots()
+    assert plotted["depth"][-1] == pytest.approx(0.7, abs=0.02)
+    assert plotted["roll"][-1] == pytest.approx(math.degrees(0.2), abs=1.0)
+    assert plotted["pitch"][-1] == pytest.approx(math.degrees(0.1), abs=1.0)
+    text = numbers_text(live)
+    assert "| depth | **0.7" in text and "| pitch | **" in text and "| roll | **" in text
+    assert in_space._scene._floor.position[2] == -1.5 and in_space._scene._surface.position[2] == 0.0
+    cockpit.live.advance(0.1)
+    cockpit.frame()
+    assert np.isnan(cockpit.live.plots()["depth"]).all() and "depth" not in numbers_text(cockpit.live)
+
+
+def test_a_depth_is_held_from_the_page_straight_ahead_or_along_the_path(in_space):
+    assert use(in_space, control(in_space, "depth"), 1.0) == []
+    live = in_space.live
+    assert depth_of(live.scenario) == 1.0 and path_of(live.scenario) is not None
+    assert in_space._gizmo.position[2] == -1.0
+    before = float(live.latest().center_of_mass[2])
+    live.advance(3.0)
+    assert live.simulation.failure is None
+    assert live.latest().signals["climb_offset"] < 0.0
+    live.advance(5.0)
+    assert float(live.latest().center_of_mass[2]) < before - 0.05
+    assert use(in_space, control(in_space, "depth"), 0.0) == []
+    assert depth_of(live.scenario) is None and path_of(live.scenario) is not None
+    use(in_space, control(in_space, "path"), False)
+    assert live.scenario.motion == live.scenario.gait
+
+
+def test_the_pitch_wave_has_sliders_and_goes_when_it_is_still(in_space, cockpit):
+    use(in_space, control(in_space, "pitch_amplitude"), 20.0)
+    use(in_space, control(in_space, "pitch_phase"), 90.0)
+    pitch = in_space.live.scenario.gait.pitch
+    assert (pitch.amplitude, pitch.phase) == (math.radians(20.0), math.radians(90.0))
+    assert (pitch.frequency, pitch.phase_shift) == (GAIT.frequency, GAIT.phase_shift)
+    in_space.live.advance(1.0)
+    assert in_space.live.simulation.failure is None
+    use(in_space, control(in_space, "pitch_amplitude"), 0.0)
+    assert in_space.live.scenario.gait.pitch is None
+    (told,) = use(cockpit, control(cockpit, "pitch_amplitude"), 20.0)
+    assert told.startswith("`gait.pitch` must be None unless `model` is `spatial`")
+    (told,) = use(cockpit, control(cockpit, "depth"), 1.0)
+    assert told.startswith("`robot` must have pitch joints for a path in space")
+    assert cockpit.live.scenario.motion == GAIT

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,6 +33,7 @@ from cockpit_browser import (
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
 from laticauda.cockpit.scene import HOME
+from laticauda.cockpit.simulation import depth_of
 
 pytestmark = pytest.mark.slow
 GAIT = lc.lateral_undulation(
@@ -234,3 +236,23 @@ def test_pages_that_vanish_in_the_middle_harm_nothing(cockpit):
     assert pages[2].recv(timeout=10.0)
     assert cockpit._thread.is_alive()
     pages[2].socket.close()
+
+
+def test_a_depth_is_typed_and_held_in_space(chromium, tmp_path):
+    robot = lc.load_robot("mamba-modules")
+    water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
+    start = lc.Start(depth=0.7)
+    served = Cockpit(Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0)
+    served.open()
+    page = open_page(chromium, served.address)
+    depth = field(page, "hold depth [m]")
+    depth.fill("0.85")
+    depth.press("Enter")
+    assert until(lambda: depth_of(served.live.scenario) == 0.85)
+    served.live.speed = 4.0
+    assert until(lambda: abs(number(page, "depth") - 0.85) < 0.04, 90.0)
+    assert all("deg" in page.locator(f"tr:has-text('{name}')").last.inner_text() for name in ("pitch", "roll"))
+    page.screenshot(path=shots(tmp_path) / "depth.png")
+    assert served.live.simulation.failure is None
+    page.close()
+    served.close()

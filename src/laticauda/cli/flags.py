@@ -36,6 +36,7 @@ NOT_FLAGS = (
     "profile",
     "climb",
     "climb_guidance",
+    *(f"circle.{name}" for name in ("center", "radius", "turns")),
 )
 """Fields of nested values that names say (`laticauda.cli.scene`), or about which there is no choice."""
 CALLED = {
@@ -240,7 +241,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
         name = SPELLED.get(f"{kind.__name__.lower()}.{field.name}", SPELLED.get(field.name, field.name))
         name = name if nested else field.name
         option = _type_of(hints[field.name], hints_of(kind)[field.name], declared, name, usual)
-        if option is None or (field.name in NOT_FLAGS and nested):
+        if option is None or (nested and {field.name, f"{kind.__name__.lower()}.{field.name}"} & {*NOT_FLAGS}):
             continue
         name += "" if declared is None else DEGREES.get(declared.unit, "")
         of_flag[name] = field.name

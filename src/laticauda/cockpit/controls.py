@@ -1,7 +1,7 @@
 """The page's controls: what can be set, with its unit and its sensible limits, and what the page then asks for."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib.util import find_spec
 from typing import Any, NamedTuple, cast
@@ -9,11 +9,12 @@ from typing import Any, NamedTuple, cast
 from laticauda.actuation.laws import JointLaw
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
-from laticauda.cockpit.simulation import Changes, path_of, with_fin
+from laticauda.cockpit.simulation import Changes, depth_of, path_of, with_fin
 from laticauda.control import StraightLine
 from laticauda.errors import positive, within
 from laticauda.extensions import name_of
-from laticauda.gaits import Gait, envelope_of, kinds
+from laticauda.gaits import Gait, Wave, envelope_of, kinds
+from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import quantities_of, texts_of
 from laticauda.robot import CaudalFin, Robot, Water, load_robot, robot_names
 from laticauda.robot.environment import Current
@@ -26,6 +27,9 @@ LIMITS = {
     "phase_shift": (-90.0, 90.0, 1.0),
     "offset": (-20.0, 20.0, 0.5),
 }
+PITCH = "pitch_"  # what the names of the pitch wave's controls begin with
+PITCH_LIMITS = {**LIMITS, "amplitude": (0.0, 45.0, 1.0), "phase": (-180.0, 180.0, 5.0)}
+DEEPEST = 10.0  # that can be asked for [m]
 CURRENT = 2.0  # most of it along an axis [m/s]
 RIGIDITY = 0.2  # of a fin that begins to bend [N m^2]
 FINS = ("none", "rigid", "elastic")
@@ -70,6 +74,11 @@ class Controls:
             self.speed = gui.add_slider("speed of time [-]", SPEEDS[0], SPEEDS[1], 0.1, live.speed)
             pause = gui.add_checkbox("pause", live.paused)
             self.reset = gui.add_button("reset")
+        with gui.add_folder("In space"):
+            hint = "Along the path, by the pitch joints of a robot in space; 0: depth is not steered [m]"
+            depth = gui.add_number("hold depth [m]", 0.0, min=0.0, max=DEEPEST, step=0.05, hint=hint)
+            self._add("depth", depth, lambda now: depth_of(now) or 0.0, self._at_depth)
+            self._add_wave(gui, PITCH, PITCH_LIMITS)
         for control in self.by_name.values():
             control.handle.on_update(events.handler(self.apply, then=self.settle))
         self.speed.on_update(events.handler(self.set_speed, then=self.settle))
@@ -107,23 +116,35 @@ class Controls:
         names = tuple(dict.fromkeys((*kinds(), gait.kind)))
         handle = gui.add_dropdown("gait", names, hint=_hint(Gait, "envelope"))
         self._add("kind", handle, lambda now: now.gait.kind, lambda kind: {"gait": self._of_kind(kind)})
-        for field, (low, high, step) in LIMITS.items():
-            unit = quantities_of(Gait)[field].unit
-            label = f"{field.replace('_', ' ')} [{unit.replace('rad', '°')}]"
-            hint = _hint(Gait, field, unit.replace("rad", "deg"))
-            handle = gui.add_slider(label, low, high, step, low, hint=hint)
+        self._add_wave(gui, "", LIMITS)
+
+    def _add_wave(self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]) -> None:
+        """Sliders of the gait's own numbers, or of its pitch wave's."""
+        kind: type = Wave if wave else Gait
+        for field, (low, high, step) in limits.items():
+            unit = quantities_of(kind)[field].unit
+            label = f"{wave}{field} [{unit.replace('rad', '°')}]".replace("_", " ")
+            hint = _hint(kind, field, unit.replace("rad", "deg"))
+            handle = gui.add_slider(label, low, high, step, max(low, 0.0), hint=hint)
 
             def shown(now: Scenario, field: str = field, low: float = low, high: float = high) -> float:
                 """Without the last digits that degrees lose."""
-                return min(max(round(math.degrees(getattr(now.gait, field)), 9), low), high)
+                one = (now.gait.pitch or STRAIGHT) if wave else now.gait
+                return min(max(round(math.degrees(getattr(one, field)), 9), low), high)
 
             def changes(value: float, field: str = field, low: float = low, high: float = high) -> Changes:
                 """What is typed beside a slider may lie beyond its ends; what no gait can have, it refuses itself."""
-                gait = replace(self._live.scenario.gait, **{field: math.radians(value)})
-                within("frequency_deg_s" if field == "frequency" else f"{field}_deg", value, low, high)
+                gait, new = self._live.scenario.gait, {field: math.radians(value)}
+                if wave:
+                    usual = Wave(amplitude=0.0, frequency=gait.frequency, phase_shift=gait.phase_shift)
+                    pitch = replace(gait.pitch or usual, **new)
+                    new = {"pitch": pitch if value or pitch.amplitude or pitch.offset else None}
+                gait = replace(gait, **new)
+                name = f"{wave}{field}_deg"
+                within(name.replace("frequency_deg", "frequency_deg_s"), value, low, high)
                 return {"gait": gait}
 
-            self._add(field, handle, shown, changes)
+            self._add(f"{wave}{field}", handle, shown, changes)
 
     def _add_body(self, gui: Any) -> None:
         names = tuple(dict.fromkeys((*robot_names(), self._own.name)))
@@ -168,14 +189,21 @@ class Controls:
             return self._live.scenario.robot
         return self._with("elastic", rigidity)
 
-    def _new_path(self, is_followed: bool) -> StraightLine | None:
+    def _at_depth(self, depth: float) -> Changes:
+        """Held along the path, or straight ahead without one."""
+        found: Changes = {"depth": depth or None}
+        if depth and path_of(self._live.scenario) is None:
+            found["path"] = self._new_path(True, aside=0.0)
+        return found
+
+    def _new_path(self, is_followed: bool, aside: float = ASIDE) -> StraightLine | None:
         """Along the heading that the robot has, some way to its right: so that it can be seen to come to it."""
         if not is_followed:
             return None
         sample = self._live.latest()
         x, y = (float(value) for value in sample.center_of_mass[:2])
         angle = float(sample.heading)
-        return StraightLine(point=(x + ASIDE * math.sin(angle), y - ASIDE * math.cos(angle)), angle=angle)
+        return StraightLine(point=(x + aside * math.sin(angle), y - aside * math.cos(angle)), angle=angle)
 
 
 def models() -> tuple[str, ...]:

@@ -10,6 +10,8 @@ import numpy as np
 
 from laticauda.cockpit.simulation import TICK, Changes, Simulation, begin, changed
 from laticauda.errors import within
+from laticauda.interfaces import ORIENTATION
+from laticauda.kinematics import from_quaternion
 from laticauda.packaging import __version__
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.series import Log, log_of
@@ -108,7 +110,7 @@ class Live:
         return self._latest
 
     def plots(self, step: int = 1) -> dict[str, np.ndarray]:
-        """What is plotted: time, speed, power, cross_track_error, heading and three joint angles.
+        """What is plotted: time, speed, power, cross_track_error, heading, depth, pitch, roll and three joint angles.
 
         Args:
             step: Every how many-th sample.
@@ -231,6 +233,7 @@ class Live:
             "power": work / TICK,
             "cross_track_error": self.simulation.cross_track_error,
             "heading": math.degrees(now.heading),
+            **tilt(now),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
             row[f"joint_{name}"] = math.degrees(now.joint_angle[joint]) if n else 0.0
@@ -239,6 +242,15 @@ class Live:
     def _sample(self) -> Log:
         """A first sample of a simulation that has just been made or changed, without letting time pass."""
         return self.simulation.advance()[1].at(0)
+
+
+def tilt(sample: Log) -> dict[str, float]:
+    """Depth [m], pitch and roll [deg] of a sample in space: down, and left side up; nan in the plane."""
+    if sample.center_of_mass.size == 2:
+        return dict.fromkeys(("depth", "pitch", "roll"), math.nan)
+    left, up = from_quaternion(*(float(sample.signals[name]) for name in ORIENTATION))[2, 1:]
+    pitch = math.degrees(sample.signals["pitch"])
+    return {"depth": -float(sample.center_of_mass[2]), "pitch": pitch, "roll": math.degrees(math.atan2(left, up))}
 
 
 def _series(sample: Log) -> dict[str, np.ndarray]:

@@ -155,7 +155,7 @@ class OperatedRobot:
 
 def _sample(estimate: "Estimate", fin_angle: float) -> Log:
     """An estimate as a sample to draw, which says nothing of the motors; with the angle of a driven fin [rad]."""
-    names = [name for name in Observation.__dataclass_fields__ if name != "pitch"]
+    names = [name for name in Observation.__dataclass_fields__ if name in Log.__dataclass_fields__]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     nothing = np.zeros_like(estimate.joint_angle)
     fin = {"fin_angle_0": np.asarray(fin_angle)}

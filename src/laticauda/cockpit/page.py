@@ -17,7 +17,7 @@ from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.readouts import Plots, numbers_text
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME, Scene
-from laticauda.cockpit.simulation import path_of
+from laticauda.cockpit.simulation import depth_of, path_of
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
@@ -147,16 +147,22 @@ class Cockpit:
                 self._figures.content = numbers_text(live)
             if self._frames % (2 * SLOW) == 0:
                 self._plots.show(live)
-        self._cameras.show((sample.center_of_mass if operated is None else operated)[:2])
+        self._cameras.show(sample.center_of_mass if operated is None else operated)
+
+    @property
+    def _height(self) -> float:
+        """At which a path is drawn: its own, or the robot's [m]."""
+        place, depth = self.live.latest().center_of_mass, depth_of(self.live.scenario)
+        return -depth if depth is not None else float(place[2]) if place.size == 3 else 0.0
 
     def _changed(self) -> None:
         """After every change of the scenario."""
         path = path_of(self.live.scenario)
-        self._scene.path(path)
+        self._scene.path(path, self._height)
         self._gizmo.visible = path is not None
         if path is not None:
             half = 0.5 * path.angle
-            self._gizmo.position = (*path.point, 0.0)
+            self._gizmo.position = (*path.point, self._height)
             self._gizmo.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
         self._runs.changed()
 
@@ -174,7 +180,7 @@ class Cockpit:
         try:
             self.live.alter(path=StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))))
         finally:
-            self._scene.path(path_of(self.live.scenario))
+            self._scene.path(path_of(self.live.scenario), self._height)
             if phase == "end":
                 self._runs.changed()
 

@@ -106,7 +106,7 @@ class PageCamera:
         position, look_at = (np.array(part) for part in HOME)
         # What a slow page reports is old, but its direction and distance are right.
         offset = self.camera.position - self.camera.look_at if self.is_home else position - look_at
-        target = look_at + np.array([float(at[0]), float(at[1]), 0.0])
+        target = look_at + np.array([*at, 0.0][:3], dtype=float)
         with warnings.catch_warnings(), self._client.atomic():
             warnings.simplefilter("ignore", UserWarning)  # that a page has just vanished
             self.camera.position, self.camera.look_at = target + offset, target

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.live import Live
+from laticauda.cockpit.live import Live, tilt
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, measured
 from laticauda.reports.texts import in_digits
@@ -21,6 +21,8 @@ PLOTS = (
     ("Power [W]", (("power", "power"),)),
     ("Cross-track error [m]", (("cross_track_error", "error"),)),
     ("Heading [deg]", (("heading", "heading"),)),
+    ("Depth [m], in space", (("depth", "depth"),)),
+    ("Pitch and roll [deg], in space", (("pitch", "pitch"), ("roll", "roll"))),
     ("Joint angles [deg]", (("joint_tail", "tail"), ("joint_middle", "middle"), ("joint_head", "head"))),
 )
 HEIGHT = 165  # [px]
@@ -87,6 +89,9 @@ def numbers_text(live: Live) -> str:
         ("cross-track error", _number(now.cross_track_error, "m", 3)),
         ("heading", _number(math.degrees(now.heading), "deg", 1)),
     ]
+    for name, value in tilt(live.latest()).items():
+        if math.isfinite(value):
+            rows.append((name, _number(value, "m" if name == "depth" else "deg", 2 if name == "depth" else 1)))
     lines = [f"| since the last change | {now.time:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows]
     lines += [f"| joints | {now.joints or '-'} |"]

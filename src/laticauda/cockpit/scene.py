@@ -11,7 +11,8 @@ from laticauda.control import StraightLine
 from laticauda.robot import Robot
 from laticauda.series import Log
 
-FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the robot's axis [m]
+FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface to the axis of a robot in the plane [m]
+LEAST_FLOOR = 1.5  # depth of the floor below the surface, for a robot in space [m]
 WIDE = 60.0  # of what has no end [m]
 WATER: Color = (44, 112, 146)
 SAND: Color = (52, 118, 138)
@@ -189,15 +190,18 @@ class Scene:
         self._forces_at.visible = arrows is not None
         # Floor and surface have no end: they go along in steps of a section of the grid.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample.center_of_mass[:2])
-        if (x, y) != tuple(self._grid.position[:2]):
-            for handle, z in ((self._floor, FLOOR), (self._grid, FLOOR + 0.004), (self._surface, SURFACE)):
+        floor, surface = FLOOR, SURFACE
+        if sample.center_of_mass.size == 3:  # the floor sinks in steps with a robot that dives deeper
+            floor, surface = -max(LEAST_FLOOR, 0.5 * math.ceil(2.0 * (0.3 - float(place[2])))), 0.0
+        if (x, y, floor + 0.004) != tuple(self._grid.position):
+            for handle, z in ((self._floor, floor), (self._grid, floor + 0.004), (self._surface, surface)):
                 handle.position = (x, y, z)
 
-    def path(self, path: StraightLine | None) -> None:
-        """Draw the path, or none."""
+    def path(self, path: StraightLine | None, height: float = 0.0) -> None:
+        """Draw the path at a height [m], or none."""
         # In pieces: of one that begins behind the camera, the page shows too little.
         flat = np.empty((0, 2)) if path is None else path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
-        self._path.draw(np.column_stack((flat, np.zeros(len(flat)))))
+        self._path.draw(np.column_stack((flat, np.full(len(flat), height))))
 
     def set_visible(self, is_visible: bool) -> None:
         """Show the robot, or hide it: its trail and its path stay."""

@@ -7,14 +7,14 @@ from typing import Any, TypedDict, Unpack, cast
 import numpy as np
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.control import Following, PathFollowing, StraightLine
+from laticauda.control import Following, PathFollowing, SpatialPathFollowing, StraightLine
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import instance
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Robot, Water, load_robot
 from laticauda.robot.environment import Current
-from laticauda.scenarios import Model, Scenario, default_water, model_of
+from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
 from laticauda.series import Log
 from laticauda.simulate import plant
 from laticauda.trial.measured import MeasuredTrial, measured_setting
@@ -25,6 +25,7 @@ TICK = 0.025  # time between two samples [s]
 FADE = 1.0  # [s]
 N_HINGES = 3  # of a fin that bends
 STILL = (0.0, 0.0)
+STEERING = PathFollowing, SpatialPathFollowing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,8 +142,11 @@ class Simulation:
             except ValueError:
                 pass  # a fin that bends has more numbers
         now = self.plant.observe(self.state)
-        x, y = (float(value) for value in now.center_of_mass[:2])
-        return body.init(Start(center_of_mass=(x, y), heading=float(now.heading)), Command(gait=gait))
+        x, y, *height = (float(value) for value in now.center_of_mass)
+        start = Start(center_of_mass=(x, y), heading=float(now.heading))
+        if height and getattr(body.settings, "root", None) == "free":
+            start = replace(start, depth=-height[0])
+        return body.init(start, Command(gait=gait))
 
     def advance(self, *, link_forces: bool = False) -> tuple["Simulation", Log]:
         """The simulation one `TICK` later, and what was logged, with the controller's signals: both ends of the tick.
@@ -184,10 +188,12 @@ def begin(scenario: Scenario) -> Simulation:
     body, start = plant(checked(scenario)), scenario.start
     instance("start", start, Start)
     command = Command(gait=scenario.gait)
+    state = body.init(cast(Start, start), command)
+    body.march(state, command, TICK, TICK)  # refuses now what it would refuse later
     return Simulation(
         scenario=scenario,
         plant=body,
-        state=body.init(cast(Start, start), command),
+        state=state,
         controller_state=scenario.controller.init(),
         command=command,
         shape=scenario.gait,
@@ -198,7 +204,7 @@ def begin(scenario: Scenario) -> Simulation:
 
 
 class Changes(TypedDict, total=False):
-    """What can be changed; `model` and `joints` may be names, no `path` is None."""
+    """What can be changed; `model` and `joints` may be names, no `path` is None, and no `depth` of one."""
 
     robot: Robot
     gait: Gait
@@ -207,6 +213,7 @@ class Changes(TypedDict, total=False):
     model: Model | str
     joints: JointLaw | str
     path: StraightLine | None
+    depth: float | None
 
 
 def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
@@ -220,16 +227,14 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
         ValueError: If something is out of its range.
     """
     gait, motion, model = changes.get("gait", scenario.gait), scenario.motion, scenario.model
-    if "path" in changes:
-        path = changes["path"]
-        if path is None:
-            motion = gait
-        elif isinstance(motion, PathFollowing):
-            motion = replace(motion, gait=gait, path=path)
-        else:
-            motion = replace(Following().controller(gait), path=path)
-    elif "gait" in changes:
-        motion = replace(motion, gait=gait) if isinstance(motion, PathFollowing) else gait
+    path, depth = changes.get("path", path_of(scenario)), changes.get("depth", depth_of(scenario))
+    if path is None:
+        motion = gait if "path" in changes or isinstance(motion, Gait) else replace(cast("Any", motion), gait=gait)
+    elif isinstance(motion, STEERING) and depth == depth_of(scenario):
+        motion = replace(motion, gait=gait, path=path)
+    else:
+        steering = Following(path_depth=None if depth is None else (depth,)).controller(gait)
+        motion = replace(steering, path=path)
     if "model" in changes or "joints" in changes:
         model = model_of(changes.get("model", model), joints=changes.get("joints", model.joints))
     robot, water = changes.get("robot", scenario.robot), changes.get("environment", scenario.environment)
@@ -249,15 +254,21 @@ def checked(scenario: Scenario) -> Scenario:
             room for the steering.
     """
     instance("environment", scenario.environment, Water)
-    instance("motion", scenario.motion, Gait, PathFollowing)
-    scenario.controller.check(scenario.robot)
+    instance("motion", scenario.motion, Gait, *STEERING)
+    scenario.controller.check(scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot)
     return scenario
 
 
 def path_of(scenario: Scenario) -> StraightLine | None:
     """The straight line that is followed, or None."""
-    path = scenario.motion.path if isinstance(scenario.motion, PathFollowing) else None
+    path = scenario.motion.path if isinstance(scenario.motion, STEERING) else None
     return path if isinstance(path, StraightLine) else None
+
+
+def depth_of(scenario: Scenario) -> float | None:
+    """The depth that is held along it, or None [m]."""
+    profile = scenario.motion.profile if isinstance(scenario.motion, SpatialPathFollowing) else None
+    return -profile.point[1] if isinstance(profile, StraightLine) else None
 
 
 def measured(scenario: Scenario) -> MeasuredTrial | None:
