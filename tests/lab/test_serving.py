@@ -5,6 +5,7 @@ import time
 import pytest
 import serial
 from lab_parts import EXACT, make_tank
+from mamba_dbc import FILE
 
 from laticauda.interfaces import Start
 from laticauda.lab import Fault, Lab, assist
@@ -22,7 +23,6 @@ from laticauda.protocol import (
     references,
     to_frame,
 )
-from laticauda.protocol.dbc import FILE
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ import cantools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mamba_dbc import FILE, dbc_text
 
 from laticauda.protocol import (
     Acceleration,
@@ -27,7 +28,6 @@ from laticauda.protocol import (
     references,
     to_frame,
 )
-from laticauda.protocol.dbc import FILE, dbc_text
 
 DATABASE = cantools.database.load_file(str(FILE))
 NODES = st.integers(1, 19)

@@ -1,14 +1,12 @@
-"""The robot's CAN bus: which one of python-can's it is, how it is opened, and what of it the robot's frames take."""
+"""The robot's CAN bus: which one of python-can's it is, and how it is opened."""
 
 import ipaddress
 import socket
 from typing import Any, Literal, cast
 
-from laticauda.errors import BadArgument, LaticaudaError, positive, whole
+from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extras import optional_import
 from laticauda.protocol.can import python_can
-from laticauda.protocol.dbc import LAYOUTS
-from laticauda.protocol.messages import N_NODES, PER_FRAME
 from laticauda.quantities import option, quantity, value
 
 GROUP, PORT = "239.74.163.2", 43113
@@ -112,60 +110,3 @@ def _deafen(bus: Any, address: BusAddress) -> None:
         return packet if packet is None or packet[1][0] == ours or packet[1][0].startswith("127.") else None
 
     bus._multicast.recv = recv
-
-
-BITRATE = 1_000_000.0  # [bit/s]
-SLOW_RATES = {"Loads": 20.0, "Acceleration": 20.0, "Heartbeat": 10.0}  # [Hz]
-RARE = ("EmergencyStop", "NodeCommand", "CommandReply")  # no share of the load worth counting
-
-
-def frame_bits(n_bytes: int) -> int:
-    """The longest that a frame with an 11-bit identifier can be on the wire, with the pause of 3 bits behind it.
-
-        8 s + 47 + floor((34 + 8 s - 1) / 4)
-
-    Of the 44 bits besides the s data bytes, 34 are subject to bit stuffing, as the data are: after five equal bits
-    comes one of the other kind, and that one may be the first of the next five.
-
-    Args:
-        n_bytes: s, 0 to 8.
-
-    Returns:
-        [bit].
-
-    Raises:
-        ValueError: If there is no such frame.
-
-    References:
-        R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien, "Controller Area Network (CAN) schedulability analysis:
-        Refuted, revisited and revised", Real-Time Systems 35, 2007, eq. (1).
-    """
-    if whole("n_bytes", n_bytes, 0) > 8:
-        raise BadArgument("n_bytes", f"must be <= 8, got {n_bytes}")
-    return 8 * n_bytes + 47 + (34 + 8 * n_bytes - 1) // 4
-
-
-def bus_load(n_nodes: int = N_NODES, rate: float = 100.0, *, bitrate: float = BITRATE) -> dict[str, float]:
-    """Shares of the robot's bus that every kind of frame takes in the worst case, by its name, by priority [-].
-
-    Every period has a Sync, the references, and a JointState of every node; sensors and heartbeats come at their own
-    slower rates (`SLOW_RATES`). Frames fit while the sum is well below 1.
-
-    Args:
-        n_nodes: Joint modules and a driven fin's, 1 to 19.
-        rate: Sync frames per second [Hz].
-        bitrate: [bit/s].
-
-    Raises:
-        ValueError: If an argument is out of its range.
-    """
-    if whole("n_nodes", n_nodes, 1) > N_NODES:
-        raise BadArgument("n_nodes", f"must be <= {N_NODES}, got {n_nodes}")
-    period = positive("bitrate", bitrate, "bit/s") / positive("rate", rate, "Hz")
-    frames = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}
-    kinds = {one.kind.__name__: one for one in sorted(LAYOUTS, key=lambda one: one.identifier)}
-    return {
-        name: frames[one.number] * frame_bits(one.length) / period * SLOW_RATES.get(name, rate) / rate
-        for name, one in kinds.items()
-        if name not in RARE
-    }

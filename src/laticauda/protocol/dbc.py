@@ -1,21 +1,15 @@
-"""The text of `mamba.dbc`: every node has frames of its own, so the file is written by a program.
-
-After a change: ``python -c "from laticauda.protocol import dbc; dbc.FILE.write_text(dbc.dbc_text())"``.
-"""
+"""How messages lie in the frames of `mamba.dbc`: every node has its own, so `tests/mamba_dbc.py` writes the file."""
 
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 from laticauda.protocol import messages
 from laticauda.protocol.messages import N_NODES, Signal
 
-FILE = Path(__file__).with_name("mamba.dbc")
-OPERATOR = "Operator"
 NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(messages.N_GROUPS)}
 """Numbers of the frames of one kind, by the field that says which one it is."""
 
@@ -103,30 +97,3 @@ LAYOUTS = (
     Layout(messages.Heartbeat, 0x700, "How a node is."),
     Layout(messages.CommandReply, 0x780, "The answer to a NodeCommand."),
 )
-
-
-def dbc_text() -> str:
-    """The file's text."""
-    nodes = [f"Node{number:02d}" for number in NUMBERS["node"]]
-    lines = ['VERSION "1"', "", "NS_ :", "", "BS_:", "", "BU_: " + " ".join([OPERATOR, *nodes]), ""]
-    remarks = [
-        'CM_ "The CAN bus of the swimming snake robot Mamba: 1 Mbit/s, 11-bit identifiers, node 1 at the tail.";'
-    ]
-    values: list[str] = []
-    for layout, number in ((one, number) for one in LAYOUTS for number in one.numbers):
-        identifier, suffix = layout.identifier + number, {"": "", "node": f"{number:02d}", "group": str(number)}
-        sender, hears = OPERATOR, ",".join(nodes)
-        if layout.number == "node":
-            sender, hears = nodes[number - 1], OPERATOR
-        lines.append(f"BO_ {identifier} {layout.kind.__name__}{suffix[layout.number]}: {layout.length} {sender}")
-        remarks.append(f'CM_ BO_ {identifier} "{layout.says}";')
-        for name, kind, how, _, start, _, _, is_word in layout.signals:
-            sign = "-" if how.signed else "+"
-            lines.append(f' SG_ {name} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}')
-            if how.says:
-                remarks.append(f'CM_ SG_ {identifier} {name} "{how.says}";')
-            if is_word and kind is not bool:
-                words = " ".join(f'{word.value} "{word.name}"' for word in kind)
-                values.append(f"VAL_ {identifier} {name} {words} ;")
-        lines.append("")
-    return "\n".join([*lines, *remarks, *values, ""])
