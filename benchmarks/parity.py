@@ -23,9 +23,14 @@ Last answer (2026-11-21), the worst of lateral, eel-like, turning, fin and curre
 """
 
 import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
 
 from laticauda.figures import new_figure, save_figure, style
-from laticauda.paper import Parity, convergence, parity_cases
+from laticauda.paper import Parity, parity_cases
 from laticauda.paper.parity import parity
 
 STEPS = {
@@ -33,6 +38,7 @@ STEPS = {
     "pd": (0.004, 0.002, 0.001, 0.0005),
     "servo": (0.004, 0.002, 0.001, 0.0005),
 }
+MARKERS = "osD"  # by curve
 ORDERS = {"prescribed": 4, "pd": 2}  # servo's slope would lie on that of pd
 
 
@@ -71,6 +77,48 @@ def draw(rows: list[Parity], path: str) -> None:
         convergence(curves, ax, ylabel=label, orders=ORDERS, bounds=bounds)
     style.legend(left, loc="lower right")
     save_figure(figure, path)
+
+
+def convergence(
+    curves: Mapping[str, Mapping[float, float]],
+    ax: Axes,
+    *,
+    ylabel: str,
+    orders: Mapping[str, int],
+    bounds: Sequence[tuple[float, str]] = (),
+) -> None:
+    """Differences over the step, both logarithmic.
+
+    Args:
+        curves: At most three: by what the legend says, the difference by step [s].
+        ax: Where to draw.
+        ylabel: What the difference is, with its unit.
+        orders: With which power of the step curves should fall: a short line of this slope is drawn beside each [-].
+        bounds: Levels that the differences have to stay below, with what they are called.
+    """
+    for (label, curve), (color, dashes), marker in zip(curves.items(), style.LINES, MARKERS, strict=False):
+        style_of = {"color": color, "linewidth": style.LINE, "marker": marker, "markersize": 3.5}
+        steps, differences = 1e3 * np.array([*curve]), [*curve.values()]
+        ax.loglog(steps, differences, linestyle=dashes, label=label, **style_of)
+        if label in orders:
+            _slope(curve, orders[label], ax)
+    for level, name in bounds:
+        ax.axhline(level, color=style.GRAY, linewidth=style.THIN)
+        at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
+        style.note(ax, name, (0.98, level), (0, 1.5), va="bottom", **at_right)
+    style.dress(ax, xlabel="time step of the spatial model [ms]", ylabel=ylabel)
+    ax.minorticks_off()
+    low, high = ax.get_xlim()
+    ticks = [t for t in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0) if low <= t <= high]
+    ax.set_xticks(ticks, [f"{t:g}" for t in ticks])
+
+
+def _slope(curve: Mapping[float, float], order: int, ax: Axes) -> None:
+    """The slope of the curve's order, below its largest steps."""
+    dt = max(curve) * np.array([1.0, 0.5])
+    level = 0.3 * curve[max(curve)] * (dt / dt[0]) ** order
+    ax.loglog(1e3 * dt, level, color=style.GRAY, linewidth=style.THIN)
+    style.note(ax, f"order {order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top")
 
 
 if __name__ == "__main__":

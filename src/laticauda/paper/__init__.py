@@ -15,7 +15,6 @@ if TYPE_CHECKING:
         maxima as maxima,
         run_efficiency as run_efficiency,
     )
-    from laticauda.paper.report.parity import convergence as convergence
     from laticauda.paper.measured import (
         efficiency_trials as efficiency_trials,
         measured_trial as measured_trial,
