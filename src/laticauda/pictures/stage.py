@@ -12,7 +12,7 @@ from jaxtyping import Float, UInt8
 from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import MissingExtra, MissingProgram
 from laticauda.extras import load_mujoco
-from laticauda.pictures.camera import VIEW_DEG, in_space, look
+from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
 from laticauda.pictures.surroundings import add_surroundings, draw_shadows
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
@@ -127,7 +127,8 @@ class Studio(Stage):
         self.take(posture)
         renderer, flags = self._renderer, load_mujoco().mjtRndFlag
         aspect = renderer.width / renderer.height
-        camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect)
+        wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # it may look anywhere
+        camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
         # Planes without end are put where the camera was before.
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
         renderer.update_scene(self.data, camera)
@@ -155,7 +156,8 @@ def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
     if isinstance(plant, SpatialPlant):
         qpos = plant.data(state).qpos
         turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
-        angles = qpos[-len(robot.joints) - len(robot.fin_joints) :]
+        first = 3 if plant.settings.root == "planar" else 7  # behind the robot's may be what moves in its scene
+        angles = qpos[first:][: len(robot.joints) + len(robot.fin_joints)]
         return Posture(seen.center_of_mass, turned, angles[: robot.n_joints], angles[robot.n_joints :])
     assert isinstance(plant, PlanarPlant)
     fin = [state.values[rows.LOG_STATE + plant.layout.tail_link - 1 - k] for k in robot.fin_joints]

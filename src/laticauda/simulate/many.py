@@ -3,6 +3,7 @@
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeVar, Unpack, cast
 
@@ -133,9 +134,15 @@ def swum(scenarios: Sequence[Scenario], threads: int | None, progress: Progress 
     names = (*UNITS, "z")
 
     def figures(trial: Trial) -> tuple[list[float], bool, str]:
-        end = {"heading": trial.heading[-1], **dict(zip("xyz", trial.center_of_mass[-1], strict=True))}
-        found = {**trial.figures()[0], **end} if trial.succeeded else {}
-        return [math.nan if (one := found.get(name)) is None else one for name in names], trial.succeeded, trial.status
+        found: dict[str, float] = {
+            "heading": trial.heading[-1],
+            **dict(zip("xyz", trial.center_of_mass[-1], strict=True)),
+        }
+        for name in UNITS.keys() - found.keys():
+            with suppress(ValueError):  # it has no meaning for this trial
+                found[name] = getattr(trial, name)
+        numbers = [found.get(name, math.nan) if trial.succeeded else math.nan for name in names]
+        return numbers, trial.succeeded, trial.status
 
     for i, one in enumerate(scenarios):
         instance(f"scenarios[{i}].model", one.model, Spatial)

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from rendering import skip_without_rendering
 
 from laticauda.cosim.gym import SwimmingVectorEnv
 from laticauda.errors import MissingExtra
@@ -63,6 +64,16 @@ def test_ppo_learns_in_it_and_the_same_seed_learns_the_same():
         model = PPO("MlpPolicy", lanes(8), n_steps=16, batch_size=32, n_epochs=1, seed=3, device="cpu").learn(256)
         learned.append(model.predict(np.ones((1, 9)), deterministic=True)[0])
     np.testing.assert_array_equal(*learned)
+
+
+def test_its_own_door_makes_environments_and_records_them():
+    from stable_baselines3.common.env_util import make_vec_env
+
+    skip_without_rendering()
+    envs = make_vec_env("laticauda/Efficiency-v0", 2)
+    envs.reset()
+    assert envs.render_mode == "rgb_array"
+    assert envs.render().shape == (360, 1280, 3)
 
 
 def test_another_way_from_episode_to_episode_is_refused():

@@ -9,6 +9,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from rendering import skip_without_rendering
 
 from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
 from laticauda.quantities import value
@@ -48,6 +49,30 @@ def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_d
         for x, y in zip(one[:-1], other[:-1], strict=True):
             np.testing.assert_array_equal(x, y)
         np.testing.assert_allclose(one[-1]["x"], flat[-1]["x"], atol=1e-4)  # the same episode by another model
+
+
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(model: str):
+    skip_without_rendering()
+    settings = {"duration": 0.4, "model": model, "render_mode": "rgb_array"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make(IDS[1], **settings).unwrapped)
+    assert gymnasium.make(IDS[1], **settings).metadata["render_fps"] == 5.0
+    envs, env = gymnasium.make_vec(IDS[1], num_envs=2, **settings), gymnasium.make(IDS[1], **settings)
+    envs.reset(seed=3), env.reset(seed=3)
+    before = env.render()
+    actions = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
+    for _ in range(2):
+        envs.step(actions)
+        env.step(actions[0])
+    first, second = envs.render()
+    assert (first.shape, first.dtype) == ((360, 640, 3), np.uint8)
+    np.testing.assert_array_equal(first, env.render())
+    assert np.mean(first != before) > 0.005  # one bends, the other stays
+    assert np.mean(first != second) > 0.005
+    envs.close(), env.close()
+    assert gymnasium.make(IDS[1], duration=1.0).unwrapped.render() is None
 
 
 def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
@@ -182,7 +207,7 @@ def test_a_lane_that_diverges_is_terminated_and_harms_no_other():
     envs, calm = SwimmingVectorEnv(9), SwimmingVectorEnv(9)
     envs.reset(seed=1)
     calm.reset(seed=1)
-    envs.episodes._school._lanes[0, :, 3] *= 1e200  # nothing that can be asked for does it
+    envs.episodes.school._lanes[0, :, 3] *= 1e200  # nothing that can be asked for does it
     action = np.zeros((9, 1))
     for step in range(3):
         observation, reward, terminated, truncated, _ = envs.step(action)
@@ -225,7 +250,7 @@ BAD = [
     ({"failure_reward": 1.0}, "`failure_reward` must be between -1e\\+09 and 0, got 1.0"),
     ({"joints": "stiff"}, "`joints` must be one of"),
     ({"robot": "mamba-fn"}, "did you mean `mamba-fin`"),
-    ({"render_mode": "human"}, "`render_mode` must be None, got 'human'"),
+    ({"render_mode": "human"}, "`render_mode` must be one of `rgb_array`, got 'human'"),
     ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name where fields of it are given"),
     ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
     ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, got 'ab'"),

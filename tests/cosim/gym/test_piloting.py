@@ -60,7 +60,7 @@ def test_a_new_episode_gets_a_new_pilot():
     )
     pilots = Pilots(law, envs.episodes)
     envs.reset(seed=3, options={"y": 0.05, "heading": 0.0})  # the offset is not at its limit, and the integral grows
-    begin = envs.episodes.observe(0)
+    begin = envs.episodes.school.observe(0)
     for _ in range(6):
         envs.step(pilots.actions())
     assert begin.time == envs.episodes.motion.time[0] == 0.0

@@ -65,7 +65,7 @@ def test_the_path_is_seen_as_line_of_sight_sees_it():
     seen = named(episodes, after(episodes, 10).observation)
     line = lc.StraightLine()
     for lane in range(4):
-        other = episodes.observe(lane)
+        other = episodes.school.observe(lane)
         frame = line.locate(line.init(), other.center_of_mass)[1]
         assert seen["cross_track_error"][lane] == pytest.approx(frame.cross_track_error, abs=1e-15)
         assert math.atan2(seen["sin_heading"][lane], seen["cos_heading"][lane]) == pytest.approx(other.heading)

@@ -33,7 +33,7 @@ class StableBaselines(VecEnv):
         instance("envs", envs, SwimmingVectorEnv)
         if envs.autoreset_mode.value != "SameStep":
             raise BadArgument("envs.autoreset_mode", f"must be `SameStep`, got {envs.autoreset_mode.value!r}")
-        self.envs, self.render_mode = envs, None
+        self.envs, self.render_mode = envs, envs.render_mode
         super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> np.ndarray:
@@ -54,6 +54,10 @@ class StableBaselines(VecEnv):
             infos[lane]["terminal_observation"] = info["final_obs"][lane]
             infos[lane]["TimeLimit.truncated"] = bool(truncated[lane])
         return observation, reward, terminated | truncated, infos
+
+    def get_images(self) -> list[Any]:
+        """A picture of every lane."""
+        return list(self.envs.render())
 
     def close(self) -> None:
         """Let threads go."""

@@ -4,7 +4,7 @@
 # pyright: reportIncompatibleMethodOverride=false, reportUnknownParameterType=false, reportUnknownArgumentType=false
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, get_type_hints
+from typing import Any, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -69,27 +69,58 @@ def _checked(actions: object, shape: tuple[int, ...]) -> np.ndarray:
     return numbers
 
 
-class SwimmingEnv(gymnasium.Env):
+class Shown:
+    """What an environment shows of its robots: nothing, or with the `render_mode` rgb_array pictures.
+
+    Raises:
+        ValueError: If it is another one.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"]}  # noqa: RUF012 - of the class, for Gymnasium
+    render_mode: str | None
+    episodes: Episodes
+    _studio: Any = None
+
+    def _begin_to_show(self, render_mode: str | None) -> None:
+        if render_mode is not None:
+            one_of("render_mode", render_mode, self.metadata["render_modes"])
+        self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": 1.0 / self.episodes.task.interval}
+
+    def _picture(self, lane: int) -> np.ndarray | None:
+        if self.render_mode is None:
+            return None
+        from laticauda.pictures.stage import Studio, posture_of
+
+        school = self.episodes.school
+        self._studio = self._studio or Studio.of(school.plant)
+        return self._studio.picture(posture_of(school.plant, school.state(lane)))
+
+    def _close(self) -> None:
+        self.episodes.school.close()
+        if self._studio is not None:
+            self._studio.close()
+            self._studio = None
+
+
+class SwimmingEnv(Shown, gymnasium.Env):
     """One robot at a task.
 
     Args:
         task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of one's own.
-        render_mode: None: there are no pictures; `laticauda.Trial` and `laticauda view` have them.
+        render_mode: rgb_array, or None for no pictures.
         settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
         ValueError: If an argument is out of its range.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}  # pyright: ignore[reportIncompatibleVariableOverride]
-
     def __init__(
         self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
     ) -> None:
-        if render_mode is not None:
-            raise BadArgument("render_mode", f"must be None, got {render_mode!r}")
         self.task = task_of(task, settings)
         self.episodes = Episodes(self.task, 1)
+        self._begin_to_show(render_mode)
         self.observation_space, self.action_space = _spaces(self.task)
         self._has_begun = False
 
@@ -131,15 +162,20 @@ class SwimmingEnv(gymnasium.Env):
         info = self._info(done.power.item())
         return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
 
+    def render(self) -> np.ndarray | None:
+        """The robot as it is, seen from beside: red, green and blue of every pixel; None without a `render_mode`."""
+        return self._picture(0)
+
     def close(self) -> None:
-        """Nothing is open."""
+        """Let go of what pictures were taken with."""
+        self._close()
 
     def _info(self, power: float) -> dict[str, Any]:
         motion = self.episodes.motion
         return {"x": motion.x.item(), "y": motion.y.item(), "heading": motion.heading.item(), "power": power}
 
 
-class SwimmingVectorEnv(VectorEnv):
+class SwimmingVectorEnv(Shown, VectorEnv):
     """Many robots at the same task, side by side in one process.
 
     Lane i is seeded with seed + i, as in Gymnasium's own vector environments, and does what a single environment with
@@ -150,7 +186,7 @@ class SwimmingVectorEnv(VectorEnv):
         task: As for `SwimmingEnv`.
         autoreset_mode: When an episode that is over gives way to the next: `NextStep`, `SameStep` or `Disabled`.
         threads: As for `Episodes`.
-        render_mode: None.
+        render_mode: As for `SwimmingEnv`.
         settings: Fields of the task; or, instead of its scenario, what `swimmer` makes one of.
 
     Raises:
@@ -167,14 +203,13 @@ class SwimmingVectorEnv(VectorEnv):
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        if render_mode is not None:
-            raise BadArgument("render_mode", f"must be None, got {render_mode!r}")
         mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
         self.autoreset_mode = AutoresetMode(one_of("autoreset_mode", mode, [each.value for each in AutoresetMode]))
-        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.num_envs = whole("num_envs", num_envs, 1)
         self.task = task_of(task, settings)
         self.episodes = Episodes(self.task, self.num_envs, threads=threads)
+        self._begin_to_show(render_mode)
+        self.metadata["autoreset_mode"] = self.autoreset_mode
         self.single_observation_space, self.single_action_space = _spaces(self.task)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -245,9 +280,13 @@ class SwimmingVectorEnv(VectorEnv):
         power = np.where(waiting, 0.0, done.power)
         return self._observation.copy(), reward, terminated, truncated, self._infos(power) | infos
 
+    def render(self) -> tuple[np.ndarray | None, ...]:
+        """A picture of every robot, as for `SwimmingEnv`."""
+        return tuple(self._picture(lane) for lane in range(self.num_envs))
+
     def close_extras(self, **kwargs: Any) -> None:
         """Let threads go; `kwargs`, which Gymnasium passes on, mean nothing here."""
-        self.episodes.close()
+        self._close()
 
     def _begin(self, which: np.ndarray, given: Mapping[str, Any]) -> None:
         if which.any() or given:

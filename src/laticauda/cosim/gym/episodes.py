@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from laticauda.cosim.gym.swimming import Step, Swimming
 from laticauda.dynamics.school import Motion
 from laticauda.errors import BadArgument, finite, one_of
-from laticauda.interfaces import Command, Controller, Observation
+from laticauda.interfaces import Command, Controller
 from laticauda.simulate.plants import school_of
 
 BOUND = 10.0
@@ -51,22 +51,24 @@ class Episodes:
 
     def __init__(self, task: Swimming, n: int, *, threads: int | None = None) -> None:
         self.task = task
-        self._school = school_of(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
-        self.n = self._school.n
+        self.school = school_of(task.plant, Command(gait=task.gait), n, task.interval, threads=threads)
+        """Who is at the task; its `plant` is what each of them is."""
+        self.n = self.school.n
         """How many lanes there are."""
         self._n_steps = np.zeros(n, dtype=int)
         self._drawn = {draw.name: np.zeros(n) for draw in task.draws}
         self._sights = task.sights
         self._units = np.array([sight.unit for sight in self._sights])
-        self._middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
-        # Steering adds to the offset that the gait has.
-        self._middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
-        self._half = np.array([0.5 * (action.high - action.low) for action in task.actions])
+        self.middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
+        """What actions of 0 ask for; steering adds to the offset that the gait has."""
+        self.middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
+        self.half = np.array([0.5 * (action.high - action.low) for action in task.actions])
+        """What actions of 1 add."""
 
     @property
     def motion(self) -> Motion:
         """How they move now."""
-        return self._school.motion
+        return self.school.motion
 
     @property
     def drawn(self) -> dict[str, Float[np.ndarray, " n"]]:
@@ -107,7 +109,7 @@ class Episodes:
         x, y, heading, speed, direction = (
             self._drawn.get(name, zero)[lanes] for name in ("x", "y", "heading", "current_speed", "current_direction")
         )
-        self._school.place(
+        self.school.place(
             lanes,
             center_of_mass=np.stack((x, y), axis=1),
             heading=heading,
@@ -121,13 +123,13 @@ class Episodes:
         Args:
             actions: What is asked for, from -1 to 1; what is beyond that is cut off [-].
         """
-        asked = self._middle + self._half * np.clip(actions, -1.0, 1.0)
-        self._school.tell({action.name: asked[:, i] for i, action in enumerate(self.task.actions)})
+        asked = self.middle + self.half * np.clip(actions, -1.0, 1.0)
+        self.school.tell({action.name: asked[:, i] for i, action in enumerate(self.task.actions)})
         before = self.motion
-        self._school.march()
+        self.school.march()
         self._n_steps += 1
         step = self._step(before)
-        failed = ~self._school.is_well
+        failed = ~self.school.is_well
         return Outcome(
             observation=self._observed(step),
             reward=np.where(failed, self.task.failure_reward, self.task.reward(step)),
@@ -135,14 +137,6 @@ class Episodes:
             truncated=~failed & (self._n_steps >= self.task.n_steps),
             power=step.power,
         )
-
-    def observe(self, lane: int) -> Observation:
-        """What a controller sees of the robot in a `lane`."""
-        return self._school.observe(lane)
-
-    def close(self) -> None:
-        """Let threads go."""
-        self._school.close()
 
     def _step(self, before: Motion) -> Step:
         return Step(drawn=self._drawn, before=before, after=self.motion, interval=self.task.interval)
@@ -181,23 +175,10 @@ class Pilots:
 
     def actions(self) -> np.ndarray:
         """What they ask for now, one row per lane; in an episode that has just begun the pilot knows nothing yet."""
-        time = self._episodes.motion.time
-        actions = np.zeros((self._episodes.n, len(self._episodes.task.actions)))
-        for lane in range(self._episodes.n):
+        episodes, time = self._episodes, self._episodes.motion.time
+        asked = np.zeros((episodes.n, len(episodes.task.actions)))
+        for lane in range(episodes.n):
             state = self._controller.init() if time[lane] == 0.0 else self._states[lane]
-            self._states[lane], command = self._controller.step(state, self._episodes.observe(lane))
-            actions[lane] = self._action(command)
-        return actions
-
-    def _action(self, command: Command) -> list[float]:
-        """A command as an action, which cannot ask for more than the task lets it."""
-        action: list[float] = []
-        task = self._episodes.task
-        for each in task.actions:
-            value = (
-                command.offset + command.gait.offset - task.gait.offset
-                if each.name == "offset"
-                else getattr(command.gait, each.name)
-            )
-            action.append((value - 0.5 * (each.low + each.high)) / (0.5 * (each.high - each.low)))
-        return action
+            self._states[lane], command = self._controller.step(state, episodes.school.observe(lane))
+            asked[lane] = [getattr(command.steered, each.name) for each in episodes.task.actions]
+        return (asked - episodes.middle) / episodes.half
