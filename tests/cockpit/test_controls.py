@@ -16,10 +16,11 @@ from laticauda.cockpit import Cockpit, Live, numbers
 from laticauda.cockpit.maps import with_wave
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.readouts import numbers_text
-from laticauda.cockpit.simulation import depth_of, path_of
-from laticauda.control import StraightLine
+from laticauda.cockpit.simulation import depth_of, path_of, route_of
+from laticauda.control import Following, StraightLine
 from laticauda.errors import TrialFileError
 from laticauda.gaits import Custom
+from laticauda.spatial.scene import Pipe
 
 pytest.importorskip("viser")
 GAIT = lc.lateral_undulation(
@@ -328,3 +329,24 @@ def test_the_pitch_wave_has_sliders_and_goes_when_it_is_still(in_space, cockpit)
     (told,) = use(cockpit, control(cockpit, "depth"), 1.0)
     assert told.startswith("`robot` must have pitch joints for a path in space")
     assert cockpit.live.scenario.motion == GAIT
+
+
+def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
+    following = Following(circle=(0.0, 0.0, 1.0, 2.0), path_depth=(0.5, 1.0), look_ahead_distance=0.5)
+    motion, start = following.controller(GAIT), lc.Start(center_of_mass=(0.0, -1.0), depth=0.5)
+    pipe = Pipe(bore=0.2, length=1.5, center=(0.0, 0.0, -0.75), tilt=0.5 * math.pi)
+    scenario = lc.scenario("mamba-modules", motion, model="spatial", scene=pipe, start=start)
+    points = route_of(scenario, 0.0)
+    np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 1.0)
+    assert points[0, 2] == pytest.approx(-0.5, abs=0.02) and points[-1, 2] == pytest.approx(-1.0, abs=0.02)
+    served = Cockpit(Live(scenario), port=0)
+    assert len(served._scene._around) == 24  # the staves of the pipe
+    assert not served._gizmo.visible
+    served.live.advance(5.0)
+    served.frame()
+    assert abs(served.live.simulation.cross_track_error) < 0.2
+    use(served, control(served, "model"), "planar")  # refused: it has no pitch joints
+    assert served.live.scenario == scenario
+    use(served, control(served, "path"), False)
+    assert served.live.scenario.motion == GAIT and route_of(served.live.scenario, 0.0).size == 0
+    served.close()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from laticauda.cli.command import LOCAL, until_stopped
-from laticauda.cli.flags import File, read, was_typed
+from laticauda.cli.flags import File, ScenarioFile, read, was_typed
 from laticauda.cli.scene import Names, OfScenario, warn_of_compiling
 from laticauda.cockpit.pages import load_viser
 from laticauda.errors import BadArgument
@@ -89,6 +89,7 @@ class CockpitCommand(OfScenario):
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """
 
+    file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
     tank: Tank = option("A robot that somebody else operates", default=Tank())
     load: str | None = option(
         "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None

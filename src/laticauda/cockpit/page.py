@@ -17,7 +17,7 @@ from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.readouts import Plots, numbers_text
 from laticauda.cockpit.runs import Runs
 from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME, Scene
-from laticauda.cockpit.simulation import depth_of, path_of
+from laticauda.cockpit.simulation import depth_of, path_of, route_of
 from laticauda.control import StraightLine
 
 FRAME = 0.05  # time between two pictures [s]
@@ -157,10 +157,11 @@ class Cockpit:
 
     def _changed(self) -> None:
         """After every change of the scenario."""
-        path = path_of(self.live.scenario)
-        self._scene.path(path, self._height)
-        self._gizmo.visible = path is not None
-        if path is not None:
+        path, live = path_of(self.live.scenario), self.live
+        self._scene.path(route_of(live.scenario, self._height))
+        self._scene.surroundings(live.simulation.plant, live.simulation.state)
+        self._gizmo.visible = isinstance(path, StraightLine)
+        if isinstance(path, StraightLine):
             half = 0.5 * path.angle
             self._gizmo.position = (*path.point, self._height)
             self._gizmo.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
@@ -180,7 +181,7 @@ class Cockpit:
         try:
             self.live.alter(path=StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))))
         finally:
-            self._scene.path(path_of(self.live.scenario), self._height)
+            self._scene.path(route_of(self.live.scenario, self._height))
             if phase == "end":
                 self._runs.changed()
 

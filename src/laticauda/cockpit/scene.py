@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from laticauda.cockpit.shapes import Color, Poses, poses, shapes
-from laticauda.control import StraightLine
+from laticauda.dynamics.plant import Plant
+from laticauda.kinematics import to_quaternion
 from laticauda.robot import Robot
 from laticauda.series import Log
 
@@ -21,7 +22,8 @@ PATH: Color = (120, 230, 140)
 FORCE: Color = (215, 25, 25)
 GHOST: Color = (190, 215, 235)
 AHEAD = 0.35  # what a camera looks at, along x from the robot: the panel hides the right of the page [m]
-PIECE = 2.0  # of a path [m]
+BALL, CYLINDER, BOX = 2, 5, 6  # of MuJoCo's kinds of geoms
+SOLID: Color = (204, 224, 230)
 ABOVE = math.radians(34.0)  # the robot's plane, where a camera begins [rad]
 HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.0, 0.0))
 """Where a camera begins, beside the robot and above it, and what it looks at [m]."""
@@ -150,6 +152,8 @@ class Scene:
         self.trail = Trail(scene, "/trail", TRAIL)
         """That of the center of mass, as far as it was shown."""
         self._path = Line(scene, "/path", PATH, 0.016)
+        self._around: list[Any] = []
+        self._place: Any = None
         # In a frame of their own at the center of mass: a slow page takes up places sooner than shapes.
         self._forces_at = scene.add_frame("/forces", show_axes=False, visible=False)
         arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # not seen
@@ -197,11 +201,32 @@ class Scene:
             for handle, z in ((self._floor, floor), (self._grid, floor + 0.004), (self._surface, surface)):
                 handle.position = (x, y, z)
 
-    def path(self, path: StraightLine | None, height: float = 0.0) -> None:
-        """Draw the path at a height [m], or none."""
-        # In pieces: of one that begins behind the camera, the page shows too little.
-        flat = np.empty((0, 2)) if path is None else path.points(np.arange(-WIDE, WIDE + PIECE, PIECE))
-        self._path.draw(np.column_stack((flat, np.full(len(flat), height))))
+    def path(self, points: np.ndarray) -> None:
+        """Draw the path through these points [m], or none through none."""
+        self._path.draw(points)
+
+    def surroundings(self, plant: Plant[Any], state: Any) -> None:
+        """Draw the boxes, cylinders and balls that stand around the robot of a plant in a state."""
+        if (scene := getattr(plant.settings, "scene", None)) is self._place:
+            return
+        for handle in self._around:
+            handle.remove()
+        self._around, self._place = [], scene
+        if scene is None:
+            return
+        spatial: Any = plant
+        model, data = spatial.model, spatial.data(state)
+        own = model.body_rootid[model.geom_bodyid] == model.body("module_0").id
+        for k in np.flatnonzero(~own):
+            kind, size, name = model.geom_type[k], model.geom_size[k], f"/around/{k}"
+            turned = to_quaternion(data.geom_xmat[k].reshape(3, 3))
+            look: Any = {"color": SOLID, "opacity": 0.4, "wxyz": turned, "position": data.geom_xpos[k]}
+            if kind == BOX:
+                self._around.append(self._scene.add_box(name, dimensions=2.0 * size, **look))
+            elif kind == CYLINDER:
+                self._around.append(self._scene.add_cylinder(name, radius=size[0], height=2.0 * size[1], **look))
+            elif kind == BALL:
+                self._around.append(self._scene.add_icosphere(name, radius=size[0], **look))
 
     def set_visible(self, is_visible: bool) -> None:
         """Show the robot, or hide it: its trail and its path stay."""

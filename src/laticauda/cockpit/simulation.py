@@ -7,7 +7,7 @@ from typing import Any, TypedDict, Unpack, cast
 import numpy as np
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.control import Following, PathFollowing, SpatialPathFollowing, StraightLine
+from laticauda.control import Following, Path, PathFollowing, SpatialPathFollowing, StraightLine
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import instance
 from laticauda.gaits import Gait
@@ -25,6 +25,7 @@ TICK = 0.025  # time between two samples [s]
 FADE = 1.0  # [s]
 N_HINGES = 3  # of a fin that bends
 STILL = (0.0, 0.0)
+WIDE = 60.0  # to either side, of a path that has no end [m]
 STEERING = PathFollowing, SpatialPathFollowing
 
 
@@ -92,8 +93,9 @@ class Simulation:
         path = path_of(self.scenario)
         if path is None:
             return float("nan")
+        progress = getattr(self.controller_state, "plan", self.controller_state).progress
         at = np.asarray(self.plant.observe(self.state).center_of_mass)[:2]
-        return path.locate(None, at)[1].cross_track_error
+        return path.locate(progress, at)[1].cross_track_error
 
     def altered(self, scenario: Scenario) -> "Simulation":
         """The simulation with another scenario, from now on; before the first tick, one that begins with it.
@@ -212,7 +214,7 @@ class Changes(TypedDict, total=False):
     current: Current
     model: Model | str
     joints: JointLaw | str
-    path: StraightLine | None
+    path: Path[Any] | None
     depth: float | None
 
 
@@ -259,10 +261,25 @@ def checked(scenario: Scenario) -> Scenario:
     return scenario
 
 
-def path_of(scenario: Scenario) -> StraightLine | None:
-    """The straight line that is followed, or None."""
-    path = scenario.motion.path if isinstance(scenario.motion, STEERING) else None
-    return path if isinstance(path, StraightLine) else None
+def path_of(scenario: Scenario) -> Path[Any] | None:
+    """The path that is followed, in plan, or None."""
+    return scenario.motion.path if isinstance(scenario.motion, STEERING) else None
+
+
+def route_of(scenario: Scenario, height: float) -> np.ndarray:
+    """Points of the path that is followed [m], if any: in its own heights, or at this one if depth is not steered."""
+    path = path_of(scenario)
+    if path is None:
+        return np.empty((0, 3))
+    end = getattr(path, "lengths", (0.0,))[
+        -1
+    ]  # a straight line has none; in pieces, or the page shows too little of it
+    along = np.arange(0.0, end, 0.05) if end else np.arange(-WIDE, WIDE, 2.0)
+    profile = np.array([(0.0, height)])
+    if isinstance(scenario.motion, SpatialPathFollowing):
+        profile = scenario.motion.profile.points(np.linspace(-WIDE, WIDE + 2.0 * end, 4000))
+    heights = np.interp(along, profile[:, 0], profile[:, 1])
+    return np.column_stack((path.points(along), heights))
 
 
 def depth_of(scenario: Scenario) -> float | None:
