@@ -16,8 +16,9 @@ from laticauda.errors import MissingExtra, MissingProgram
 from laticauda.pictures import lines, render, stage
 from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
-from laticauda.pictures.replay import posture_at, stage_of
+from laticauda.pictures.replay import posture_at, studio_of
 from laticauda.pictures.stage import Studio, posture_of
+from laticauda.pictures.surroundings import SUN, casters, draw_shadows
 from laticauda.scenarios import Experiment
 from laticauda.spatial.scene import Shore
 
@@ -53,7 +54,7 @@ def go_to(shown, trial, time):
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
 def test_the_replay_is_where_the_trial_was(name):
     trial = swum(name, duration=3.0)
-    replay, planar = stage_of(trial), trial.robot.planar()
+    replay, planar = studio_of(trial), trial.robot.planar()
     for sample in (0, 17, -1):
         go_to(replay, trial, float(trial.time[sample]))
         center = replay.data.subtree_com[1]
@@ -93,7 +94,7 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
         signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
     )
     assert spatial.joint_angle.shape[1] == robot.n_joints
-    replay = stage_of(spatial)
+    replay = studio_of(spatial)
     go_to(replay, spatial, float(spatial.time[-1]))
     np.testing.assert_allclose(replay.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
     up = replay.data.body("module_0").xmat.reshape(3, 3)[:, 2]
@@ -102,17 +103,17 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
 
 
 def test_the_water_has_its_depth_and_the_ground_its_height(trial):
-    assert stage_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height == -0.3
+    assert studio_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height == -0.3
     deep = with_other(trial, environment=replace(trial.environment, depth=7.0))
-    assert stage_of(deep).floor < -7.0
-    on_land = stage_of(with_other(trial, environment=lc.load_ground("coulomb")))
+    assert studio_of(deep).floor < -7.0
+    on_land = studio_of(with_other(trial, environment=lc.load_ground("coulomb")))
     assert (on_land.height, on_land.floor) == (0.055, 0.0)
     names = {on_land.model.geom(i).name for i in range(on_land.model.ngeom)}
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = stage_of(with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))).model
+    model = studio_of(with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
@@ -153,6 +154,55 @@ def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
     ripple = np.sin(2.0 * np.pi * time)
     assert abs(float(calm(time, ripple, 5.2, 1.0))) < 1e-3
     assert float(calm(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
+
+
+# ---- the place ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("place", ["floor", "shore"])
+def test_a_shadow_lies_on_the_ground_where_the_sun_puts_it(trial, place):
+    mujoco = pytest.importorskip("mujoco")
+    shown = with_other(trial, model=lc.Spatial(scene="shore")) if place == "shore" else trial
+    studio = studio_of(shown)
+    go_to(studio, shown, 2.0)
+    if place == "shore":
+        studio.data.qpos[:3] += (3.5, 0.0, 1.5)  # over the slope
+        mujoco.mj_kinematics(studio.model, studio.data)
+    scene, found = mujoco.MjvScene(studio.model, 500), casters(studio.model)
+    draw_shadows(scene, studio.model, studio.data, found)
+    assert scene.ngeom == found.size > trial.robot.n_links
+    ramp = studio.model.geom("ramp" if place == "shore" else "floor").id
+    up = studio.data.geom_xmat[ramp].reshape(3, 3)[:, 2]
+    height = studio.data.geom_xpos[ramp] @ up + (studio.model.geom_size[ramp, 2] if place == "shore" else 0.0)
+    for shape, caster in zip(scene.geoms[: scene.ngeom], found, strict=True):
+        turned, middle = studio.data.geom_xmat[caster].reshape(3, 3), studio.data.geom_xpos[caster]
+        for corner in np.vstack((np.zeros(3), 0.05 * np.eye(3))):
+            real, flat = middle + turned @ corner, shape.pos + shape.mat @ corner
+            there = real + SUN * ((height - real @ up) / (up @ SUN))  # along the light, to the ground
+            np.testing.assert_allclose(flat, there, atol=8e-3)
+
+
+def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_bright(trial, tmp_path, screen):
+    pictures = []
+    for depth in (0.056, 0.6):
+        shown = with_other(trial, environment=replace(trial.environment, depth=depth))
+        names = [geom.name for geom in map(studio_of(shown).model.geom, range(studio_of(shown).model.ngeom))]
+        assert ("surface" in names) is (depth < 0.1)
+        render.still(shown, tmp_path / "a.png", Film(size=(320, 180), camera="side"), time=3.0)
+        pictures.append(np.asarray(Image.open(tmp_path / "a.png")).astype(int))
+    near, deep = pictures
+    assert near[40:60].mean() > 150 > 80 > deep[40:60].mean()
+    yellow = [np.count_nonzero((one[..., 0] > 190) & (one[..., 2] < 90)) for one in pictures]
+    assert yellow[0] < 0.6 * yellow[1]  # through the surface, colors fade
+
+
+def test_the_trail_is_seen_from_the_start(trial):
+    mujoco = pytest.importorskip("mujoco")
+    scene = mujoco.MjvScene(studio_of(trial).model, 50)
+    lines.draw_trail(scene, trial, 0.3, -1.0)
+    pieces = scene.geoms[: scene.ngeom]
+    assert len(pieces) == 2
+    assert all(piece.rgba[3] > 0.3 and piece.pos[2] > -0.95 for piece in pieces)
 
 
 # ---- lines --------------------------------------------------------------------------------------------------------
@@ -326,7 +376,7 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
     trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
     turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
-    replay = stage_of(trial)
+    replay = studio_of(trial)
     go_to(replay, trial, 2.0)
     for i, angle in enumerate(trial.link_angle[-1]):
         forward = replay.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]

@@ -9,12 +9,11 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.extras import load_mujoco
-from laticauda.pictures.camera import middle
 from laticauda.trial import Trial
 from laticauda.trial.following import nearest_points
 
 WIDTH = 0.003  # half the width of a line, in lengths of the robot
-TRAIL_STEP, TRAIL_PIECES, TRAIL_FADE = 0.2, 400, 0.1  # [s], [-], where it begins, in lengths of the robot
+TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], how far above the axis, in half heights of the body
 TRAIL_COLOR, TRAIL_OPACITY = (1.0, 0.80, 0.35), 0.85
 DASH, MOST_DASHES = 0.05, 1500  # in lengths of the robot, [-]
 PATH_COLOR = (1.0, 1.0, 1.0, 0.75)
@@ -45,14 +44,12 @@ def trail_points(trial: Trial, time: float, height: float) -> Points:
 
 
 def draw_trail(scene: Any, trial: Trial, time: float, height: float) -> None:
-    """Draw the trail into a scene; arguments as for `trail_points`."""
+    """Draw the trail into a scene, above the body, older pieces fainter; arguments as for `trail_points`."""
     points, robot = trail_points(trial, time, height), trial.robot
-    behind = np.linalg.norm(points - points[-1], axis=1) - (0.5 * robot.reach - middle(robot))
+    points[:, 2] += OVER * max(module.section.half_height for module in robot.modules)
     for k, (one, other) in enumerate(pairwise(points)):
-        # It begins at the trailing edge: a line through the body would look like a part of it.
-        opacity = float(np.clip(behind[k] / (TRAIL_FADE * robot.reach), 0.0, TRAIL_OPACITY)) * (k + 1) / len(points)
-        if opacity > 0.02:
-            _add_line(scene, one, other, WIDTH * robot.reach, (*TRAIL_COLOR, opacity))
+        opacity = TRAIL_OPACITY * (0.3 + 0.7 * (k + 1) / len(points))
+        _add_line(scene, one, other, WIDTH * robot.reach, (*TRAIL_COLOR, opacity))
 
 
 def path_dashes(trial: Trial, height: float) -> Dashes:
@@ -102,5 +99,5 @@ def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, colo
     kind = mujoco.mjtGeom.mjGEOM_CYLINDER  # round ends would overlap, which shows as they are transparent
     mujoco.mjv_initGeom(geom, kind, zero, zero, np.eye(3).ravel(), np.array(color, np.float32))
     mujoco.mjv_connector(geom, kind, width, one, other)
-    geom.emission, geom.castshadow = 0.6, False
+    geom.emission = 0.6
     scene.ngeom += 1

@@ -17,13 +17,15 @@ from PIL import Image, ImageDraw, ImageFont
 from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
 from laticauda.pictures import lines
 from laticauda.pictures.camera import Film, ripple_period, view
-from laticauda.pictures.replay import posture_at, stage_of
-from laticauda.pictures.stage import Picture, Studio, check_offscreen
+from laticauda.pictures.replay import posture_at, studio_of
+from laticauda.pictures.stage import Picture, check_offscreen
 from laticauda.trial import Trial
 
 # Of the words: margin and sizes in heights of the picture, and colors.
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
-WHITE, PALE = (255, 255, 255), (200, 228, 230)
+WHITE, PALE, RIM = (255, 255, 255), (200, 228, 230), (4, 30, 40)
+Color = tuple[int, int, int]
+PRESET = "veryfast"  # a seventh smaller than `medium` on these pictures, for half the time
 QUALITY = 20  # of H.264's scale, on which less is better and 18 looks like the original
 
 
@@ -56,16 +58,16 @@ def video(
     if any(pixels % 2 for pixels in film.size):
         raise BadArgument("size", f"must be even for a video, got {film.size}")
     check_video()
-    with closing(_Set(trial, film)) as scenery:
+    count = math.floor((end - begin) / step + 1e-9) + 1
+    moments = [min(begin + k * step, end) for k in range(count)]
 
-        def pictures() -> Iterator[Picture]:
-            for k in range(math.floor((end - begin) / step + 1e-9) + 1):
-                shown = min(k * step, end - begin)
-                yield scenery.picture(begin + shown, speed)
-                if progress is not None:
-                    progress(shown)
+    def shown() -> Iterator[Picture]:
+        for moment, picture in zip(moments, pictures(trial, film, moments, speed), strict=True):
+            yield picture
+            if progress is not None:
+                progress(moment - begin)
 
-        write_video(pictures(), path, size=film.size, frames_per_second=film.frames_per_second)
+    write_video(shown(), path, size=film.size, frames_per_second=film.frames_per_second)
 
 
 def still(trial: Trial, path: str | Path, film: Film = Film(), *, time: float | None = None) -> None:  # noqa: B008
@@ -79,40 +81,38 @@ def still(trial: Trial, path: str | Path, film: Film = Film(), *, time: float | 
     """
     begin, end = film.span(trial)
     moment = end if time is None else within("time", time, begin, end, "s")
-    with closing(_Set(trial, film)) as scenery:
-        Image.fromarray(scenery.picture(moment)).save(path, optimize=True)
+    [picture] = pictures(trial, film, [moment])
+    Image.fromarray(picture).save(path, optimize=True)
+
+
+def pictures(trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0) -> Iterator[Picture]:
+    """Pictures of a trial, words included.
+
+    Args:
+        trial: Any trial, simulated or real.
+        film: Their size, and the camera.
+        moments: Of which [s].
+        speed: What the words say of the film's [-].
+    """
+    with closing(studio_of(trial, size=film.size)) as studio:
+        height = studio.height
+        path = lines.path_dashes(trial, height)
+        for time in moments:
+
+            def decorate(scene: Any, time: float = time) -> None:
+                lines.draw_path(scene, trial, path)
+                lines.draw_trail(scene, trial, time, height)
+
+            camera = view(trial, time, height, film)
+            picture = studio.picture(posture_at(trial, time, height), camera, decorate)
+            figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
+            yield write_words(picture, figures, words(trial, speed))
 
 
 def check_video() -> None:
     """Refuse a video that cannot be made here, before there is a trial to show; errors as for `video`."""
     ffmpeg()
     check_offscreen()
-
-
-class _Set:
-    """A trial in front of a camera; a resource to be closed."""
-
-    def __init__(self, trial: Trial, film: Film) -> None:
-        self._trial, self._film = trial, film
-        self._studio = stage_of(trial, Studio, size=film.size)
-        self._path = lines.path_dashes(trial, self._studio.height)
-
-    def picture(self, time: float, speed: float = 1.0) -> Picture:
-        """The picture of a moment, words included."""
-        trial, height = self._trial, self._studio.height
-
-        def decorate(scene: Any) -> None:
-            lines.draw_path(scene, trial, self._path)
-            lines.draw_trail(scene, trial, time, height)
-
-        camera = view(trial, time, height, self._film)
-        picture = self._studio.picture(posture_at(trial, time, height), camera, decorate)
-        figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
-        return write_words(picture, figures, words(trial, speed))
-
-    def close(self) -> None:
-        """Give back the graphics memory."""
-        self._studio.close()
 
 
 def speed_at(trial: Trial, time: float) -> float:
@@ -152,34 +152,40 @@ def write_words(picture: Picture, large: Sequence[tuple[str, str]], small: Seque
     """
     height = picture.shape[0]
     image = Image.fromarray(picture)
-    draw: Any = ImageDraw.Draw(image)
     margin, figure, line = (round(share * height) for share in (MARGIN, LARGE, SMALL))
     x = margin
     for number, unit in large:
-        bold, plain = _font(figure, "DejaVuSans-Bold"), _font(round(0.62 * figure), "DejaVuSans")
-        _text(draw, (x, margin), number, bold, WHITE, figure)
-        x += round(draw.textlength(number, font=bold)) + round(0.22 * figure)
-        _text(draw, (x, margin), unit, plain, PALE, figure)
-        x += round(draw.textlength(unit, font=plain)) + round(1.3 * figure)
+        for words, size, font, color, gap in (
+            (number, figure, "DejaVuSans-Bold", WHITE, 0.22),
+            (unit, round(0.62 * figure), "DejaVuSans", PALE, 1.3),
+        ):
+            x += _write(image, (x, margin + figure), words, size, font, color) + round(gap * figure)
     for k, words in enumerate(reversed(small)):
-        at = (margin, height - margin - round(1.5 * line * k) - line)
-        _text(draw, at, words, _font(line, "DejaVuSans"), WHITE if k == len(small) - 1 else PALE, line)
+        at = margin, height - margin - round(1.5 * line * k)
+        _write(image, at, words, line, "DejaVuSans", WHITE if k == len(small) - 1 else PALE)
     return np.asarray(image)
 
 
-def _text(draw: Any, at: tuple[int, int], words: str, font: Any, color: tuple[int, int, int], height: int) -> None:
-    """Words that stand on the same line whatever their size, with a dark rim so that they can be read on anything."""
-    place = (at[0], at[1] + height)
-    draw.text(
-        place, words, font=font, fill=color, anchor="ls", stroke_width=max(1, height // 16), stroke_fill=(4, 30, 40)
-    )
+def _write(image: Any, at: tuple[int, int], words: str, size: int, font: str, color: Color) -> int:
+    """Words whose first one's foot is at a place; how long they are [pixels]."""
+    label, length = _label(words, size, font, color)
+    image.paste(label, (at[0] - size, at[1] - 2 * size), label)
+    return length
 
 
-@lru_cache(maxsize=16)
-def _font(size: int, name: str) -> Any:
-    """A font that comes with matplotlib, and so is everywhere."""
-    file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"
-    return ImageFont.truetype(str(file), size)
+@lru_cache(maxsize=256)
+def _label(words: str, size: int, font: str, color: Color) -> tuple[Any, int]:
+    """Words with room around them, and a dark rim so that they can be read on anything; and their length [pixels].
+
+    The font comes with matplotlib, and so is everywhere.
+    """
+    file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"{font}.ttf"
+    letters = ImageFont.truetype(str(file), size)
+    length = round(letters.getlength(words))
+    label = Image.new("RGBA", (length + 2 * size, 3 * size), (*RIM, 0))
+    rim: Any = {"stroke_width": max(1, size // 16), "stroke_fill": RIM}
+    ImageDraw.Draw(label).text((size, 2 * size), words, font=letters, fill=color, anchor="ls", **rim)
+    return label, length
 
 
 # ---- an MP4 that every player plays, through the system's ffmpeg ---------------------------------------------------
@@ -219,7 +225,7 @@ def write_video(
     unfinished = Path(path).with_name(f".{Path(path).stem}.unfinished.mp4")
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     words += ["-s", f"{size[0]}x{size[1]}", "-r", f"{frames_per_second:g}", "-i", "-", "-an", "-c:v", "libx264"]
-    words += ["-preset", "medium", "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+    words += ["-preset", PRESET, "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
     # Its complaints go to a file: a pipe that nobody reads could fill up and stop it.
     try:
         with tempfile.TemporaryFile() as complaints:

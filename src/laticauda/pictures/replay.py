@@ -5,7 +5,7 @@ import platform
 import time
 import warnings
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -14,26 +14,25 @@ from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION
 from laticauda.kinematics import link_angles
 from laticauda.pictures.camera import Film, view
-from laticauda.pictures.stage import Posture, Stage, flat_posture
+from laticauda.pictures.stage import Posture, Studio, flat_posture
 from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
 
 PICTURES_PER_SECOND = 60.0
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
-StageType = TypeVar("StageType", bound=Stage)
 
 
-def stage_of(trial: Trial, kind: type[StageType] = Stage, **options: Any) -> StageType:
+def studio_of(trial: Trial, **options: Any) -> Studio:
     """The place of a trial, as it is shown.
 
     Args:
         trial: Any trial, simulated or real.
-        kind: Of stage.
-        options: Of the stage.
+        options: Of the studio.
     """
     instance("trial", trial, Trial)
-    lowest = float(trial.center_of_mass[:, 2].min()) if trial.center_of_mass.shape[1] == 3 else None
-    return kind(trial.robot, trial.environment, trial.scenario.model, lowest=lowest, **options)
+    height = trial.center_of_mass[:, 2:]
+    heights = (float(height.min()), float(height.max())) if height.size else None
+    return Studio(trial.robot, trial.environment, trial.scenario.model, heights=heights, **options)
 
 
 def posture_at(trial: Trial, time: float, height: float) -> Posture:
@@ -94,7 +93,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
     viewer = _viewer()
-    stage = stage_of(trial)
+    stage = studio_of(trial)
     began = time.monotonic()
     stage.take(posture_at(trial, float(trial.time[0]), stage.height))
     with viewer.launch_passive(stage.model, stage.data, show_left_ui=False, show_right_ui=False) as window:

@@ -3,6 +3,7 @@
 import os
 import platform
 from collections.abc import Callable
+from functools import cached_property
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import MissingExtra, MissingProgram
 from laticauda.extras import load_mujoco
 from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
-from laticauda.pictures.surroundings import add_surroundings, draw_shadows
+from laticauda.pictures.surroundings import add_surroundings, casters, draw_shadows
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot
@@ -25,6 +26,7 @@ PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
 MOST_SHAPES = 4000
 MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot is shown that has none, and least depth of the floor [m]
 DEEP = 2.0  # to which a robot in space may dive above the floor, where nobody knows how deep it will [m]
+NEAR = 0.3  # the surface, so that it is shown [m]
 CLEARANCE = 0.45  # least height over the floor [m]
 SIZE = (640, 360)  # [pixels]
 Picture = UInt8[np.ndarray, "height width 3"]
@@ -43,15 +45,19 @@ class Posture(NamedTuple):
     """Of the joints of a fin that is driven or bends, from its root on; straight if nothing is known of it [rad]."""
 
 
-class Stage:
-    """The model of a robot and its place, to be looked at, and its state.
+class Studio:
+    """The model of a robot and its place, its state, and a camera in front of it; a resource to be closed.
 
     Args:
         robot: Who is seen.
         environment: Where.
         model: Whose settings say what else is there; None: nothing.
-        lowest: Least height of the center of mass that will be shown; None: the robot swims in a plane [m].
+        heights: Least and greatest of the center of mass that will be shown; None: it swims in a plane [m].
         size: Width and height of pictures that will be taken of it [pixels].
+
+    Raises:
+        MissingExtra: If MuJoCo or, at the first picture, PyOpenGL is not installed.
+        MissingProgram: If the system has no EGL, at the first picture.
     """
 
     def __init__(
@@ -60,21 +66,23 @@ class Stage:
         environment: Environment,
         model: Model | None = None,
         *,
-        lowest: float | None = None,
+        heights: tuple[float, float] | None = None,
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         scene = model.scene if isinstance(model, Spatial) else None
         spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=_ballast(robot, model))
-        on_land = isinstance(environment, Ground)
-        self.floor = 0.0 if on_land else min(-FLOOR, (self.height if lowest is None else lowest) - CLEARANCE)
+        on_land, (lowest, highest) = isinstance(environment, Ground), heights or (self.height, self.height)
+        self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
-        is_deep = on_land or (lowest is None and environment.depth is None)
-        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, surface=not is_deep)
+        level = 0.0 if scene is None else scene.level
+        level = level if not on_land and highest > level - NEAR else None
+        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, level=level)
         picture = spec.visual.global_
         (picture.offwidth, picture.offheight), picture.fovy = size, VIEW_DEG
         self.model: Any = spec.compile()
         self.data: Any = load_mujoco().MjData(self.model)
+        self._casters = casters(self.model)
 
     def take(self, posture: Posture) -> None:
         """Bend and put the robot so."""
@@ -85,36 +93,19 @@ class Stage:
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
         data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
-        mujoco.mj_forward(self.model, data)
-
-
-def _ballast(robot: Robot, model: Model | None) -> float:
-    """How far the modules' centers of mass lie below their axes in a model [m]."""
-    if not isinstance(model, Spatial) or not model.gravity:
-        return 0.0
-    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
-    return model.ballast_depth if is_free else 0.0
-
-
-class Studio(Stage):
-    """A stage and MuJoCo's renderer in front of it, without a window; a resource to be closed.
-
-    Arguments are those of `Stage`.
-
-    Raises:
-        MissingExtra: If MuJoCo or PyOpenGL is not installed.
-        MissingProgram: If the system has no EGL.
-    """
-
-    def __init__(self, robot: Robot, environment: Environment, model: Model | None = None, **options: Any) -> None:
-        super().__init__(robot, environment, model, **options)
-        self._renderer = _renderer(self.model)
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        mujoco.mj_camlight(self.model, data)
 
     @classmethod
     def of(cls, plant: Plant[Any], size: tuple[int, int] = SIZE) -> "Studio":
         """One for states of a plant."""
-        lowest = -DEEP if isinstance(plant, SpatialPlant) else None
-        return cls(plant.robot, plant.environment, plant.settings, lowest=lowest, size=size)
+        heights = (-DEEP, swimming_height(plant.robot, plant.environment)) if isinstance(plant, SpatialPlant) else None
+        return cls(plant.robot, plant.environment, plant.settings, heights=heights, size=size)
+
+    @cached_property
+    def _renderer(self) -> Any:
+        return renderer_of(self.model)
 
     def picture(self, posture: Posture, camera: Any = None, decorate: Callable[[Any], None] | None = None) -> Picture:
         """What a camera sees.
@@ -135,14 +126,23 @@ class Studio(Stage):
         scene = renderer.scene
         scene.flags[flags.mjRND_FOG] = True
         scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
-        draw_shadows(scene, self.model, self.data)
+        draw_shadows(scene, self.model, self.data, self._casters)
         if decorate is not None:
             decorate(scene)
         return renderer.render()
 
     def close(self) -> None:
         """Give back the graphics memory."""
-        self._renderer.close()
+        if "_renderer" in vars(self):
+            self._renderer.close()
+
+
+def _ballast(robot: Robot, model: Model | None) -> float:
+    """How far the modules' centers of mass lie below their axes in a model [m]."""
+    if not isinstance(model, Spatial) or not model.gravity:
+        return 0.0
+    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
+    return model.ballast_depth if is_free else 0.0
 
 
 def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
@@ -198,10 +198,10 @@ def swimming_height(robot: Robot, environment: Environment) -> float:
 
 def check_offscreen() -> None:
     """Refuse what cannot be rendered here; errors as for `Studio`."""
-    _renderer(load_mujoco().MjSpec().compile()).close()
+    renderer_of(load_mujoco().MjSpec().compile()).close()
 
 
-def _renderer(model: Any) -> Any:
+def renderer_of(model: Any) -> Any:
     """MuJoCo's renderer of a model, as large as its off-screen buffer.
 
     Without a word from the environment variable `MUJOCO_GL` it draws with EGL on Linux, which needs no screen; MuJoCo's

@@ -4,14 +4,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from jaxtyping import Int
 
 from laticauda.extras import load_mujoco
 from laticauda.robot import Environment, Ground
+from laticauda.spatial.appearance import HULL
 
 SAMPLES = 4  # per pixel
 TILE, PIXELS = 0.5, 128  # side of a tile of the floor [m], and of its picture
-SURFACE = (0.75, 0.97, 1.0, 0.10)
-SUN = (0.14, 0.10, -1.0)
+SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water; it is drawn twice
+WHITE, GRID = (1.0, 1.0, 1.0), 512
+UNDER = 0.01  # how far the floor is below a terrain's lowest place [m]
+FLECKS, GRAINS = 0.002, 0.25  # shares of it that glitter, so that one sees where it is; and of sand that are darker
+SUN = np.array((0.14, 0.10, -1.0))
 SHADE = 0.42  # brightness of a shadow, to that of the ground
 THIN, ABOVE = 2e-3, 3e-3  # what is left of a shape's height in its shadow, and how high that lies [-], [m]
 CASTS_ON = np.array([1, 0, 0, 0, 0, 0], np.uint8)  # groups of the shapes on which shadows fall: the place's
@@ -39,6 +44,7 @@ class Look:
 
 
 WATER = Look()
+AIR = Look(far=(0.64, 0.79, 0.84), above=(0.46, 0.70, 0.86), fog=(3.0, 14.0), ambient=(0.42, 0.40, 0.38))
 LAND = Look(
     floor=(0.50, 0.47, 0.42),
     line=0.90,
@@ -49,7 +55,7 @@ LAND = Look(
 )
 
 
-def add_surroundings(model: Any, environment: Environment, *, floor: float, length: float, surface: bool) -> None:
+def add_surroundings(model: Any, environment: Environment, *, floor: float, length: float, level: float | None) -> None:
     """Floor, light and all that is far away into a `MjSpec`.
 
     Args:
@@ -57,9 +63,9 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
         environment: Where it is.
         floor: Height of the floor [m].
         length: Of the robot, which everything has to fit [m].
-        surface: Whether the surface of the water, at 0, is to be seen.
+        level: Height of the surface of the water; None: it is not to be seen [m].
     """
-    look = LAND if isinstance(environment, Ground) else WATER
+    look = LAND if isinstance(environment, Ground) else WATER if level is None else AIR
     for bare in [*model.lights, *(texture for texture in model.textures if texture.name == "sky")]:
         model.delete(bare)  # a scene's own light is for other programs
     for geom in model.worldbody.geoms:
@@ -67,8 +73,14 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
             geom.rgba, geom.material = (0.0, 0.0, 0.0, 0.0), ""
     _add_light(model, look, length)
     _add_floor(model, look, floor)
-    if surface:
-        _add_plane(model, "surface", 0.0).rgba = SURFACE
+    for material in model.materials:
+        if material.name == "sand":
+            _fleck(model, material, GRAINS, WHITE, (0.93, 0.92, 0.91), 0.7)
+    if level is not None:
+        clear = model.add_material(name="surface", specular=0.6, shininess=0.9, rgba=(*WHITE, CLEARNESS))
+        _fleck(model, clear, FLECKS, SURFACE, WHITE, 0.4)
+        plane = _add_plane(model, "surface", level)
+        plane.material, plane.group = "surface", WATERY
 
 
 def _add_light(model: Any, look: Look, length: float) -> None:
@@ -80,13 +92,14 @@ def _add_light(model: Any, look: Look, length: float) -> None:
     visual.map.znear, visual.map.zfar = 0.02 * length, 30.0 * max(length, 2.0)
     visual.rgba.fog = (*look.far, 1.0)
     visual.quality.offsamples, visual.quality.shadowsize = SAMPLES, 0
+    visual.quality.numslices, visual.quality.numstacks = 20, 10
     visual.headlight.ambient = look.ambient
     visual.headlight.diffuse = (0.20, 0.24, 0.24)
     visual.headlight.specular = (0.06, 0.06, 0.06)
     gradient = {"builtin": kind.mjtBuiltin.mjBUILTIN_GRADIENT, "rgb1": look.above, "rgb2": look.far}
     model.add_texture(name="far", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=256, **gradient)
     sun = model.worldbody.add_light(name="sun", type=kind.mjtLightType.mjLIGHT_DIRECTIONAL, dir=SUN)
-    sun.diffuse, sun.specular = (0.80, 0.88, 0.86), (0.45, 0.50, 0.50)
+    sun.diffuse, sun.specular = (0.84, 0.86, 0.83), (0.45, 0.50, 0.50)
 
 
 def _add_floor(model: Any, look: Look, height: float) -> None:
@@ -97,9 +110,30 @@ def _add_floor(model: Any, look: Look, height: float) -> None:
     model.add_texture(name="floor", rgb1=(1.0, 1.0, 1.0), markrgb=[look.line] * 3, **flat, **picture)
     material = model.add_material(name="floor", texuniform=True, texrepeat=(1.0 / TILE, 1.0 / TILE), specular=0.0)
     material.rgba, material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = (*look.floor, 1.0), "floor"
+    heights = [geom.pos[2] - UNDER for geom in model.geoms if geom.name in ("shore", "terrain")]
+    height = min([height, *heights])
     found = [geom for geom in model.geoms if geom.name in ("ground", "floor")]
     for plane in found or [_add_plane(model, "floor", height)]:
         plane.material = "floor"
+
+
+def _fleck(model: Any, material: Any, share: float, color: Color, fleck: Color, repeat: float) -> None:
+    """Flecks on a material, which show where it is.
+
+    Args:
+        model: A `MjSpec`.
+        material: One of its.
+        share: Of the material that they cover [-].
+        color: What its own is multiplied with elsewhere [-].
+        fleck: The same on them [-].
+        repeat: How often the pattern comes again [1/m].
+    """
+    kind, name = load_mujoco(), material.name
+    texture = model.add_texture(name=name, rgb1=color, markrgb=fleck, random=share, width=GRID, height=GRID)
+    texture.type, texture.mark = kind.mjtTexture.mjTEXTURE_2D, kind.mjtMark.mjMARK_RANDOM
+    texture.builtin = kind.mjtBuiltin.mjBUILTIN_FLAT
+    material.texuniform, material.texrepeat = True, (repeat, repeat)
+    material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
 def _add_plane(model: Any, name: str, height: float) -> Any:
@@ -113,8 +147,20 @@ def _add_plane(model: Any, name: str, height: float) -> Any:
     )
 
 
-def draw_shadows(scene: Any, model: Any, data: Any) -> None:
-    """Draw what the sun's light makes of everything that moves: its shape, flattened onto what is beneath it.
+def casters(model: Any) -> Int[np.ndarray, " n"]:
+    """The shapes that cast shadows: of everything that moves those to collide with, or those to see if it has no such.
+
+    Args:
+        model: A `MjModel`.
+    """
+    body, group, box = model.geom_bodyid, model.geom_group, load_mujoco().mjtGeom.mjGEOM_BOX
+    is_simple = np.array((group == HULL) | (model.geom_type == box))
+    has_hull = np.isin(body, body[group == HULL])
+    return np.flatnonzero((model.body_weldid[body] > 0) & (is_simple | ~has_hull) & (is_simple | (group < HULL)))
+
+
+def draw_shadows(scene: Any, model: Any, data: Any, casters: Int[np.ndarray, " n"]) -> None:
+    """Draw what the sun's light makes of shapes: each flattened onto what is beneath it.
 
     A shadow map would cost more than all else in software, and has ragged edges.
 
@@ -122,37 +168,32 @@ def draw_shadows(scene: Any, model: Any, data: Any) -> None:
         scene: A `MjvScene` that is about to be drawn.
         model: Its `MjModel`.
         data: Its `MjData`.
+        casters: Those shapes.
     """
-    mujoco, shapes = load_mujoco(), scene.geoms
-    grounds: dict[int, Any] = {}
-    kinds = mujoco.mjtObj.mjOBJ_GEOM
-    for shape in shapes[: scene.ngeom]:
-        body = int(model.geom_bodyid[shape.objid]) if shape.objtype == kinds else 0
-        if body == 0 or scene.ngeom >= scene.maxgeom:
-            continue
-        if body not in grounds:
-            grounds[body] = _ground_below(model, data, body)
-        if grounds[body] is None:
-            continue
-        flat, shift, color = grounds[body]
-        shadow = shapes[scene.ngeom]
-        mat, pos = flat @ shape.mat, flat @ shape.pos + shift
-        mujoco.mjv_initGeom(shadow, shape.type, np.zeros(3), pos, mat.ravel(), color)
-        shadow.size, shadow.dataid, shadow.specular = shape.size, shape.dataid, 0.0
-        scene.ngeom += 1
+    shapes, bodies = scene.geoms, set(model.geom_bodyid[casters].tolist())
+    grounds = {body: _ground_below(model, data, body) for body in bodies}
+    for k in casters[: scene.maxgeom - scene.ngeom]:
+        ground = grounds[model.geom_bodyid[k]]
+        if ground is not None:
+            flat, shift, color = ground
+            mat, pos = flat @ data.geom_xmat[k].reshape(3, 3), flat @ data.geom_xpos[k] + shift
+            shadow = shapes[scene.ngeom]
+            load_mujoco().mjv_initGeom(shadow, model.geom_type[k], model.geom_size[k], pos, mat.ravel(), color)
+            shadow.dataid, shadow.specular = 2 * model.geom_dataid[k], 0.0  # of a mesh, of which each has two lists
+            scene.ngeom += 1
 
 
 def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """How the shadow of a body falls: what flattens a place, what shifts it then, and its color; None: on nothing."""
     geom, normal = np.zeros((1, 1), np.int32), np.zeros((3, 1))
-    sun, middle = np.array(SUN), data.xipos[body]
-    distance = load_mujoco().mj_ray(model, data, middle, sun, CASTS_ON, True, body, geom, normal)
+    middle = data.xipos[body]
+    distance = load_mujoco().mj_ray(model, data, middle, SUN, CASTS_ON, True, body, geom, normal)
     n, k = normal[:, 0], int(geom.item())
-    if distance < 0.0 or n @ sun > -0.2:
+    if distance < 0.0 or n @ SUN > -0.2:
         return None
-    along = sun / (n @ sun)
+    along = SUN / (n @ SUN)
     flat = np.eye(3) - (1.0 - THIN) * np.outer(along, n)
-    height = n @ (middle + distance * sun)
+    height = n @ (middle + distance * SUN)
     rgba = model.mat_rgba[model.geom_matid[k]] if model.geom_matid[k] >= 0 else model.geom_rgba[k]
     color = np.array([*(SHADE * rgba[:3]), 1.0], np.float32)
     return flat, (1.0 - THIN) * height * along + ABOVE * n, color

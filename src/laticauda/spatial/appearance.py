@@ -26,7 +26,7 @@ SUFFIXES = (".stl", ".obj")
 PITCH = 1.64  # length of one housing, in half heights: that of Mamba's modules
 GAP = 0.012  # between two housings, filled by the bellows [m]
 CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of what is inside and outside a housing, to the housing's
-AROUND = 40  # vertices around a section; the eye sees no corners
+AROUND = 20  # vertices around a section; the eye sees no corners
 NOSE = 1.5  # length of the rounded front, in half heights
 # Red, green, blue, opacity; how much it shines.
 MATERIALS = {
