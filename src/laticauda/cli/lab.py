@@ -16,8 +16,8 @@ from laticauda.lab import Lab, LabAddresses, LabSettings, Tank, VirtualRobot, as
 from laticauda.packaging import __version__
 from laticauda.protocol import bus_address
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Water, load_robot
-from laticauda.scenarios import named_after, water_for
+from laticauda.robot import Scene, Water, load_robot
+from laticauda.scenarios import model_of, named_after, water_for
 
 
 @value
@@ -30,6 +30,7 @@ class Body:
     )
     water: str | None = option("A preset, a TOML file or textbook; left out: see `laticauda swim`", default=None)
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
+    scene: str | None = option("What is around it in space, as for `laticauda swim`: tank, pipe ...", default=None)
     joints: str = option("Its servos: servo, or speed-servo, which control their speed", default="servo")
 
     @property
@@ -76,6 +77,7 @@ class LabCommand(Command):
     start: Start = option("Where it lies, straight", default=Start())
     coefficients: Water = option("Replace what the chosen water has")
     servos: JointLaw = option("The servos' own numbers")
+    scene: Scene = option("What is around it", default=Scene())
     wires: Wires = option("How it is reached", default=Wires())
     time: Time = option("Its clock, its chance, its faults", default=Time())
     save: NetCdf = option(
@@ -87,8 +89,9 @@ class LabCommand(Command):
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
         """The command that was typed; see `Command.read`."""
         body: Body = read(Body, words, prog, first=True)
-        law = JointLaw.of(body.joints)
-        return read(cls, words, prog, cls(body=body, coefficients=body.pool, servos=law))
+        settings = model_of(body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene}))
+        scene = getattr(settings, "scene", None) or Scene()
+        return read(cls, words, prog, cls(body=body, coefficients=body.pool, servos=settings.joints, scene=scene))
 
     def run(self) -> None:
         """Serve until Ctrl-C, or as long as is asked for."""
@@ -114,7 +117,8 @@ class LabCommand(Command):
         faults = () if self.time.faults is None else load_faults(self.time.faults)
         settings = LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
-        body = simulate.plant(robot, water, model=self.body.model, joints=self.servos)
+        scene = None if self.body.scene is None else self.scene
+        body = simulate.plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
         return Tank(VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults)
 
     def _announce(self, addresses: LabAddresses, tank: Tank) -> None:
