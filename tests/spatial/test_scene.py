@@ -113,3 +113,68 @@ def test_what_cannot_be_is_refused_by_name(tmp_path):
     (tmp_path / "twice.xml").write_text("<mujoco><worldbody><body name='module_1'/></worldbody></mujoco>")
     with pytest.raises(ValueError, match=r"`scene` must .*module_1"):
         swim(Mjcf(file=str(tmp_path / "twice.xml")))
+
+
+# ---- locomotion by obstacles, terrain --------------------------------------------------------------------------------
+
+SNAKE = lc.load_robot("mamba-modules")
+SLOW = replace(GAIT, frequency=radians(60.0))
+BARE = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.1)
+
+
+def same_in_all_directions():
+    section = SNAKE.modules[0].section
+    a, b = section.half_height, section.half_width
+    share = 4.0 * a / (np.pi * (a + b))  # c_t = c_n
+    plain = {"added_mass": 0.0, "added_inertia": 0.0, "normal_drag": 1.0, "tangential_friction": share}
+    return replace(WATER, density=SNAKE.mass / SNAKE.volume, **plain)
+
+
+@pytest.mark.parametrize("environment", [BARE, same_in_all_directions()], ids=["land", "water"])
+def test_without_anisotropic_friction_it_moves_by_its_pegs_alone(environment):
+    ways = []
+    for scene in (None, "pegs"):
+        trial = lc.swim(SNAKE, SLOW, 8.0, environment=environment, model="spatial", scene=scene, throw=True)
+        ways.append(trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0])
+    push = trial.link_force["contact"][:, :, 0].sum(axis=1)
+    assert ways[0] < 0.1
+    assert ways[1] > 0.6
+    assert np.mean(push) > 0.0  # against the drag
+
+
+def test_terrain_of_the_elements_is_the_ground_that_mujoco_has():
+    mujoco = pytest.importorskip("mujoco")
+    for scene in (HeightField(), Slope(angle=0.2), Slope(angle=-0.3, bottom=-0.4)):
+        spec = mujoco.MjSpec()
+        scene(spec)
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        for x, y in np.random.default_rng(3).uniform((-2.0, -2.0), (5.0, 2.0), (40, 2)):
+            hit = mujoco.mj_ray(
+                model, data, np.array([x, y, 3.0]), np.array([0.0, 0.0, -1.0]), None, 1, -1, np.zeros(1, "i4")
+            )
+            assert 3.0 - hit == pytest.approx(scene.terrain.at(x, y)[0], abs=2e-3)
+
+
+def test_the_tangents_of_a_terrain_are_its_derivatives():
+    terrain, step = HeightField(amplitude=0.1).terrain, 1e-6
+    for x, y in np.random.default_rng(4).uniform(-1.0, 1.0, (20, 2)):
+        _, fall_x, fall_y = terrain.at(x, y)
+        assert fall_x == pytest.approx((terrain.at(x - step, y)[0] - terrain.at(x + step, y)[0]) / (2 * step), abs=1e-3)
+        assert fall_y == pytest.approx((terrain.at(x, y - step)[0] - terrain.at(x, y + step)[0]) / (2 * step), abs=1e-3)
+
+
+def test_a_snake_crawls_over_uneven_ground_and_follows_it():
+    skin = replace(BARE, normal=0.5)
+    trial = lc.swim(SNAKE, SLOW, 5.0, environment=skin, model="spatial", scene=HeightField(), throw=True)
+    assert trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0] > 0.2
+    assert 0.03 < np.mean(trial.center_of_mass[:, 2]) < 0.09
+    assert np.ptp(trial.center_of_mass[:, 2]) > 0.01
+
+
+def test_a_ray_measures_the_way_to_a_wall():
+    body = plant(ROBOT, WATER, model="spatial", scene=wall, rays=(0.0, np.pi / 3.0, np.pi / 2.0))
+    ranges = body.observe(body.init(Start(center_of_mass=(-1.0, 0.0)), Command(gait=GAIT))).ranges
+    ahead = 0.86 - (-1.0 + 0.5 * ROBOT.length)
+    np.testing.assert_allclose(ranges, (ahead, ahead / np.cos(np.pi / 3.0), np.inf), rtol=1e-6)

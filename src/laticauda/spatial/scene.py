@@ -45,13 +45,14 @@ LOOKS = {"water": "water", "wall": "wall", "stave": "wall", "peg": "peg", "floor
 
 @value
 class Pegs(Scene):
-    """A field of upright pegs in staggered rows, with a way for a straight robot between the two middle ones."""
+    """A field of upright pegs in rows along x, with a way for a straight robot between the two middle ones."""
 
-    spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.4)
-    gap: float = quantity("m", "From row to row", gt=0.0, default=0.4)
+    spacing: float = quantity("m", "From peg to peg along a row", gt=0.0, default=0.5)
+    gap: float = quantity("m", "From row to row", gt=0.0, default=0.35)
+    stagger: float = quantity("m", "By how much every other row is shifted", default=0.0)
     radius: float = quantity("m", "Of a peg", gt=0.0, default=0.04)
     rows: int = quantity("", "How many there are, to both sides", ge=1, default=4)
-    field: tuple[float, float] = quantity("m", "From where to where along x they stand", default=(-1.5, 6.0))
+    field: tuple[float, float] = quantity("m", "From where to where along x they stand", default=(-2.0, 6.0))
     slip: float = quantity("", "Friction of the pegs, as MuJoCo has it", ge=0.0, default=0.05)
 
     def __call__(self, spec: Any) -> None:
@@ -59,7 +60,7 @@ class Pegs(Scene):
         first, last = self.field
         for row in range(self.rows):
             y = (row + 0.5 - 0.5 * self.rows) * self.gap
-            for k, x in enumerate(np.arange(first + 0.5 * self.spacing * (row % 2), last, self.spacing)):
+            for k, x in enumerate(np.arange(first + self.stagger * (row % 2), last, self.spacing)):
                 size = (self.radius, 0.5 * TANK_DEPTH + 0.25, 0.0)
                 peg = solid(spec, f"peg_{row}_{k}", "CYLINDER", size, (float(x), y, -0.5))
                 peg.friction, peg.priority = (self.slip, 0.0, 0.0), 1

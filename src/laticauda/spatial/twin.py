@@ -43,6 +43,8 @@ class Twin:
         )
         if setup.scene is not None:  # where the solver begins must not depend on what was marched before
             spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
+            # With little friction, MuJoCo's pyramids make contacts hundreds of times as stiff as they are meant to be.
+            spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         if land is not None:
             for geom in spec.geoms:
                 if geom.name in scene.GROUNDS:  # it is among the loads
