@@ -179,6 +179,43 @@ def test_a_spheroid_off_its_course_turns_broadside_as_fast_as_theory_says():
     assert data.qvel[5] == pytest.approx(1e-6 * rate * across / along * np.exp(rate * seconds), rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("shape", "size"),
+    [("ellipsoid", ".3 .1 .05"), ("ellipsoid", ".1 .1 .4"), ("box", ".3 .2 .01"), ("cylinder", ".05 .3")],
+)
+def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size: str):
+    """Momenta P and L in body axes, solved apart: P' = P x w, L' = L x w + P x u; in a current too."""
+    current = np.array((0.3, -0.2, 0.1))
+    text = body(shape, size, option='gravity="0 0 0" integrator="RK4" timestep="0.001"').replace(
+        'timestep="0.002" ', ""
+    )
+    model = water.compiled(mujoco.MjSpec.from_string(text))
+    element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
+    water.attach(model, [element], current=current)
+    data = mujoco.MjData(model)
+    data.qvel[:] = np.array((0.5, 0.3, -0.2, 0.8, -1.2, 0.6)) + np.concatenate([current, np.zeros(3)])
+    mujoco.mj_forward(model, data)
+    axes = np.zeros(9)
+    mujoco.mju_quat2Mat(axes, np.array(element.orientation))
+    A = axes.reshape(3, 3)  # a cylinder's element lies across its geom
+    mass = np.diag(np.full(3, model.body_mass[1])) + A @ np.diag(element.added_mass) @ A.T
+    own = data.ximat[1].reshape(3, 3)  # at the start, body and world axes are one
+    inertia = own @ np.diag(model.body_inertia[1]) @ own.T + A @ np.diag(element.added_inertia) @ A.T
+
+    def rates(_, state):
+        q, P, L = state[3:7], state[7:10], state[10:]
+        u, w = np.linalg.solve(mass, P), np.linalg.solve(inertia, L)
+        turned, moved = np.zeros(4), np.zeros(3)
+        mujoco.mju_mulQuat(turned, q, np.array((0.0, *w)))
+        mujoco.mju_rotVecQuat(moved, u, q)
+        return np.concatenate([moved + current, 0.5 * turned, np.cross(P, w), np.cross(L, w) + np.cross(P, u)])
+
+    start = np.concatenate([data.qpos, mass @ (data.qvel[:3] - current), inertia @ data.qvel[3:]])
+    found = solve_ivp(rates, (0, 3), start, "DOP853", rtol=1e-12, atol=1e-13).y[:7, -1]
+    mujoco.mj_step(model, data, nstep=3000)
+    np.testing.assert_allclose(data.qpos, found, atol=1e-8)
+
+
 def test_kirchhoff_keeps_momentum():
     model = water.compiled(
         mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"'))
