@@ -59,7 +59,7 @@ def test_the_rate_of_the_share_is_its_change_with_time(shape: str, seed: int, re
         wetted(SHAPES[shape], *HALF, *Rotation.from_rotvec(-turning * t).apply(up), depth + sinking * t)[0]
         for t in (-dt, dt)
     )
-    rate = wetting(now, SHAPES[shape], HALF, tuple(up), depth, tuple(turning), sinking)
+    rate = wetting(now, SHAPES[shape], HALF, tuple(up), depth, tuple(turning), sinking, 1e-7)
     assert rate == pytest.approx((after - before) / (2.0 * dt), abs=1e-3)
 
 

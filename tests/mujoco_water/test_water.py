@@ -623,6 +623,22 @@ def test_nothing_that_tumbles_through_the_surface_gains_energy(shape: str):
     assert energies[-1] < energies[0] - 0.2  # the splash keeps some
 
 
+@pytest.mark.filterwarnings(STILL)
+@pytest.mark.parametrize("tilt", [0.0, 0.02, 0.3])
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
+def test_a_light_plate_that_is_covered_within_one_step_gains_no_energy(integrator: str, tilt: float):
+    """It comes to move some twenty times its mass of water, and falls deeper in a step than it is thick."""
+    option = f'integrator="{integrator}" timestep="0.005"'
+    text = body("box", ".3 .2 .005", option=option, density=500.0).replace('timestep="0.002" ', "")
+
+    def start(data):
+        data.qpos[2:7] = 0.5, np.cos(tilt / 2), np.sin(tilt / 2), 0.0, 0.0
+        data.qvel[0] = 0.3
+
+    _, energies, _ = dropped(text, 1.5, start)
+    assert np.max(energies) < energies[0] + 1e-3
+
+
 # ---- several models, threads ----------------------------------------------------------------------------------------
 
 

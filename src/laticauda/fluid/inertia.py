@@ -30,16 +30,13 @@ def carried(flow: float, s_j: float, s_k: float, u_j: float, u_k: float) -> floa
     return flow + s_j * u_k - s_k * u_j
 
 
-def load(keep: float, m: float, rate: float, w_j: float, w_k: float, p_j: float, p_k: float) -> float:
+def load(keep: float, m: float, rate: float, turned: float) -> float:
     """Minus the rate of a momentum that is m u in turning axes, along i.
 
     Args:
         keep: 1 if it turns with the axes (`kirchhoff`), else 0.
         m: Mass or inertia of i.
         rate: Of u along i.
-        w_j: Rotation of the axes about j, relative to the water [rad/s].
-        w_k: The same about k [rad/s].
-        p_j: Momentum along j.
-        p_k: The same along k.
+        turned: What turning makes of the momentum, (w - s) x m u along i; of a torque u x m u as well.
     """
-    return -(m * rate + keep * (w_j * p_k - w_k * p_j))
+    return -(m * rate + keep * turned)

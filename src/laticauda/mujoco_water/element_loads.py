@@ -54,21 +54,24 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     force (6 each) and inertia (21) of every body.
     """
     R, place, arm = pose(E, o, T, body, data)
-    wet, center, depth = 1.0, (0.0, 0.0, 0.0), 0.0
+    wet, center, covered, whole = 1.0, (0.0, 0.0, 0.0), 0.0, 0.0
     if T[HAS_SURFACE]:
         half, up = three(E, o + HALF), three(R, 6)
         depth = P[LEVEL] - place[2]
         wet, c_x, c_y, c_z = wetted(E[o + SHAPE], half[0], half[1], half[2], up[0], up[1], up[2], depth)
         center = (c_x, c_y, c_z)
-        if wet == 0.0 and E[o + CONTACT] == 0.0:
+        if wet < 1.0 and T[HAS_INERTIA]:
+            covered, whole = covering(T, E, o, R, wet, depth, arm, body, data, step)
+        if wet == 0.0 and covered == 0.0 and E[o + CONTACT] == 0.0:
             return
     u, w, a, alpha, flow = motion(T, P, S, R, place, arm, body, data, law_io)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
-    if 0.0 < wet < 1.0 and T[HAS_INERTIA]:
-        rate = covering(T, E, o, R, wet, depth, arm, body, data)
-        added = plus(added, scaled(-rate, times(three(E, o + MASS), u)))
-        added_torque = plus(added_torque, scaled(-rate, times(three(E, o + INERTIA), w)))
+    if covered > 0.0:
+        ahead = whole * covered * step
+        added = plus(added, taken(three(E, o + MASS), E[o + OWN_MASS], u, wet, covered, ahead))
+        spread = taken(three(E, o + INERTIA), E[o + OWN_INERTIA], w, wet, covered, ahead)
+        added_torque = plus(added_torque, spread)
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
     weight = plus(three(numbers(model + T[AT_GRAVITY], 3), 0), scaled(-1.0, flow))
@@ -141,22 +144,51 @@ def flow_at(T, place, data, io):
 @no_type_check
 def added_mass(keep, m, i, u, w, a, alpha):
     """Force and torque of the added mass for joints that do not accelerate; keep: 1 for kirchhoff, else 0."""
-    (p_x, p_y, p_z), (l_x, l_y, l_z), (w_x, w_y, w_z) = times(m, u), times(i, w), w
-    munk = scaled(-keep, cross(u, (p_x, p_y, p_z)))
-    f_x, f_y = load(keep, m[0], a[0], w_y, w_z, p_y, p_z), load(keep, m[1], a[1], w_z, w_x, p_z, p_x)
-    t_x, t_y = load(keep, i[0], alpha[0], w_y, w_z, l_y, l_z), load(keep, i[1], alpha[1], w_z, w_x, l_z, l_x)
-    f_z, t_z = load(keep, m[2], a[2], w_x, w_y, p_x, p_y), load(keep, i[2], alpha[2], w_x, w_y, l_x, l_y)
-    return (f_x, f_y, f_z), plus((t_x, t_y, t_z), munk)
+    momentum = times(m, u)
+    turned, twisted = cross(w, momentum), plus(cross(w, times(i, w)), cross(u, momentum))
+    return added_load(keep, m, a, turned), added_load(keep, i, alpha, twisted)
 
 
 @kernel
 @no_type_check
-def covering(T, E, o, R, wet, depth, arm, body, data):
-    """How fast the share under water grows; 0 while it falls."""
+def added_load(keep, m, rate, turned):
+    """The same for all three axes of force or torque."""
+    x, y = load(keep, m[0], rate[0], turned[0]), load(keep, m[1], rate[1], turned[1])
+    return x, y, load(keep, m[2], rate[2], turned[2])
+
+
+@kernel
+@no_type_check
+def covering(T, E, o, R, wet, depth, arm, body, data, step):
+    """How fast the share under water grows, 0 while it falls; and 1 if that is over the whole step to come.
+
+    That is so for steps of first order, and for those in which a body comes to move more than half as much again.
+    """
     cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
-    w = three(cvel, 6 * body)
-    rise = cvel[6 * body + 5] + cross(w, arm)[2]
-    return max(0.0, wetting(wet, E[o + SHAPE], three(E, o + HALF), three(R, 6), depth, to_own(R, w), -rise))
+    w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
+    turning, sinking = to_own(R, w), -cvel[6 * body + 5] - cross(w, arm)[2]
+    rate = max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, step))
+    heaviest, widest = max(three(E, o + MASS)), max(three(E, o + INERTIA))
+    x = added_share(rate * step, heaviest, E[o + OWN_MASS], wet)
+    x = max(x, added_share(rate * step, widest, E[o + OWN_INERTIA], wet))
+    if T[FIRST_ORDER] or x > 0.5:
+        return rate, 1.0
+    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, 1e-3 * step)), 0.0
+
+
+@kernel
+@no_type_check
+def added_share(grown, m, own, wet):
+    """The water that is new over all that moves, `own` the body's mass or inertia."""
+    return grown * m / (own + wet * m + 1e-12)
+
+
+@kernel
+@no_type_check
+def taken(m, own, u, wet, rate, ahead):
+    """Minus the impulse per time that new water takes; by 1 / (1 + x) of it a step `ahead` keeps the momentum."""
+    x, y, z = added_share(ahead, m[0], own, wet), added_share(ahead, m[1], own, wet), added_share(ahead, m[2], own, wet)
+    return -rate * m[0] * u[0] / (1.0 + x), -rate * m[1] * u[1] / (1.0 + y), -rate * m[2] * u[2] / (1.0 + z)
 
 
 @kernel

@@ -53,8 +53,9 @@ def wetting(
     depth: float,
     turning: tuple[float, float, float],
     sinking: float,
+    t: float,
 ) -> float:
-    """How fast the share under water grows, by its difference over a millionth of the largest half-axis [1/s].
+    """How fast the share under water grows in the time to come, if the body goes on as it moves [1/s].
 
     Args:
         share: Under water now [-].
@@ -64,13 +65,9 @@ def wetting(
         depth: Of the element's middle [m].
         turning: Angular velocity [rad/s].
         sinking: Rate of the depth [m/s].
+        t: The time [s].
     """
     (x, y, z), (z_x, z_y, z_z), (w_x, w_y, w_z) = half, up, turning
-    size = max(x, y, z)
-    speed = abs(sinking) + (abs(w_x) + abs(w_y) + abs(w_z)) * size
-    if speed == 0.0:
-        return 0.0
-    t = 1e-6 * size / speed
     z_x, z_y, z_z = (
         z_x + t * (z_y * w_z - z_z * w_y),
         z_y + t * (z_z * w_x - z_x * w_z),

@@ -11,6 +11,7 @@ from laticauda.formulas import MOST_NUMBERS
     HAS_INERTIA,  # 1: M is written anew
     IMPLICIT_DRAG,  # 1: the drag's secant slope, times the step, is added to the inertia
     HAS_SURFACE,
+    FIRST_ORDER,  # 1: the integrator is of first order in the step
     # addresses
     PARENT,  # of each body
     FIRST_DOF,  # of each body, and the end
@@ -54,7 +55,7 @@ from laticauda.formulas import MOST_NUMBERS
     AT_SITE_XMAT,
     AT_SENSORDATA,
     TABLE_SIZE,
-) = range(46)
+) = range(47)
 
 # --- Numbers of the water
 (DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)
@@ -76,7 +77,9 @@ TETHER_DRAG = 38
 WAKE_MASS = 39
 PLATE = 40  # 5, as in fluid.laws.plate
 CONTACT = 45  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-LAW_NUMBERS = 50  # of the drag law, in the order of its fields
+OWN_MASS = 50  # of the body, per element on it
+OWN_INERTIA = 51  # the least of the body's, likewise
+LAW_NUMBERS = 52  # of the drag law, in the order of its fields
 ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]
 

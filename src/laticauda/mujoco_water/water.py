@@ -161,6 +161,7 @@ def attach(
     table, arrays = _table(model, elements, bodies, water)
     table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
     table[rows.HAS_SURFACE] = surface is not None
+    table[rows.FIRST_ORDER] = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
     arrays["nodes"] = terrain.nodes
     table[rows.GRID], table[rows.GRID_SIZE] = arrays["nodes"].ctypes.data, arrays["nodes"].size
     keep: list[Any] = []
@@ -232,6 +233,11 @@ def _table(
         "water": water,
         "laws": np.array([compiled_law(element.law).address for element in elements], dtype=np.int64),
     }
+    records = arrays["elements"].reshape(-1, rows.ELEMENT_SIZE)
+    loaded = np.bincount(bodies, records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody)
+    several = np.maximum(loaded[bodies], 1.0)
+    records[:, rows.OWN_MASS] = model.body_mass[bodies] / several
+    records[:, rows.OWN_INERTIA] = model.body_inertia[bodies].min(axis=1) / several
     table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
     table[rows.PARENT : rows.LAWS + 1] = [a.ctypes.data for a in arrays.values()]

@@ -68,7 +68,7 @@ class Twin:
         self._hold = np.zeros(2 * int(self.model.nv))
         self.water.numbers["hold"] = self._hold
         self.water.table[table.HOLD] = self._hold.ctypes.data
-        self.water.table[table.HAS_INERTIA] = 1
+        self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = 1, 0  # its steps are its own
         fin = fin_bodies(robot.caudal_fin) if robot.caudal_fin is not None else []
         names = [*(f"module_{i}" for i in range(robot.n_links)), *(body.name for body in fin)]
         self._order = np.array([self.model.body(name).id for name in names])
