@@ -68,10 +68,9 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
     if covered > 0.0:
-        ahead = whole * covered * step
-        added = plus(added, taken(three(E, o + MASS), E[o + OWN_MASS], u, wet, covered, ahead))
-        spread = taken(three(E, o + INERTIA), E[o + OWN_INERTIA], w, wet, covered, ahead)
-        added_torque = plus(added_torque, spread)
+        own_m, own_i, ahead = E[o + OWN_MASS], E[o + OWN_INERTIA], whole * covered * step
+        added = plus(added, taken(three(E, o + MASS), own_m, u, wet, covered, ahead))
+        added_torque = plus(added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead))
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
     weight = plus(three(numbers(model + T[AT_GRAVITY], 3), 0), scaled(-1.0, flow))
@@ -168,9 +167,7 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step):
     w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
     turning, sinking = to_own(R, w), -cvel[6 * body + 5] - cross(w, arm)[2]
     rate = max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, step))
-    heaviest, widest = max(three(E, o + MASS)), max(three(E, o + INERTIA))
-    x = added_share(rate * step, heaviest, E[o + OWN_MASS], wet)
-    x = max(x, added_share(rate * step, widest, E[o + OWN_INERTIA], wet))
+    x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
     if T[FIRST_ORDER] or x > 0.5:
         return rate, 1.0
     return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, 1e-3 * step)), 0.0

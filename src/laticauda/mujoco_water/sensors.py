@@ -42,17 +42,20 @@ def take_over(model: Any) -> np.ndarray:
     Returns:
         Per sensor: place of its data, its site, the site's body, and 1 if it senses force, else 0.
     """
-    types_of = load_mujoco().mjtSensor
-    found: list[tuple[int, int, int, int]] = []
+    kinds, found = load_mujoco().mjtSensor, np.zeros((0, 4), dtype=np.int64)
     history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[:, 0]
-    for i in range(model.nsensor):
-        for name, sign in _KINDS.items():
-            own = model.sensor_type[i] == types_of.mjSENS_USER and model.sensor_refid[i] == sign
-            if own or (model.sensor_type[i] == getattr(types_of, f"mjSENS_{name}") and not history[i]):
-                model.sensor_type[i], model.sensor_refid[i] = types_of.mjSENS_USER, sign
-                site = int(model.sensor_objid[i])
-                found.append((int(model.sensor_adr[i]), site, int(model.site_bodyid[site]), int(name == "FORCE")))
-    return np.array(found, dtype=np.int64).ravel()
+    for name, sign in _KINDS.items():
+        plain = (model.sensor_type == int(getattr(kinds, f"mjSENS_{name}"))) & (history == 0)
+        own = np.flatnonzero(plain | _taken(model, sign))
+        model.sensor_type[own], model.sensor_refid[own] = int(kinds.mjSENS_USER), sign
+        site = model.sensor_objid[own]
+        rows = (model.sensor_adr[own], site, model.site_bodyid[site], np.full(own.size, name == "FORCE"))
+        found = np.vstack([found, np.column_stack(rows)])
+    return found.ravel()
+
+
+def _taken(model: Any, sign: int) -> np.ndarray:
+    return (model.sensor_type == int(load_mujoco().mjtSensor.mjSENS_USER)) & (model.sensor_refid == sign)
 
 
 def give_back(model: Any) -> None:
@@ -61,10 +64,9 @@ def give_back(model: Any) -> None:
     Args:
         model: The `mujoco.MjModel`.
     """
-    types_of = load_mujoco().mjtSensor
     for name, sign in _KINDS.items():
-        own = (model.sensor_type == int(types_of.mjSENS_USER)) & (model.sensor_refid == sign)
-        model.sensor_type[own], model.sensor_refid[own] = int(getattr(types_of, f"mjSENS_{name}")), -1
+        own = _taken(model, sign)
+        model.sensor_type[own], model.sensor_refid[own] = int(getattr(load_mujoco().mjtSensor, f"mjSENS_{name}")), -1
 
 
 def install() -> None:
