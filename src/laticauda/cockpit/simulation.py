@@ -26,7 +26,6 @@ FADE = 1.0  # [s]
 N_HINGES = 3  # of a fin that bends
 STILL = (0.0, 0.0)
 WIDE = 60.0  # to either side, of a path that has no end [m]
-STEERING = PathFollowing, SpatialPathFollowing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,9 +92,8 @@ class Simulation:
         path = path_of(self.scenario)
         if path is None:
             return float("nan")
-        progress = getattr(self.controller_state, "plan", self.controller_state).progress
         at = np.asarray(self.plant.observe(self.state).center_of_mass)[:2]
-        return path.locate(progress, at)[1].cross_track_error
+        return path.locate(self.controller_state.progress, at)[1].cross_track_error
 
     def altered(self, scenario: Scenario) -> "Simulation":
         """The simulation with another scenario, from now on; before the first tick, one that begins with it.
@@ -232,7 +230,7 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     path, depth = changes.get("path", path_of(scenario)), changes.get("depth", depth_of(scenario))
     if path is None:
         motion = gait if "path" in changes or isinstance(motion, Gait) else replace(cast("Any", motion), gait=gait)
-    elif isinstance(motion, STEERING) and depth == depth_of(scenario):
+    elif isinstance(motion, PathFollowing) and depth == depth_of(scenario):
         motion = replace(motion, gait=gait, path=path)
     else:
         steering = Following(path_depth=None if depth is None else (depth,)).controller(gait)
@@ -256,14 +254,14 @@ def checked(scenario: Scenario) -> Scenario:
             room for the steering.
     """
     instance("environment", scenario.environment, Water)
-    instance("motion", scenario.motion, Gait, *STEERING)
+    instance("motion", scenario.motion, Gait, PathFollowing)
     scenario.controller.check(scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot)
     return scenario
 
 
 def path_of(scenario: Scenario) -> Path[Any] | None:
     """The path that is followed, in plan, or None."""
-    return scenario.motion.path if isinstance(scenario.motion, STEERING) else None
+    return scenario.motion.path if isinstance(scenario.motion, PathFollowing) else None
 
 
 def route_of(scenario: Scenario, height: float) -> np.ndarray:

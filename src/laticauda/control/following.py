@@ -81,7 +81,7 @@ class Following:
         ends = (along[0] - LEVEL, -depths[0]), (along[-1] + LEVEL, -depths[-1])
         return Polyline(waypoints=(ends[0], *points, ends[1]))
 
-    def controller(self, gait: Gait) -> PathFollowing | SpatialPathFollowing:
+    def controller(self, gait: Gait) -> PathFollowing:
         """The controller.
 
         Args:

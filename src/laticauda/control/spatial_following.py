@@ -7,7 +7,7 @@ above it, and the heading is the climb, the mean pitch of the links with the opp
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -16,12 +16,10 @@ from laticauda.control.guidance import Guidance
 from laticauda.control.heading import HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
 from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.interfaces import Command, Observation
+from laticauda.quantities import option, value
 from laticauda.robot import Robot
 
-_OF_PLAN = tuple(PathFollowing.__dataclass_fields__)  # which this one has too
 _SIGNALS = {
     "heading_ref": "climb_ref",
     "heading_used": "climb_used",
@@ -33,17 +31,15 @@ _SIGNALS = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpatialPathFollowingState:
-    """What it remembers: the states of both path followings."""
+class SpatialPathFollowingState(PathFollowingState):
+    """What it remembers: the state of the path following in plan, and of the one in profile."""
 
-    plan: PathFollowingState
-    """In plan."""
     profile: PathFollowingState
     """In profile."""
 
 
 @value
-class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
+class SpatialPathFollowing(PathFollowing):
     """A controller that makes a robot with pitch joints follow a path in space.
 
     In plan it is `PathFollowing`. In profile it is the same once more, with the offset of the pitch joints.
@@ -53,6 +49,7 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
 
     Example:
         >>> from laticauda.control import LineOfSight, StraightLine
+        >>> from laticauda.gaits import Gait
         >>> controller = SpatialPathFollowing(
         ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
         ...     path=StraightLine(),
@@ -66,35 +63,20 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         ['along_track_distance', 'climb_is_saturated', 'climb_offset']
     """
 
-    gait: Gait = option("What swims along the path; its own offsets are added")
-    path: Path[Any] = option("The path in plan")
     profile: Path[Any] = option("The path in profile: x is the distance along `path`, y the height, 0 at the surface")
-    guidance: Guidance[Any] = option("The law that leads to the path in plan")
     climb_guidance: Guidance[Any] = option("The law that leads to the path in profile")
-    heading: HeadingController = option("The law that turns the robot in plan")
     climb: HeadingController = option("The law that turns it in profile")
-    heading_estimate: str = option("As for `PathFollowing`, for both", default="raw")
-    interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
-
-    def __post_init__(self) -> None:
-        """Check every field once."""
-        object.__setattr__(self, "heading_estimate", self._plan.heading_estimate)
-
-    @property
-    def _plan(self) -> PathFollowing:
-        return PathFollowing(**{name: getattr(self, name) for name in _OF_PLAN})
 
     @property
     def _profile(self) -> PathFollowing:
-        return replace(self._plan, path=self.profile, guidance=self.climb_guidance, heading=self.climb)
+        own = {name: getattr(self, name) for name in ("gait", "heading_estimate", "interval")}
+        return PathFollowing(path=self.profile, guidance=self.climb_guidance, heading=self.climb, **own)
 
     def init(self) -> SpatialPathFollowingState:
         """Before the first control instant."""
-        return SpatialPathFollowingState(plan=self._plan.init(), profile=self._profile.init())
+        return SpatialPathFollowingState(**vars(super().init()), profile=self._profile.init())
 
-    def step(
-        self, state: SpatialPathFollowingState, observation: Observation
-    ) -> tuple[SpatialPathFollowingState, Command]:
+    def step(self, state: PathFollowingState, observation: Observation) -> tuple[SpatialPathFollowingState, Command]:
         """One control instant: the `state` after the `observation`, and the command until the next one.
 
         Raises:
@@ -104,7 +86,7 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
             raise BadArgument(
                 "observation", "must be of a spatial model for a path in space, got one of a planar model"
             )
-        plan, turn = self._plan.step(state.plan, observation)
+        plan, turn = super().step(state, observation)
         at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
         along = velocity[0] * math.cos(plan.path_tangential_angle) + velocity[1] * math.sin(plan.path_tangential_angle)
         seen = replace(
@@ -113,13 +95,13 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
             center_of_mass_velocity=np.array([along, velocity[2]]),
             heading=-observation.pitch,
         )
-        profile, rise = self._profile.step(state.profile, seen)
-        return SpatialPathFollowingState(plan=plan, profile=profile), replace(turn, pitch_offset=-rise.offset)
+        profile, rise = self._profile.step(cast(SpatialPathFollowingState, state).profile, seen)
+        return SpatialPathFollowingState(**vars(plan), profile=profile), replace(turn, pitch_offset=-rise.offset)
 
-    def signals(self, state: SpatialPathFollowingState) -> dict[str, float]:
+    def signals(self, state: PathFollowingState) -> dict[str, float]:
         """The signals of the last control instant, out of `state`, for the log."""
-        profile = self._profile.signals(state.profile)
-        return self._plan.signals(state.plan) | {ours: profile[name] for name, ours in _SIGNALS.items()}
+        profile = self._profile.signals(cast(SpatialPathFollowingState, state).profile)
+        return super().signals(state) | {ours: profile[name] for name, ours in _SIGNALS.items()}
 
     def check(self, robot: Robot) -> None:
         """Refuse a robot whose joints cannot bend as far as gait and steering together may ask.
@@ -130,7 +112,7 @@ class SpatialPathFollowing(Controller[SpatialPathFollowingState]):
         Raises:
             ValueError: If there are no pitch joints, or the largest offset could take a joint beyond its limit.
         """
-        self._plan.check(robot)
+        super().check(robot)
         limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
         if not limits:
             rule = "must have pitch joints for a path in space, got"
