@@ -32,7 +32,7 @@ def test_the_chapter_writes_data_tables_and_figures(study, tmp_path):
     assert chapter.n_figures == 2
     files, html = write_chapter(chapter, tmp_path, lambda done: None)
     assert sorted(files) == sorted(path.name for path in tmp_path.iterdir())
-    assert {"efficiency.nc", "table1.csv", "figure-04.png", "figure-08.pdf"} < set(files)
+    assert {"sweeps.csv", "table1.csv", "figure-04.png", "figure-08.pdf"} < set(files)
     assert "repeats.csv" not in files
     assert html.count("<img ") == 2 and ">nan<" not in html
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from paper.reading import cells, said
 
+import laticauda as lc
 from laticauda.paper.report.path_following import path_following_chapter
 from laticauda.reports.chapter import write_chapter
 
@@ -32,7 +33,9 @@ def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
     assert sorted(files) == sorted(file.name for file in tmp_path.iterdir())
     names = ["table2-speeds", "figure-12", "figure-13", "figure-14", "held-out"]
     assert {f"{name}{end}" for name in names for end in (".png", ".pdf")} < set(files)
-    assert {"path_following.nc", "table2.csv", "following-trials.csv", "following-runs.csv"} < set(files)
+    assert {"figure-12.nc", "held-out.nc", "table2.csv", "following-trials.csv", "following-runs.csv"} < set(files)
+    for name, run in (("figure-13", small.cases[1].trial), ("held-out", small.held_out.trial)):
+        assert lc.load_trial(tmp_path / f"{name}.nc").equals(run)
     assert drawn == [1, 2, 3, 4, 5]
     assert chapter.n_figures == 5
     assert path_following_chapter(following).n_figures == 14

@@ -54,9 +54,7 @@ def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, 
     done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
     assert sorted(done.files) == sorted(file.name for file in done.folder.iterdir())
     assert {"figure-04.png", "figure-04.pdf", "table2-speeds.png"} < set(done.files)
-    assert {"report.html", "efficiency.nc", "path_following.nc", "table1.csv", "table2.csv", "claims.csv"} < set(
-        done.files
-    )
+    assert {"report.html", "sweeps.csv", "figure-23.nc", "table1.csv", "table2.csv", "claims.csv"} < set(done.files)
     assert {what for what, _, _ in told} >= {"efficiency", "path following", "path following: figures", "side"}
     assert all(0 < count <= total for _, count, total in told)
 

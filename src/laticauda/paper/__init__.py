@@ -9,7 +9,6 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.paper.claims.judge import Claim as Claim
-    from laticauda.paper.datasets import to_dataset as to_dataset
     from laticauda.paper.efficiency import (
         EfficiencyStudy as EfficiencyStudy,
         maxima as maxima,

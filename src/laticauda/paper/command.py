@@ -29,8 +29,8 @@ class Reproduce(Command):
     """Repeat the paper's experiments in simulation, and put them beside what was measured on the robot.
 
     Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), and a verdict on each of
-    the claims. Figures (PNG and PDF), tables (CSV), data (netCDF) and report.html, which needs no network, go into one
-    folder. For example: laticauda reproduce --joints prescribed --output reproduction
+    the claims. Figures (PNG and PDF), tables (CSV), trials (netCDF) and report.html, which needs no network, go into
+    one folder. For example: laticauda reproduce --joints prescribed --output reproduction
     """
 
     only: Literal["efficiency", "path-following"] | None = option("Run this half of the paper only", default=None)

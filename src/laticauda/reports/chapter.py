@@ -1,4 +1,4 @@
-"""A chapter of a report: the tables, figures and data that go into a folder, and the template that tells of them.
+"""A chapter of a report: the tables, figures and trials that go into a folder, and the template that tells of them.
 
 Sentences stand in a Jinja2 template, the values that they speak of come with the chapter. A page extends "page.html"
 and sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
@@ -18,7 +18,7 @@ import math
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,8 @@ from laticauda.reports.texts import as_csv, form_of, in_digits, is_numeric, shar
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-    from xarray import Dataset
+
+    from laticauda.trial import Trial
 
 Pictures = Mapping[str, tuple[str, bytes]]
 """By name of the figure: its caption and the content of its PNG file."""
@@ -82,8 +83,8 @@ class Chapter:
     """How many figures there are [-]."""
     figures: "Callable[[], Iterator[tuple[str, str, Figure]]]" = lambda: iter(())
     """One figure after the other: the name of its files, its caption, and the figure."""
-    data: "Mapping[str, Callable[[], Dataset]]" = field(default_factory=dict)
-    """By name of the netCDF file: what makes its content."""
+    trials: "Mapping[str, Trial]" = field(default_factory=dict)
+    """Stored as netCDF files under their names."""
     templates: Callable[[], Any] = templates
     """What renders its template."""
 
@@ -122,7 +123,7 @@ def writable_folder(folder: str | Path) -> Path:
 def write_chapter(
     chapter: Chapter, folder: Path, drawn: Callable[[int], None] = lambda n: None
 ) -> tuple[list[str], str]:
-    """Write a chapter's data, tables and figures.
+    """Write a chapter's trials, tables and figures.
 
     Args:
         chapter: What to write.
@@ -134,11 +135,11 @@ def write_chapter(
     """
     from laticauda.figures import save_figure
 
-    for name, dataset in chapter.data.items():
-        write(folder / name, partial(dataset().to_netcdf, engine="netcdf4"))
+    for name, trial in chapter.trials.items():
+        trial.save(folder / f"{name}.nc")
     for name, frame in chapter.tables.items():
         write(folder / f"{name}.csv", as_csv(frame))
-    files = [*chapter.data, *(f"{name}.csv" for name in chapter.tables)]
+    files = [*(f"{name}.nc" for name in chapter.trials), *(f"{name}.csv" for name in chapter.tables)]
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():
         paths = [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")]

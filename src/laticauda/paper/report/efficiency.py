@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from laticauda.gaits import Gait
 from laticauda.paper.claims.quantities import best_null, fin_by_gait
-from laticauda.paper.datasets import to_dataset
 from laticauda.paper.efficiency import EfficiencyStudy, SweepResult, maxima
 from laticauda.paper.measured import percent_change
 from laticauda.paper.repeats import Repeat
@@ -36,7 +35,6 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
         tables=_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
         figures=lambda: efficiency_figures(study, repeats),
-        data={"efficiency.nc": lambda: to_dataset(study)},
     )
 
 

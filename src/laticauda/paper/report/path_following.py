@@ -8,7 +8,6 @@ import numpy as np
 
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
-from laticauda.paper.datasets import to_dataset
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy
 from laticauda.paper.report.chapter import Row, degrees, error_rows, fin_row, misprinted, paper_chapter
@@ -41,7 +40,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         tables=_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
-        data={"path_following.nc": lambda: to_dataset(study)},
+        trials={f"figure-{case.figure:02d}": case.trial for case in study.cases} | {HELD_OUT: study.held_out.trial},
     )
 
 
