@@ -166,11 +166,11 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step):
     cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
     w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
     turning, sinking = to_own(R, w), -cvel[6 * body + 5] - cross(w, arm)[2]
-    rate = max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, step))
+    rate = max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, max(step, 1e-6)))
     x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
     if T[FIRST_ORDER] or x > 0.5:
         return rate, 1.0
-    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, 1e-3 * step)), 0.0
+    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, turning, sinking, max(1e-3 * step, 1e-6))), 0.0
 
 
 @kernel
