@@ -2,19 +2,18 @@
 
     from laticauda import mujoco_water as water
 
-    model = water.compiled(spec)                  # or mujoco.MjModel.from_xml_path(...)
-    element = water.geom_element(model, "hull", coefficients)
-    handle = water.attach(model, [element], density=1000.0, surface=0.0)
-    mujoco.mj_step(model, data)                   # with drag, exact added mass, buoyancy
+    model = water.compiled(spec)          # or mujoco.MjModel.from_xml_path(...), or that of an environment
+    handle = water.attach(model)          # or with elements of your own, a surface, a current
+    mujoco.mj_step(model, data)           # with drag, exact added mass, buoyancy
 
 It knows no robot of laticauda's. It needs the extra `spatial`.
 """
 
 from laticauda.mujoco_water.checks import stable_step as stable_step
 from laticauda.mujoco_water.elements import Element as Element, GeomCoefficients as GeomCoefficients
-from laticauda.mujoco_water.elements import geom_element as geom_element
+from laticauda.mujoco_water.elements import geom_element as geom_element, geom_elements as geom_elements
 from laticauda.mujoco_water.ground import Contact as Contact, Terrain as Terrain
-from laticauda.mujoco_water.water import Water as Water, attach as attach, compiled as compiled
+from laticauda.mujoco_water.water import Water as Water, attach as attach, attached as attached, compiled as compiled
 from laticauda.packaging import lazy_exports
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,24 +10,39 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.fluid.laws import Element as Coefficients
+from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.elements import Element
 
 INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 
 
 def body_of(model: Any, name: str) -> int:
-    """Number of a body by its name.
+    """Number of a body by its name, or by its number as a text.
 
     Raises:
         ValueError: If there is none, or it is the world.
     """
     mujoco = load_mujoco()
-    body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+    body = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+    if body < 0 and name.isdecimal() and int(name) < model.nbody:
+        body = int(name)
     if body < 0:
         raise BadArgument("body", f"of an element must be a body of the model, got {name!r}")
     if body == 0:
         raise BadArgument("body", "of an element must move, got the world")
-    return int(body)
+    return body
+
+
+def pose(model: Any, data: Any, element: Element) -> tuple[int, np.ndarray, np.ndarray]:
+    """The body of an element, the place of its middle [m] and its axes, in world axes."""
+    body = body_of(model, element.body)
+    axes = data.xmat[body].reshape(3, 3)
+    return body, data.xpos[body] + axes @ element.position, axes @ element.rotation
+
+
+def name_of(model: Any, body: int) -> str:
+    """Name of a body, or its number if it has none."""
+    return f"`{model.body(body).name or body}`"
 
 
 def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
@@ -49,9 +64,7 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
     slopes = np.zeros_like(inertia)
     linear, turning = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     for element in elements:
-        body = body_of(model, element.body)
-        R = data.xmat[body].reshape(3, 3) @ element.rotation
-        at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ np.array(element.position)
+        body, at, R = pose(model, data, element)
         mujoco.mj_jac(model, data, linear, turning, at, body)
         slope, slope_2 = _slopes(element, speed)
         J, K = R.T @ linear, R.T @ turning
@@ -90,60 +103,51 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
         ValueError: With the reason.
     """
     mujoco = load_mujoco()
-    option = model.opt
-    names = {getattr(mujoco.mjtIntegrator, f"mjINT_{name.upper()}"): name for name in INTEGRATORS}
-    integrator = names.get(option.integrator)
-    if option.density > 0.0 or option.viscosity > 0.0:
-        raise BadArgument(
-            "model",
-            "must have option density and viscosity 0, or MuJoCo's own fluid model would act as well, got "
-            f"{option.density:g} and {option.viscosity:g}",
-        )
-    if (
-        option.disableflags & mujoco.mjtDisableBit.mjDSBL_SPRING
-        and option.disableflags & mujoco.mjtDisableBit.mjDSBL_DAMPER
-    ):
-        raise BadArgument("model", "must have passive forces, but springs and dampers are both disabled")
-    if integrator is None:
-        raise BadArgument(
-            "model", f"must have one of the integrators {', '.join(INTEGRATORS)}, got {option.integrator}"
-        )
-    if implicit_drag and integrator not in ("Euler", "implicitfast"):
+    option, disable, enable = model.opt, mujoco.mjtDisableBit, mujoco.mjtEnableBit
+    integrator = mujoco.mjtIntegrator(option.integrator).name.removeprefix("mjINT_").lower()
+    passive, asleep = disable.mjDSBL_SPRING | disable.mjDSBL_DAMPER, getattr(enable, "mjENBL_SLEEP", 0)
+    at_work = ", ".join(INTEGRATORS)
+    rules = (
+        (integrator in at_work.lower().split(", "), f"one of the integrators {at_work}, got {integrator}"),
+        (option.disableflags & passive != passive, "passive forces, but springs and dampers are both disabled"),
+        (not option.enableflags & enable.mjENBL_OVERRIDE, "contacts without override, where the mark of its water is"),
+        (not heavy or option.solver != mujoco.mjtSolver.mjSOL_PGS, "the solver Newton or CG: PGS looks too early"),
+        (not heavy or not option.enableflags & asleep, "no sleeping bodies: their inertia is not computed anew"),
+        (not heavy or not np.any(model.tendon_armature > 0.0), "no tendons with armature"),
+    )
+    for holds, rule in rules:
+        if not holds:
+            raise BadArgument("model", f"must have {rule}")
+    if implicit_drag and integrator not in ("euler", "implicitfast"):
         raise BadArgument("implicit_drag", f"must go with the integrator Euler or implicitfast, got {integrator}")
-    if option.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
-        raise BadArgument("model", "must not override contact parameters: the mark of its water stands in `o_margin`")
-    if not heavy:
-        return
-    if option.solver == mujoco.mjtSolver.mjSOL_PGS:
-        raise BadArgument(
-            "model", "must have the solver Newton or CG: PGS sees the constraints before the added mass is there"
-        )
-    if option.enableflags & getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", 0):
-        raise BadArgument("model", "must not have sleeping bodies enabled: their inertia is not computed anew")
-    if model.ntendon and np.any(model.tendon_armature > 0.0):
-        raise BadArgument("model", "must not have tendons with armature")
     for body in heavy:
         dofs = _dofs_above(model, body)
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
             raise BadArgument(
                 "model",
-                f"must store the whole inertia matrix of body `{model.body(body).name}`, but keeps its "
+                f"must store the whole inertia matrix of body {name_of(model, body)}, but keeps its "
                 "diagonal only; compile its MjSpec with `laticauda.mujoco_water.compiled`",
             )
 
 
-def avoid_sparse_fault(model: Any) -> None:
-    """Let the Newton solver of MuJoCo 4.0.0 take a dense Jacobian: its factor of a sparse Hessian can be wrong.
+def make_room(model: Any) -> None:
+    """Take MuJoCo's own medium away, which would act beside the water, and 4.0.0's Newton solver its sparse Jacobian.
 
-    Accelerations were off by all of their size where constraints join branches of the tree; 4.0.1 is right again.
+    That solver's factor of a sparse Hessian can be wrong: accelerations were off by all of their size where constraints
+    join branches of the tree; 4.0.1 is right again.
 
     Args:
-        model: The `mujoco.MjModel`; its option `jacobian` may be changed.
+        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian` may be changed.
     """
     mujoco = load_mujoco()
-    newton = model.opt.solver == mujoco.mjtSolver.mjSOL_NEWTON
+    option = model.opt
+    if option.density > 0.0 or option.viscosity > 0.0:
+        had = f"{option.density:g} kg/m^3 and {option.viscosity:g} Pa s"
+        warnings.warn(f"the water takes the place of MuJoCo's own medium of {had}", stacklevel=3)
+        option.density = option.viscosity = 0.0
+    newton = option.solver == mujoco.mjtSolver.mjSOL_NEWTON
     if mujoco.__version__ == "4.0.0" and newton and mujoco.mj_isSparse(model):
-        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
 
 
 def _dofs_above(model: Any, body: int) -> list[int]:
@@ -160,52 +164,81 @@ def _dofs_above(model: Any, body: int) -> list[int]:
     return found[::-1]
 
 
-def warn_of(model: Any, elements: Sequence[Element], bodies: np.ndarray, speed: float | None) -> None:
-    """Warn of what is likely not meant: nothing floats, nothing is stable, or nothing stays upright.
+def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
+    """Warn of what is likely not meant: nothing floats, nothing is stable, or something turns over.
 
     Args:
-        model: The `mujoco.MjModel`, its water attached.
-        elements: What the water sees of it.
-        bodies: Number of each element's body.
+        model: The `mujoco.MjModel`.
+        water: Attached to it.
         speed: At which the step is checked against the drag [m/s]; None: not at all.
+        fitted: Whether the elements are those of all geoms, whose volume is no sign that something is to float.
     """
     mujoco = load_mujoco()
+    bodies = [body_of(model, element.body) for element in water.elements]
     free = {int(model.jnt_bodyid[j]) for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE}
-    roots = {int(model.body_rootid[b]) for b in bodies}
-    for root in sorted(roots - free):
-        if not any(_dofs_above(model, int(b)) for b in bodies if model.body_rootid[b] == root):
-            warnings.warn(
-                f"body `{model.body(root).name}` is in the water but cannot move: it has no joint", stacklevel=4
-            )
-        elif any(e.volume > 0.0 for e in elements):
-            name = model.body(root).name
-            warnings.warn(f"body `{name}` has buoyancy but no free joint, so it does not float freely", stacklevel=4)
-    for root in sorted(roots & free):
-        _warn_upright(model, root, elements, bodies)
-    if speed is None:
-        return
-    limit = stable_step(model, elements, speed)
+    heavy = np.any(model.opt.gravity) and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    found: list[str] = []
+    for root in sorted({int(model.body_rootid[b]) for b in bodies}):
+        said = f"body {name_of(model, root)}"
+        if root in free:
+            height = metacentric_height(model, root, water) if heavy else 0.0
+            if height < -1e-5:
+                found.append(
+                    f"{said} turns over: as it is modeled, its metacenter (covered: its center of buoyancy) is "
+                    f"{-height:.2g} m below its center of mass"
+                )
+        elif not any(_dofs_above(model, b) for b in bodies if model.body_rootid[b] == root):
+            found.append(f"{said} is in the water but cannot move: it has no joint")
+        elif not fitted and any(e.volume > 0.0 for e in water.elements):
+            found.append(f"{said} has buoyancy but no free joint, so it does not float freely")
+    limit = math.inf if speed is None else stable_step(model, water.elements, speed)
     if model.opt.timestep > limit:
-        warnings.warn(
+        found.append(
             f"`timestep` {model.opt.timestep:g} s is too large for the drag: at {speed:g} m/s it is stable up to "
-            f"{limit:.2g} s; take a smaller one, or `implicit_drag`",
-            stacklevel=4,
+            f"{limit:.2g} s; take a smaller one, or `implicit_drag`"
         )
+    for one in found:
+        warnings.warn(one, stacklevel=3)
 
 
-def _warn_upright(model: Any, root: int, elements: Sequence[Element], bodies: np.ndarray) -> None:
+def metacentric_height(model: Any, root: int, water: Any) -> float:
+    """How far the metacenter of a tree, in its reference pose, is above its center of mass, about the weaker axis [m].
+
+    A tree that floats is at the draft that carries it; one that is covered has its center of buoyancy for a metacenter.
+    """
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    volume, moment = 0.0, np.zeros(3)
-    for element, body in zip(elements, bodies, strict=True):
-        if model.body_rootid[body] == root and element.volume > 0.0:
-            at = data.xpos[body] + data.xmat[body].reshape(3, 3) @ np.array(element.position)
-            volume, moment = volume + element.volume, moment + element.volume * at
-    if volume > 0.0 and moment[2] / volume <= data.subtree_com[root][2] and np.any(model.opt.gravity):
-        warnings.warn(
-            f"body `{model.body(root).name}` floats freely with its center of buoyancy at or below its center of mass: "
-            "nothing keeps it upright",
-            stacklevel=4,
-        )
+    own = [e for e in water.elements if e.volume > 0.0 and model.body_rootid[body_of(model, e.body)] == root]
+    if not own:
+        return 0.0
+    _, places, axes = (np.array(each) for each in zip(*(pose(model, data, e) for e in own), strict=True))
+    places -= data.subtree_com[root]
+    shapes = [(float(getattr(hydrostatics, e.shape.upper())), *e.half_size) for e in own]
+    volumes = np.array([e.volume for e in own])
+    needed = float(model.body_subtreemass[root]) / water.options["density"]
+    floats = water.options["surface"] is not None and needed < volumes.sum()
+    reach = float(np.linalg.norm(places, axis=1).max()) + max(math.hypot(*e.half_size) for e in own)
+
+    def center(axis: int, angle: float) -> np.ndarray:
+        """Center of buoyancy from that of mass, after a turn about a horizontal axis through that."""
+        matrix, low, high = np.zeros(9), -reach, reach
+        mujoco.mju_quat2Mat(matrix, [math.cos(0.5 * angle), *(math.sin(0.5 * angle) * np.eye(3)[axis])])
+        turn = matrix.reshape(3, 3)
+        at, turned = places @ turn.T, turn @ axes
+
+        def lift(depth: float) -> np.ndarray:
+            rows: Any = np.column_stack([shapes, turned[:, 2], depth - at[:, 2]]).tolist()
+            wet = np.array([hydrostatics.wetted(*row) for row in rows])
+            centers = at + np.einsum("nij,nj->ni", turned, wet[:, 1:])
+            return (volumes * wet[:, 0]) @ np.column_stack([np.ones(len(at)), centers])
+
+        for _ in range(32 if floats else 0):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if lift(middle)[0] < needed else (low, middle)
+        total = lift(high)
+        return total[1:] / total[0]
+
+    about_x, about_y = ((center(axis, 1e-3) - center(axis, -1e-3)) / 2e-3 for axis in (0, 1))
+    return float(np.linalg.eigvals(np.array([[-about_x[1], -about_y[1]], [about_x[0], about_y[0]]])).real.min())

@@ -14,15 +14,14 @@ The part that is linear in the joint accelerations is not a force but inertia: i
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
-
-from typing import no_type_check
+# pyright: reportCallIssue=false, reportConstantRedefinition=false
 
 from laticauda.compiling import compiled, kernel
 from laticauda.fluid import inertia
 from laticauda.fluid.laws import plate
 from laticauda.mujoco_water import hydrostatics
 from laticauda.mujoco_water.ground_loads import ground_load
-from laticauda.mujoco_water.native import call_1, call_2, number_at
+from laticauda.mujoco_water.native import call_1, call_2, flags_at, number_at
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import (
     cross,
@@ -46,7 +45,6 @@ load = compiled(inertia.load)
 
 
 @kernel
-@no_type_check
 def element_load(E, o, T, P, S, body, model, data, law_io, step):
     """Add one element's load and inertia to those of its body in the scratch `S`.
 
@@ -64,7 +62,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
             covered, whole = covering(T, E, o, R, wet, depth, arm, body, data, step)
         if wet == 0.0 and covered == 0.0 and E[o + CONTACT] == 0.0:
             return
-    u, w, a, alpha, flow = motion(T, P, S, R, place, arm, body, data, law_io)
+    u, w, a, alpha, flow = motion(T, P, S, R, place, arm, body, model, data, law_io)
     m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
     if covered > 0.0:
@@ -73,7 +71,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         added_torque = plus(added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead))
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
-    weight = plus(three(numbers(model + T[AT_GRAVITY], 3), 0), scaled(-1.0, flow))
+    weight = plus(gravity(T, model), scaled(-1.0, flow))
     lift = scaled(-P[DENSITY] * wet * E[o + VOLUME], weight)
     pull = three(E, o + PULL)
     if T[OUT] != 0:
@@ -95,7 +93,6 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
 
 
 @kernel
-@no_type_check
 def pose(E, o, T, body, data):
     """Rotation from element to world axes, place of the middle, and that place from the tree's center of mass."""
     n_bodies = T[N_BODIES]
@@ -109,19 +106,20 @@ def pose(E, o, T, body, data):
 
 
 @kernel
-@no_type_check
-def motion(T, P, S, R, place, arm, body, data, law_io):
+def motion(T, P, S, R, place, arm, body, model, data, law_io):
     """In element axes u, w, a (with what their turning adds) and alpha; in world axes the water's acceleration."""
     cvel = field(data, T[AT_CVEL], 6 * T[N_BODIES])
     w, alpha = three(cvel, 6 * body), three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     a = plus(three(S, 6 * body + 3), cross(alpha, arm))
-    V, flow, spin = three(P, V_X), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    if T[CURRENT] != 0:
+    own = numbers(model + T[AT_FLOW], 4)
+    V, flow, spin = three(own, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    varies = T[CURRENT] != 0 and own[3] == 0.0
+    if varies:
         V, flow, spin = flow_at(T, place, data, law_io)
     u = plus(v, scaled(-1.0, V))
     a = plus(a, cross(w, plus(V, scaled(1.0 - P[OWN_VELOCITY], v))))
-    if T[CURRENT] != 0:
+    if varies:
         (f_x, f_y, f_z), (s_x, s_y, s_z), (u_x, u_y, u_z) = flow, spin, u
         with_x, with_y = carried(f_x, s_y, s_z, u_y, u_z), carried(f_y, s_z, s_x, u_z, u_x)
         a = plus(a, scaled(-1.0, (with_x, with_y, carried(f_z, s_x, s_y, u_x, u_y))))
@@ -131,7 +129,6 @@ def motion(T, P, S, R, place, arm, body, data, law_io):
 
 
 @kernel
-@no_type_check
 def flow_at(T, place, data, io):
     """The water's motion at a place: its velocity, its material acceleration and its rotation, world axes."""
     io[0], io[1], io[2], io[3] = place[0], place[1], place[2], number_at(data + T[AT_TIME])
@@ -140,7 +137,14 @@ def flow_at(T, place, data, io):
 
 
 @kernel
-@no_type_check
+def gravity(T, model):
+    """Gravity as the model has it enabled."""
+    if flags_at(model + T[AT_FLAGS]) & T[NO_GRAVITY] != 0:
+        return 0.0, 0.0, 0.0
+    return three(numbers(model + T[AT_GRAVITY], 3), 0)
+
+
+@kernel
 def added_mass(keep, m, i, u, w, a, alpha):
     """Force and torque of the added mass for joints that do not accelerate; keep: 1 for kirchhoff, else 0."""
     momentum = times(m, u)
@@ -149,7 +153,6 @@ def added_mass(keep, m, i, u, w, a, alpha):
 
 
 @kernel
-@no_type_check
 def added_load(keep, m, rate, turned):
     """The same for all three axes of force or torque."""
     x, y = load(keep, m[0], rate[0], turned[0]), load(keep, m[1], rate[1], turned[1])
@@ -157,7 +160,6 @@ def added_load(keep, m, rate, turned):
 
 
 @kernel
-@no_type_check
 def covering(T, E, o, R, wet, depth, arm, body, data, step):
     """How fast the share under water grows, 0 while it falls; and 1 if that is over the whole step to come.
 
@@ -174,14 +176,12 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step):
 
 
 @kernel
-@no_type_check
 def added_share(grown, m, own, wet):
     """The water that is new over all that moves, `own` the body's mass or inertia."""
     return grown * m / (own + wet * m + 1e-12)
 
 
 @kernel
-@no_type_check
 def taken(m, own, u, wet, rate, ahead):
     """Minus the impulse per time that new water takes; by 1 / (1 + x) of it a step `ahead` keeps the momentum."""
     x, y, z = added_share(ahead, m[0], own, wet), added_share(ahead, m[1], own, wet), added_share(ahead, m[2], own, wet)
@@ -189,7 +189,6 @@ def taken(m, own, u, wet, rate, ahead):
 
 
 @kernel
-@no_type_check
 def drag(T, E, o, law_io, u, w, wet):
     """Force and torque by the law: with y across and about z, then with z across and about y, then the roll about x."""
     c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
@@ -204,7 +203,6 @@ def drag(T, E, o, law_io, u, w, wet):
 
 
 @kernel
-@no_type_check
 def by_law(law, own, law_io, motion, element):
     """The loads of the law at an address, whose numbers stand at another."""
     for k in range(MOTION):
@@ -214,7 +212,6 @@ def by_law(law, own, law_io, motion, element):
 
 
 @kernel
-@no_type_check
 def effector(E, o, u):
     """Thrust, tether, wake and plate, in element axes: what only few elements have."""
     force = three(E, o + THRUST)
@@ -231,21 +228,18 @@ def effector(E, o, u):
 
 
 @kernel
-@no_type_check
 def implicit(load, velocity, step):
     """Secant slopes -f / v of a drag, which are never negative, times the step: what an implicit step adds."""
     return secant(load[0], velocity[0], step), secant(load[1], velocity[1], step), secant(load[2], velocity[2], step)
 
 
 @kernel
-@no_type_check
 def secant(load, velocity, step):
     """The same for one axis."""
     return -step * load / velocity if abs(velocity) > 1e-12 else 0.0
 
 
 @kernel
-@no_type_check
 def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
     """What `Water.forces` shows, world axes."""
     out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
@@ -256,7 +250,6 @@ def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
 
 
 @kernel
-@no_type_check
 def add_inertia(S, A, R, arm, m, i):
     """Add an element's inertia about the center of mass, world axes: [[K, B], [B^T, N]], B = [r] N, K = I - B [r]."""
     N, k = symmetric(R, m), symmetric(R, i)
@@ -276,7 +269,6 @@ def add_inertia(S, A, R, arm, m, i):
 
 
 @kernel
-@no_type_check
 def symmetric(R, d):
     """Upper half of R diag(d) R^T, row by row."""
     x, y, z = times(d, three(R, 0)), times(d, three(R, 3)), times(d, three(R, 6))

@@ -4,6 +4,7 @@ For those who have shapes and no measured coefficients, there are elements that 
 """
 
 import math
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, TypeAlias
 
@@ -17,6 +18,7 @@ from laticauda.mujoco_water.ground import Contact
 from laticauda.quantities import option, quantity, value
 
 Three: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, float, float, float]
 Shape: TypeAlias = Literal["ellipsoid", "cylinder", "box"]
 _NONE: Three = (0.0, 0.0, 0.0)
 
@@ -34,9 +36,9 @@ class Element:
         ValueError: If a field is out of its range.
     """
 
-    body: str = option("Name of the MuJoCo body that it is rigid on")
+    body: str = option("Name of the MuJoCo body that it is rigid on; of one without a name its number, '2' say")
     position: Three = quantity("m", "Its middle in the body's frame", default=_NONE)
-    orientation: tuple[float, float, float, float] = quantity(
+    orientation: Quaternion = quantity(
         "", "Its axes in the body's frame, as a quaternion (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0)
     )
     drag: Three = quantity("N s^2/m^2", "c along x, y and z", default=_NONE, ge=0.0)
@@ -144,13 +146,18 @@ def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     return alpha / (2.0 - alpha), inertia
 
 
-def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *, density: float = 1000.0) -> Element:
-    """The element that fits a geom: a sphere, capsule, ellipsoid, cylinder or box.
+def geom_element(
+    model: Any, geom: str | int, coefficients: GeomCoefficients | None = None, *, density: float = 1000.0
+) -> Element:
+    """The element that fits a geom: a sphere, capsule, ellipsoid, cylinder, box or mesh.
+
+    A mesh is taken as the ellipsoid of its moments of inertia, with its own volume.
 
     Args:
         model: A `mujoco.MjModel`.
         geom: Its name or number.
-        coefficients: What the water does to it.
+        coefficients: What the water does to it; None: the usual of such a shape, from a handbook of drag, with the
+            drag of its rotation.
         density: rho [kg/m^3].
 
     Raises:
@@ -161,7 +168,8 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
     if not 0 <= number < model.ngeom:
         raise BadArgument("geom", f"must be a geom of the model, got {geom!r}")
-    shape, half, share_of_box, turn = _fitted(model, number)
+    kind, shape, half, share_of_box, middle, turn = _fitted(model, number)
+    coefficients = coefficients or _usual(kind, half)
     volume = share_of_box * 8.0 * half[0] * half[1] * half[2]
     share, turning = lamb(half)
     mass = coefficients.added_mass * density * volume
@@ -172,11 +180,12 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
         4.0 * round_sides * half[0] * half[1],
     )
     c = [0.5 * density * k * a for k, a in zip(coefficients.drag, area, strict=True)]
-    spread = coefficients.rotational_drag
+    spread, axes = coefficients.rotational_drag, np.zeros(4)
+    mujoco.mju_mulQuat(axes, model.geom_quat[number], np.array(turn))
     return Element(
-        body=model.body(int(model.geom_bodyid[number])).name,
-        position=_three(model.geom_pos[number]),
-        orientation=_product(model.geom_quat[number], turn),
+        body=model.body(body := int(model.geom_bodyid[number])).name or str(body),
+        position=_three(model.geom_pos[number] + from_quaternion(*model.geom_quat[number]) @ middle),
+        orientation=(axes[0], axes[1], axes[2], axes[3]),
         drag=_three(c),
         torque_linear=_three(spread * _about(i, c, half, 2) / 3.0 for i in range(3)),
         torque_quadratic=_three(spread * _about(i, c, half, 3) / 4.0 for i in range(3)),
@@ -189,27 +198,137 @@ def geom_element(model: Any, geom: str | int, coefficients: GeomCoefficients, *,
     )
 
 
-def _fitted(model: Any, number: int) -> tuple[Shape, Three, float, tuple[float, float, float, float]]:
-    """Shape of a geom, half its size, its share of the box around it, and how its axes are turned into ours."""
-    mujoco = load_mujoco()
-    kind = mujoco.mjtGeom(model.geom_type[number]).name.removeprefix("mjGEOM_").lower()
-    name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, number) or f"geom {number}"
+def geom_elements(
+    model: Any, coefficients: GeomCoefficients | None = None, *, density: float = 1000.0
+) -> tuple[Element, ...]:
+    """Elements for all geoms that displace water: what `attach` takes if it is given none.
+
+    Left out are geoms of bodies that cannot move; planes and height fields; where a body has geoms that can touch,
+    those that cannot, which are there to be seen; and geoms that lie in larger ones of their body for the greater part,
+    or that have no volume, both with a warning.
+
+    Args:
+        model: A `mujoco.MjModel`.
+        coefficients: Of all of them; None: the usual of each shape.
+        density: rho [kg/m^3].
+
+    Raises:
+        ValueError: If nothing is left.
+    """
+    found: dict[int, list[tuple[str, Element]]] = {}
+    empty: list[str] = []
+    touching = (model.geom_contype | model.geom_conaffinity) != 0
+    for i, body in enumerate(model.geom_bodyid):
+        seen_only = not touching[i] and np.any(touching[model.geom_bodyid == body])
+        if model.body_weldid[body] == 0 or seen_only or _kind(model, i) in ("plane", "hfield"):
+            continue
+        try:
+            found.setdefault(int(body), []).append(
+                (_name(model, i), geom_element(model, i, coefficients, density=density))
+            )
+        except BadArgument:
+            empty.append(f"`{_name(model, i)}`")
+    if empty:
+        warnings.warn(f"no volume and so no water have the geoms {', '.join(empty)}", stacklevel=3)
+    elements = tuple(element for pieces in found.values() for element in _apart(pieces))
+    if not elements:
+        raise BadArgument("model", "must have a geom with a volume on a body that can move")
+    return elements
+
+
+def _apart(pieces: list[tuple[str, Element]]) -> list[Element]:
+    """Those of one body that do not lie in larger ones; what overlaps is said."""
+    kept: list[tuple[str, Element]] = []
+    for name, element in sorted(pieces, key=lambda piece: -piece[1].volume):
+        points: np.ndarray = element.position + _filling(element) @ element.rotation.T
+        inside = np.array([_contains(other, points) for _, other in kept]).reshape(-1, len(points))
+        share = float(np.any(inside, axis=0).mean())
+        if share > 0.1:
+            others = ", ".join(f"`{other}`" for (other, _), within in zip(kept, inside, strict=True) if np.any(within))
+            what = "is left out of the water" if share > 0.5 else "displaces that much water twice"
+            warnings.warn(f"geom `{name}` lies in {others} by {100 * share:.0f} %: it {what}", stacklevel=4)
+        if share <= 0.5:
+            kept.append((name, element))
+    return [element for _, element in kept]
+
+
+def _filling(element: Element) -> np.ndarray:
+    """Points that fill the element evenly, in its own axes [m]."""
+    side = (np.arange(12) + 0.5) / 6.0 - 1.0
+    points = np.stack(np.meshgrid(side, side, side), axis=-1).reshape(-1, 3) * element.half_size
+    own = Element(body="", shape=element.shape, half_size=element.half_size)
+    return points[_contains(own, points)]
+
+
+def _contains(element: Element, points: np.ndarray) -> np.ndarray:
+    """Which points of the body's frame lie in an element."""
+    x, y, z = (np.abs((points - element.position) @ element.rotation) / element.half_size).T
+    if element.shape == "box":
+        return (x < 1.0) & (y < 1.0) & (z < 1.0)
+    return y**2 + z**2 + (x**2 if element.shape == "ellipsoid" else x > 1.0) < 1.0
+
+
+def _usual(kind: str, half: Three) -> GeomCoefficients:
+    """Drag on shapes that move along an axis; an ellipsoid's from a plate (1.17) over the sphere to a slender body."""
+    slender = [h / math.sqrt(half[(i + 1) % 3] * half[(i + 2) % 3]) for i, h in enumerate(half)]
+    x, y, z = (1.17 / (1.0 + 1.5 * f) for f in slender)
+    drag = {"box": (1.05, 1.05, 1.05), "cylinder": (0.87, 0.74, 0.74), "capsule": (x, 0.74, 0.74)}
+    return GeomCoefficients(drag=drag.get(kind, (x, y, z)), rotational_drag=1.0)
+
+
+def _name(model: Any, number: int) -> str:
+    return model.geom(number).name or f"geom {number}"
+
+
+def _kind(model: Any, number: int) -> str:
+    return load_mujoco().mjtGeom(model.geom_type[number]).name.removeprefix("mjGEOM_").lower()
+
+
+def _fitted(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray, Quaternion]:
+    """Kind of a geom, its shape, half its size, its share of the box around it, and where its middle and axes are."""
+    kind = _kind(model, number)
     x, y, z = _three(model.geom_size[number])
     straight = (1.0, 0.0, 0.0, 0.0)
     along_z = (_HALF_TURN, 0.0, -_HALF_TURN, 0.0)  # MuJoCo's axis of a cylinder is z, ours x
     ball = math.pi / 6.0
-    fitted: dict[str, tuple[Shape, Three, float, tuple[float, float, float, float]]] = {
+    fitted: dict[str, tuple[Shape, Three, float, Quaternion]] = {
         "sphere": ("ellipsoid", (x, x, x), ball, straight),
         "ellipsoid": ("ellipsoid", (x, y, z), ball, straight),
         "box": ("box", (x, y, z), 1.0, straight),
         "cylinder": ("cylinder", (y, x, x), _ROUND, along_z),
         "capsule": ("cylinder", (y + x, x, x), (_ROUND * y + ball * x) / (y + x or 1.0), along_z),
     }
+    if kind in ("mesh", "sdf"):
+        return _mesh(model, number)
     if kind not in fitted:
-        raise BadArgument("geom", f"must be a sphere, capsule, ellipsoid, cylinder or box, got `{name}`, a {kind}")
-    if not min(fitted[kind][1]) > 0.0:
-        raise BadArgument("geom", f"must have a volume, got `{name}`, whose size is {[x, y, z]}")
-    return fitted[kind]
+        raise BadArgument(
+            "geom",
+            f"must be a sphere, capsule, ellipsoid, cylinder, box or mesh, got `{_name(model, number)}`, a {kind}",
+        )
+    shape, half, share, turn = fitted[kind]
+    if not min(half) > 0.0:
+        raise BadArgument("geom", f"must have a volume, got `{_name(model, number)}`, whose size is {[x, y, z]}")
+    return kind, shape, half, share, np.zeros(3), turn
+
+
+def _mesh(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray, Quaternion]:
+    """The ellipsoid that has the moments of a mesh, which is a sum of tetrahedra from the origin to its faces."""
+    mesh = model.geom_dataid[number]
+    vertices, faces = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+    points = model.mesh_vert[vertices : vertices + model.mesh_vertnum[mesh]].astype(float)
+    corners = points[model.mesh_face[faces : faces + model.mesh_facenum[mesh]]]
+    share: np.ndarray = np.linalg.det(corners) / 6.0
+    volume, total = float(share.sum()), corners.sum(axis=1)
+    if not volume > 1e-6 * math.prod(np.ptp(points, axis=0).tolist()):
+        raise BadArgument("geom", f"must have a volume, got `{_name(model, number)}`, whose mesh has {volume:g} m^3")
+    middle = share @ total / 4.0 / volume
+    second = np.einsum("n,ni,nj->ij", share, total, total) + np.einsum("n,nki,nkj->ij", share, corners, corners)
+    spread, axes = np.linalg.eigh(second / 20.0 / volume - np.outer(middle, middle))
+    axes = axes[:, ::-1] * np.linalg.det(axes[:, ::-1])  # the longest first, and right-handed
+    half = _three(np.sqrt(5.0 * spread[::-1]))
+    turn = np.zeros(4)
+    load_mujoco().mju_mat2Quat(turn, axes.ravel())
+    return "mesh", "ellipsoid", half, volume / (8.0 * math.prod(half)), middle, (turn[0], turn[1], turn[2], turn[3])
 
 
 def _about(i: int, c: Sequence[float], half: Three, power: int) -> float:
@@ -221,11 +340,3 @@ def _about(i: int, c: Sequence[float], half: Three, power: int) -> float:
 def _three(values: Iterable[Any]) -> Three:
     x, y, z = (float(v) for v in values)
     return x, y, z
-
-
-def _product(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float, float]:
-    """Product of two quaternions."""
-    result = np.zeros(4)
-    load_mujoco().mju_mulQuat(result, np.asarray(a, dtype=float), np.asarray(b, dtype=float))
-    w, x, y, z = (float(q) for q in result)
-    return w, x, y, z

@@ -4,8 +4,6 @@
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
 
-from typing import no_type_check
-
 from laticauda.compiling import compiled, kernel
 from laticauda.mujoco_water import ground
 from laticauda.mujoco_water.table import *
@@ -17,7 +15,6 @@ touch = compiled(ground.touch)
 
 
 @kernel
-@no_type_check
 def ground_load(T, E, o, P, R, place, arm, body, data):
     """Force on an element and its torque about the element's middle, world axes.
 
@@ -51,7 +48,6 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
 
 
 @kernel
-@no_type_check
 def ground_at(T, P, x, y):
     """Height of the ground at a place, and the tangents of its fall along x and y."""
     height, fall = terrain(x, *three(P, TERRAIN), P[TERRAIN + 3])
@@ -62,7 +58,6 @@ def ground_at(T, P, x, y):
 
 
 @kernel
-@no_type_check
 def lowest_point(T, E, o, P, R, place, sign):
     """From the element's middle to the lowest point of the section at one end, and the ground's normal there."""
     half = three(E, o + HALF)
@@ -77,7 +72,6 @@ def lowest_point(T, E, o, P, R, place, sign):
 
 
 @kernel
-@no_type_check
 def push_of(E, o, R, depth, v, normal):
     """The force on a point that is in the ground, with friction along and across the element."""
     ahead = to_world(R, (1.0, 0.0, 0.0))
@@ -90,14 +84,12 @@ def push_of(E, o, R, depth, v, normal):
 
 
 @kernel
-@no_type_check
 def dot(a, b):
     """a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @kernel
-@no_type_check
 def length(a):
     """|a|."""
     return dot(a, a) ** 0.5

@@ -7,9 +7,10 @@ All vectors of one tree are taken about the tree's center of mass, in world dire
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false
 
 from functools import cache
-from typing import Any, no_type_check
+from typing import Any
 
 import llvmlite.binding
 import numpy as np
@@ -21,16 +22,25 @@ from laticauda.compiling import kernel
 from laticauda.compiling.lanes import OPTIONS
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.mujoco_water.element_loads import element_load
-from laticauda.mujoco_water.native import allocate, call_2, factor_inertia, free_stack, mark_stack, number_at, word_at
+from laticauda.mujoco_water.native import (
+    allocate,
+    call_2,
+    factor_inertia,
+    free_stack,
+    mark_stack,
+    number_at,
+    stop,
+    word_at,
+)
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import field, integers, numbers
 
-# --- The registry: the callback that was there before, where a model has its mark, then mark and table of every model.
-# The mark is a number below 2^52 that stands in the model as a denormal, so that copies of the model have it too; its
-# last bits are the place in the registry.
-PLACE_BITS = 12
-MOST_MODELS = 1 << PLACE_BITS
-REGISTRY_SIZE = 3 + 2 * MOST_MODELS  # the last word: the sensor callback that was there before
+# --- The registry: the passive callback that was there before, where a model has its mark, the address of the rows,
+# that of what is said of a mark without a row, and the sensor callback that was there before. A row is a mark and the
+# address of a table; the first holds the number of rows. A mark is a number below 2^52 that stands in the model as a
+# denormal, so that copies of the model have it too; its last bits are the place of its row.
+PLACE_BITS, MARK_BITS = 24, 52
+REGISTRY_SIZE = 5
 registry = np.zeros(REGISTRY_SIZE, dtype=np.int64)
 SCRATCH = 33  # numbers per body: acceleration and load (6 each), inertia (21)
 
@@ -55,7 +65,6 @@ def registry_address(typingctx):
 
 
 @kernel
-@no_type_check
 def velocity_accelerations(T, data, S):
     """Spatial acceleration of every body if no joint accelerates."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
@@ -72,7 +81,6 @@ def velocity_accelerations(T, data, S):
 
 
 @kernel
-@no_type_check
 def gather(T, data, S):
     """Forces from the leaves to the root, and onto the degrees of freedom; inertia likewise."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
@@ -96,7 +104,6 @@ def gather(T, data, S):
 
 
 @kernel
-@no_type_check
 def write_inertia(T, model, data, S):
     """M + A into MuJoCo's matrix, from MuJoCo's composite inertias, so that doing it twice does no harm."""
     n_bodies, n_dofs = T[N_BODIES], T[N_DOFS]
@@ -131,7 +138,6 @@ def write_inertia(T, model, data, S):
 
 
 @kernel
-@no_type_check
 def add_hold(T, data):
     """What the joints' drives ask for: inertia on the diagonal, and a force, per degree of freedom."""
     n_dofs = T[N_DOFS]
@@ -144,7 +150,6 @@ def add_hold(T, data):
 
 
 @kernel
-@no_type_check
 def collect(T, model, data, S):
     """Accelerations of all bodies if no joint accelerates, and the loads and inertia of all elements on them."""
     n_bodies, n = T[N_BODIES], T[N_ELEMENTS]
@@ -159,7 +164,6 @@ def collect(T, model, data, S):
 
 
 @kernel
-@no_type_check
 def apply(model, data, table):
     """All loads of one model's water."""
     T = integers(table, TABLE_SIZE)
@@ -176,16 +180,19 @@ def apply(model, data, table):
 
 
 @kernel
-@no_type_check
 def table_of(model):
-    """Address of a model's table; 0: it has no water."""
+    """Address of a model's table; 0: it has no water. A mark without a table ends the step with an error."""
     R = integers(registry_address(), REGISTRY_SIZE)
     mark = word_at(model + R[1])
-    place = 2 + 2 * (mark & (MOST_MODELS - 1))
-    return R[place + 1] if mark != 0 and R[place] == mark else 0
+    if not 0 < mark < (1 << MARK_BITS):
+        return 0
+    place = mark & ((1 << PLACE_BITS) - 1)
+    row = R[2] + 16 * place
+    if place >= word_at(R[2]) or word_at(row) != mark:
+        stop(R[3])
+    return word_at(row + 8)
 
 
-@no_type_check
 def _passive(model, data):
     before, table = word_at(registry_address()), table_of(model)
     if before != 0:

@@ -31,6 +31,7 @@ _PROBE = """
 <sensor><force site="s"/></sensor></mujoco>
 """
 _RARE = 0.7310585786300049  # a number that stands nowhere else
+_RARE_FLAGS = 0x2A5C39D6  # and flags
 
 
 def _function(name: str, result: Any, *arguments: Any) -> Any:
@@ -46,7 +47,8 @@ allocate = _function("mj_stackAllocNum", _word, _word, _word)
 forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _flag)
 integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
 forces_after = _function("mj_rnePostConstraint", types.void, _word, _word)
-_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions, forces_after)
+stop = _function("mju_error", types.void, _word)
+_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions, forces_after, stop)
 
 
 @cache
@@ -97,12 +99,14 @@ def offsets(*fields: str) -> list[int]:
 
 @cache
 def model_offsets() -> dict[str, int]:
-    """Offsets in `mjModel` [bytes]: of gravity, time step, override of margins, and of the armature's address."""
+    """Offsets in `mjModel` [bytes]: of options, two of them overrides of contacts, and of the armature's address."""
     model = load_mujoco().MjModel.from_xml_string(_PROBE)
-    model.opt.timestep, model.opt.o_margin = _RARE, 2.0 * _RARE
+    model.opt.timestep, model.opt.o_margin, model.opt.disableflags = _RARE, 2.0 * _RARE, _RARE_FLAGS
     words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
     return {
         "gravity": model.opt.gravity.ctypes.data - model._address,
+        "o_friction": model.opt.o_friction.ctypes.data - model._address,
+        "disableflags": _last(words.view(np.int32), _RARE_FLAGS, "disableflags", 4),
         "timestep": _last(words, np.float64(_RARE).view(np.uint64), "timestep"),
         "o_margin": _last(words, np.float64(2.0 * _RARE).view(np.uint64), "o_margin"),
         "dof_armature": _last(words, np.uint64(model.dof_armature.ctypes.data), "dof_armature"),
@@ -119,11 +123,11 @@ def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
     raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
 
 
-def _last(words: np.ndarray, value: Any, name: str) -> int:
+def _last(words: np.ndarray, value: Any, name: str, size: int = 8) -> int:
     places = np.flatnonzero(words == value)
     if places.size == 0:
         raise OSError(f"`{name}` was not found in this build of MuJoCo")
-    return int(places[-1]) * 8  # empty arrays before it, and the buffer's own pointer, have the same address
+    return int(places[-1]) * size  # empty arrays before it, and the buffer's own pointer, have the same address
 
 
 @intrinsic
@@ -150,6 +154,12 @@ def _loaded(kind, stored):
 def word_at(typingctx, number):
     """The 64-bit integer at an address."""
     return _loaded(types.int64, ir.IntType(64))
+
+
+@intrinsic
+def flags_at(typingctx, number):
+    """The 32-bit integer at an address."""
+    return _loaded(types.int32, ir.IntType(32))
 
 
 @intrinsic

@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import loads, native
 
+MOST_GONE = 4096  # so many models' tables are kept when the models are gone or have another water, for their copies
+_LOST = ctypes.create_string_buffer(
+    b"this model has lost its water: an MJB file and a copy of a model that is long gone keep its mark alone; attach "
+    b"the water again (a pickled model keeps it), or set model.opt.o_margin = 0 for a model without"
+)
 _lock = Lock()
 _previous: list[Any] = []
-_kept: dict[int, Any] = {}  # what the compiled code reads, by the mark of its model
-_gone: list[int] = []  # marks of models that no longer exist; copies of them may
+_rows = [np.zeros((64, 2), dtype=np.int64)]  # the last array holds; threads may still read the ones before
+_entries: dict[int, tuple[Any, Any]] = {}  # by mark: the water, and what watches for the end of its model
+_gone: list[int] = []
 
 
 def is_installed() -> bool:
@@ -36,54 +41,63 @@ def install() -> None:
             return
         there = mujoco.get_mjcb_passive()
         if there is not None and not hasattr(there, "argtypes"):
-            raise ValueError(
-                "mjcb_passive must be free or hold a compiled function, but a Python function is set there."
-            )
-        loads.registry[0] = before
+            raise ValueError("mjcb_passive must be free or compiled, but a Python function is set there.")
+        _rows[-1][0, 0] = len(_rows[-1])
+        mark_at = native.model_offsets()["o_margin"]
+        loads.registry[:4] = before, mark_at, _rows[-1].ctypes.data, ctypes.addressof(_LOST)
         _previous[:] = [there]
         mujoco.set_mjcb_passive(loads.callback().ctypes)
 
 
-def enter(model: Any, table: np.ndarray, keep: Any) -> int:
-    """Enter a table into the registry, and set its mark in the model.
+def entry(model: Any) -> Any:
+    """The water whose mark a model has, which may be that of a model that this one is a copy of; None: none."""
+    return _entries.get(_mark(model), (None, None))[0]
+
+
+def enter(model: Any, water: Any) -> None:
+    """Set the mark of a water in a model; what was entered for this model before is gone.
 
     Args:
         model: The `mujoco.MjModel`.
-        table: See `loads`.
-        keep: What must live as long as the table.
-
-    Returns:
-        The mark.
+        water: With its `model` and its `table`; it lives as long as its mark holds.
     """
-    rows = loads.registry[2:-1].reshape(-1, 2)
     with _lock:
-        free = np.flatnonzero(rows[1:, 0] == 0) + 1
-        if not free.size and _gone:
-            _forget(_gone[0])
-            free = np.flatnonzero(rows[1:, 0] == 0) + 1
-        if not free.size:
-            raise BadArgument("model", f"must be one of less than {loads.MOST_MODELS} models with water at a time")
-        place = int(free[0])
-        mark = secrets.randbits(52 - loads.PLACE_BITS) << loads.PLACE_BITS | place
-        rows[place] = mark, table.ctypes.data
-        _kept[mark] = (table, keep)
-        loads.registry[1] = native.model_offsets()["o_margin"]
+        _leave(model)
+        while len(_gone) > MOST_GONE:
+            _forget(_gone.pop(0))
+        rows = _rows[-1]
+        free = np.flatnonzero(rows[:, 0] == 0)
+        place = int(free[0]) if free.size else len(rows)
+        if place == len(rows):
+            rows = np.concatenate([rows, np.zeros_like(rows)])
+            rows[0, 0] = len(rows)
+            _rows.append(rows)
+            loads.registry[2] = rows.ctypes.data
+        mark = (secrets.randbits(loads.MARK_BITS - loads.PLACE_BITS - 1) + 1) << loads.PLACE_BITS | place
+        rows[place] = mark, water.table.ctypes.data
+        _entries[mark] = water, weakref.finalize(model, _gone.append, mark)
     # A margin of less than 1e-307 m is none, should anyone use it; it goes with every copy of the model.
     model.opt.o_margin = np.int64(mark).view(np.float64)
-    weakref.finalize(model, _gone.append, mark)
-    return mark
 
 
-def forget(mark: int) -> None:
-    """Take the table with this mark out of the registry."""
+def leave(model: Any) -> None:
+    """Take the mark out of a model; its copies keep theirs."""
     with _lock:
-        _forget(mark)
+        _leave(model)
+    model.opt.o_margin = 0.0
+
+
+def _leave(model: Any) -> None:
+    mark = _mark(model)
+    water, end = _entries.get(mark, (None, None))
+    if water is not None and water.model() is model and end.detach():
+        _gone.append(mark)
+
+
+def _mark(model: Any) -> int:
+    return int(np.float64(model.opt.o_margin).view(np.int64))
 
 
 def _forget(mark: int) -> None:
-    row = loads.registry[2:-1].reshape(-1, 2)[mark & (loads.MOST_MODELS - 1)]
-    if row[0] == mark:
-        row[:] = 0
-    _kept.pop(mark, None)
-    if mark in _gone:
-        _gone.remove(mark)
+    _rows[-1][mark & ((1 << loads.PLACE_BITS) - 1)] = 0
+    _entries.pop(mark, None)

@@ -12,10 +12,11 @@ What a sensor was stands in its `refid`, which these two do not use, so copies a
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
 # pyright: reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false
 
 import ctypes
 from functools import cache
-from typing import Any, no_type_check
+from typing import Any
 
 import numpy as np
 from numba import cfunc, types
@@ -78,7 +79,6 @@ def install() -> None:
 
 
 @kernel
-@no_type_check
 def water_below(T, data, S):
     """In place of every body's load: that on it and on all that hangs on it, at the accelerations that were found."""
     n = T[N_BODIES]
@@ -99,7 +99,6 @@ def water_below(T, data, S):
 
 
 @kernel
-@no_type_check
 def sense(model, data, table):
     """The readings of one model's force and torque sensors."""
     T = integers(table, TABLE_SIZE)
@@ -129,7 +128,6 @@ def sense(model, data, table):
     free_stack(data)
 
 
-@no_type_check
 def _sensors(model, data, stage):
     table = table_of(model)
     if stage == ACCELERATIONS and table != 0:

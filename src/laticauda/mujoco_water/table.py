@@ -1,5 +1,7 @@
 """Where every number sits that the compiled loads read: the table of one model, its water, and its elements."""
 
+from itertools import accumulate
+
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 
@@ -24,15 +26,18 @@ from laticauda.formulas import MOST_NUMBERS
     ELEMENTS,  # records of numbers, see below
     WATER,  # numbers: see below
     LAWS,  # of each element: its law, a cfunc of two addresses; see law_entry
-    CURRENT,  # cfunc: x, y, z, t in, velocity, acceleration and rotation out behind them; 0: constant
+    CURRENT,  # cfunc: x, y, z, t in, velocity, acceleration and rotation out behind them; 0: none, see AT_FLOW
     HOLD,  # inertia and force to be added to each degree of freedom; 0: none
     OUT,  # loads per element; 0: not wanted
     GRID,  # of the terrain, see ground.Terrain.nodes
     GRID_SIZE,  # how many numbers; 0: none
     SENSORS,  # of each force and torque sensor: place of its data, site, body, and 1 for force
     N_SENSORS,
+    NO_GRAVITY,  # the bit of the model's flags that disables it
     # offsets in the model
     AT_GRAVITY,
+    AT_FLAGS,
+    AT_FLOW,  # four numbers of the model's own: velocity of the water [m/s], and 1 if that holds instead of CURRENT
     AT_TIME_STEP,
     AT_ARMATURE,
     # offsets in the data
@@ -55,32 +60,37 @@ from laticauda.formulas import MOST_NUMBERS
     AT_SITE_XMAT,
     AT_SENSORDATA,
     TABLE_SIZE,
-) = range(47)
+) = range(50)
 
 # --- Numbers of the water
-(DENSITY, LEVEL, V_X, V_Y, V_Z, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(8), 11)
+(DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
 
-# --- One record of numbers per element
-POSITION = 0  # in the body's frame, 3
-ROTATION = 3  # from element axes to the body's, 9, row by row
-DRAG = 12  # 3
-TORQUE_LINEAR = 15  # 3
-TORQUE_QUADRATIC = 18  # 3
-MASS = 21  # 3
-INERTIA = 24  # 3
-VOLUME = 27
-SHAPE = 28
-HALF = 29  # 3
-THRUST = 32  # 3
-PULL = 35  # 3
-TETHER_DRAG = 38
-WAKE_MASS = 39
-PLATE = 40  # 5, as in fluid.laws.plate
-CONTACT = 45  # 5, the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-OWN_MASS = 50  # of the body, per element on it
-OWN_INERTIA = 51  # the least of the body's, likewise
-LAW_NUMBERS = 52  # of the drag law, in the order of its fields
+# --- One record of numbers per element: what it has, and how many numbers that is
+RECORD = {
+    "position": 3,  # in the body's frame
+    "rotation": 9,  # from element axes to the body's, row by row
+    "drag": 3,
+    "torque_linear": 3,
+    "torque_quadratic": 3,
+    "added_mass": 3,
+    "added_inertia": 3,
+    "half_size": 3,
+    "thrust": 3,
+    "pull": 3,
+    "volume": 1,
+    "tether_drag": 1,
+    "wake_mass": 1,
+    "shape": 1,
+    "plate": 5,  # as in fluid.laws.plate
+    "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+    "own_mass": 1,  # of the body, per element on it
+    "own_inertia": 1,  # the least of the body's, likewise
+}
+PLACES = (*accumulate(RECORD.values(), initial=0),)
+(POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[:9]
+(PULL, VOLUME, TETHER_DRAG, WAKE_MASS, SHAPE, PLATE, CONTACT, OWN_MASS, OWN_INERTIA, LAW_NUMBERS) = PLACES[9:]
 ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
+# The drag law's own numbers, in the order of its fields, end a record.
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, share under water [-]
 
 # --- What a drag law is called with: velocities, the element's coefficients, and behind them its loads

@@ -2,8 +2,7 @@
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
-
-from typing import no_type_check
+# pyright: reportCallIssue=false
 
 import numpy as np
 from numba import carray  # pyright: ignore[reportPrivateImportUsage]
@@ -13,63 +12,54 @@ from laticauda.mujoco_water.native import pointer, word_at
 
 
 @kernel
-@no_type_check
 def integers(where, n):
     """The `n` integers at an address."""
     return carray(pointer(where), (n,), np.int64)
 
 
 @kernel
-@no_type_check
 def numbers(where, n):
     """The `n` numbers at an address."""
     return carray(pointer(where), (n,), np.float64)
 
 
 @kernel
-@no_type_check
 def field(data, offset, n):
     """The `n` numbers of a field of the data."""
     return numbers(word_at(data + offset), n)
 
 
 @kernel
-@no_type_check
 def three(values, k):
     """Three numbers from place `k` on."""
     return values[k], values[k + 1], values[k + 2]
 
 
 @kernel
-@no_type_check
 def plus(a, b):
     """a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @kernel
-@no_type_check
 def scaled(k, a):
     """k a, for a number k."""
     return k * a[0], k * a[1], k * a[2]
 
 
 @kernel
-@no_type_check
 def times(a, b):
     """a and b multiplied axis by axis."""
     return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
 @kernel
-@no_type_check
 def cross(a, b):
     """a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @kernel
-@no_type_check
 def to_world(R, v):
     """R v: from element to world axes; R is nine numbers, row by row."""
     return (
@@ -80,7 +70,6 @@ def to_world(R, v):
 
 
 @kernel
-@no_type_check
 def to_own(R, v):
     """R^T v: from world to element axes."""
     return (
@@ -91,7 +80,6 @@ def to_own(R, v):
 
 
 @kernel
-@no_type_check
 def nine(values, k):
     """Nine numbers from place `k` on."""
     return (*three(values, k), *three(values, k + 3), *three(values, k + 6))

@@ -5,9 +5,10 @@ looks the model up and leaves those without water alone. It runs in threads (`mu
 scratch memory is the data's own stack.
 """
 
+import copyreg
 import weakref
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from threading import Lock
 from typing import Any
 
@@ -17,8 +18,8 @@ from laticauda.errors import BadArgument, finite, one_of, positive
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import hydrostatics, native, registry, sensors
 from laticauda.mujoco_water import table as rows
-from laticauda.mujoco_water.checks import avoid_sparse_fault, body_of, check_model, warn_of
-from laticauda.mujoco_water.elements import Element
+from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose, warn_of
+from laticauda.mujoco_water.elements import Element, geom_elements
 from laticauda.mujoco_water.functions import Current, compiled_current, compiled_law
 from laticauda.mujoco_water.ground import Terrain
 
@@ -34,19 +35,18 @@ class Water:
     """The `mujoco.MjModel`; weakly held."""
     elements: tuple[Element, ...]
     """What the water sees, in the order that they were given."""
+    options: dict[str, Any]
+    """The other arguments of `attach`."""
     table: np.ndarray
     """Addresses and offsets for the compiled code; see `loads`."""
-    numbers: dict[str, np.ndarray]
+    numbers: dict[str, Any]
     """What the table points to."""
-    mark: int
-    """By which the compiled code knows the model and its copies."""
 
     def detach(self) -> None:
-        """Take the water away, from the model and from all copies of it."""
-        registry.forget(self.mark)
-        model = self.model()
-        if model is not None:
-            sensors.give_back(model)
+        """Take the water away from the model; copies of it keep theirs."""
+        model = self._live()
+        registry.leave(model)
+        sensors.give_back(model)
 
     @property
     def active(self) -> bool:
@@ -54,13 +54,12 @@ class Water:
         return registry.is_installed()
 
     def set_current(self, velocity: Sequence[float]) -> None:
-        """Let the water move with `velocity` from now on.
+        """Let the water of this model, and of copies that are made of it later, move with `velocity` from now on.
 
         Args:
             velocity: World axes [m/s].
         """
-        x, y, z = (finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity))
-        self.numbers["water"][[rows.V_X, rows.V_Y, rows.V_Z]] = x, y, z
+        self._live().opt.o_friction[:4] = *(finite(f"velocity[{i}]", v, "m/s") for i, v in enumerate(velocity)), 1.0
 
     def forces(self, data: Any) -> dict[str, np.ndarray]:
         """Loads on every element at the state in `data`, which is evaluated anew (`mj_forward`).
@@ -90,10 +89,8 @@ class Water:
         mujoco = load_mujoco()
         force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
         for i, element in enumerate(self.elements):
-            body = body_of(model, element.body)
-            turned = data.xmat[body].reshape(3, 3)
-            mujoco.mj_jac(model, data, jacobian, None, data.xpos[body] + turned @ np.array(element.position), body)
-            axes = turned @ element.rotation
+            body, place, axes = pose(model, data, element)
+            mujoco.mj_jac(model, data, jacobian, None, place, body)
             force[i] = axes @ (np.array(element.added_mass) * (axes.T @ (jacobian @ data.qacc)))
         return force
 
@@ -106,7 +103,7 @@ class Water:
 
 def attach(
     model: Any,
-    elements: Iterable[Element],
+    elements: Iterable[Element] | None = None,
     *,
     density: float = 1000.0,
     current: Sequence[float] | Current = (0.0, 0.0, 0.0),
@@ -116,11 +113,14 @@ def attach(
     usual_speed: float = 1.0,
     terrain: Terrain | None = None,
 ) -> Water:
-    """Put a model under water. What was attached to it before is replaced; copies of the model have its water too.
+    """Put a model under water, and what was attached to it before away.
+
+    A copy of the model has its water too, with a current of its own (see `attached`), and so has a pickled model where
+    it is loaded. An MJB file has the mark of the water alone: a step of what is loaded from it is refused.
 
     Args:
-        model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it.
-        elements: What the water sees.
+        model: A `mujoco.MjModel`, as `mujoco` or `compiled` makes it, or what holds one as `ptr`, as dm_control does.
+        elements: What the water sees; None: `geom_elements`.
         density: rho, for the buoyancy [kg/m^3].
         current: Velocity that the water moves to, world axes [m/s]; or a function of x, y, z [m] and t [s] that Numba
             can compile and that returns three numbers, or nine: velocity, material acceleration [m/s^2] and half the
@@ -141,48 +141,80 @@ def attach(
         ValueError: If the model or an argument cannot be worked with; the message says why.
         MissingExtra: If MuJoCo is not installed.
     """
-    mujoco = load_mujoco()
-    if not isinstance(model, mujoco.MjModel):
+    model = getattr(model, "ptr", model)
+    if not isinstance(model, load_mujoco().MjModel):
         raise BadArgument("model", f"must be a mujoco.MjModel, got {type(model).__name__}")
-    elements = tuple(elements)
+    positive("usual_speed", usual_speed, "m/s")
+    fitted = elements is None
+    make_room(model)
+    elements = geom_elements(model, density=density) if elements is None else tuple(elements)
     if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("elements", f"must hold one Element at least, and nothing else, got {elements!r:.60}")
-    one_of("form", form, FORMS)
+    options = {"density": density, "current": current, "surface": surface, "form": form}
+    water = _put(model, elements, {**options, "implicit_drag": implicit_drag, "terrain": terrain})
+    warn_of(model, water, None if implicit_drag else usual_speed, fitted)
+    return water
+
+
+def attached(model: Any) -> Water | None:
+    """The water of a model: of one that it was attached to, of a copy, or of one from a pickle; None: it has none."""
+    water = registry.entry(model := getattr(model, "ptr", model))
+    return water and replace(water, model=weakref.ref(model))
+
+
+def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> Water:
+    one_of("form", options["form"], FORMS)
     water = np.zeros(rows.WATER_SIZE)
-    water[rows.DENSITY] = positive("density", density, "kg/m^3")
-    water[rows.LEVEL] = 0.0 if surface is None else finite("surface", surface, "m")
-    water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = form != "classic", form == "kirchhoff"
-    terrain = terrain or Terrain()
+    water[rows.DENSITY] = positive("density", options["density"], "kg/m^3")
+    water[rows.LEVEL] = 0.0 if options["surface"] is None else finite("surface", options["surface"], "m")
+    water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = options["form"] != "classic", options["form"] == "kirchhoff"
+    terrain = options["terrain"] or Terrain()
     water[rows.TERRAIN : rows.TERRAIN + 4] = terrain.profile
     bodies = np.array([body_of(model, element.body) for element in elements])
+    implicit_drag, current = options["implicit_drag"], options["current"]
     inertia = implicit_drag or any(any(e.added_mass) or any(e.added_inertia) for e in elements)
     check_model(model, set(bodies.tolist()) if inertia else set(), implicit_drag)
-    avoid_sparse_fault(model)
-    table, arrays = _table(model, elements, bodies, water)
+    table, numbers = _table(model, elements, bodies, water)
     table[rows.HAS_INERTIA], table[rows.IMPLICIT_DRAG] = inertia, implicit_drag
-    table[rows.HAS_SURFACE] = surface is not None
-    table[rows.FIRST_ORDER] = model.opt.integrator != mujoco.mjtIntegrator.mjINT_RK4
-    arrays["nodes"] = terrain.nodes
-    table[rows.GRID], table[rows.GRID_SIZE] = arrays["nodes"].ctypes.data, arrays["nodes"].size
-    keep: list[Any] = []
+    table[rows.HAS_SURFACE] = options["surface"] is not None
+    table[rows.FIRST_ORDER] = model.opt.integrator != load_mujoco().mjtIntegrator.mjINT_RK4
+    numbers["nodes"] = terrain.nodes
+    table[rows.GRID], table[rows.GRID_SIZE] = numbers["nodes"].ctypes.data, numbers["nodes"].size
+    velocity: Sequence[float] = (0.0, 0.0, 0.0)
     if callable(current):
-        flow = compiled_current(current)
-        table[rows.CURRENT] = flow.address
-        keep.append(flow)
+        numbers["current"] = compiled_current(current)
+        table[rows.CURRENT] = numbers["current"].address
+    elif len(current) == 3:
+        velocity = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
     else:
-        if len(current) != 3:
-            raise BadArgument("current", f"must be a function or 3 numbers, got {current!r}")
-        water[[rows.V_X, rows.V_Y, rows.V_Z]] = [finite(f"current[{i}]", v, "m/s") for i, v in enumerate(current)]
-    positive("usual_speed", usual_speed, "m/s")
-    arrays["sensors"] = sensors.take_over(model)
-    table[rows.SENSORS], table[rows.N_SENSORS] = arrays["sensors"].ctypes.data, arrays["sensors"].size // 4
-    if arrays["sensors"].size:
+        raise BadArgument("current", f"must be a function or 3 numbers, got {current!r}")
+    numbers["sensors"] = sensors.take_over(model)
+    table[rows.SENSORS], table[rows.N_SENSORS] = numbers["sensors"].ctypes.data, numbers["sensors"].size // 4
+    if numbers["sensors"].size:
         sensors.install()
     registry.install()
-    mark = registry.enter(model, table, (arrays, keep))
-    handle = Water(model=weakref.ref(model), elements=elements, table=table, numbers=arrays, mark=mark)
-    warn_of(model, elements, bodies, None if implicit_drag else usual_speed)
+    copyreg.pickle(load_mujoco().MjModel, _reduced)
+    handle = Water(model=weakref.ref(model), elements=elements, options=options, table=table, numbers=numbers)
+    registry.enter(model, handle)
+    model.opt.o_friction[:4] = *velocity, 0.0
     return handle
+
+
+def _reduced(model: Any) -> Any:
+    """What a model is pickled as: with the water that it has."""
+    water = registry.entry(model)
+    if water is None:
+        return model.__reduce_ex__(2)
+    return _restored, (model.__getstate__(), water.elements, water.options)
+
+
+def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, Any]) -> Any:
+    model = load_mujoco().MjModel.__new__(load_mujoco().MjModel)
+    model.__setstate__(state)
+    flow = model.opt.o_friction.copy()
+    _put(model, elements, options)
+    model.opt.o_friction[:] = flow
+    return model
 
 
 def compiled(spec: Any) -> Any:
@@ -242,7 +274,8 @@ def _table(
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
     table[rows.PARENT : rows.LAWS + 1] = [a.ctypes.data for a in arrays.values()]
     inside = native.model_offsets()
-    names = ("gravity", "timestep", "dof_armature")
+    names = ("gravity", "disableflags", "o_friction", "timestep", "dof_armature")
+    table[rows.NO_GRAVITY] = int(load_mujoco().mjtDisableBit.mjDSBL_GRAVITY)
     table[rows.AT_GRAVITY : rows.AT_ARMATURE + 1] = [inside[name] for name in names]
     fields = ("qvel", "qacc", "xpos", "xmat", "subtree_com", "cdof", "cdof_dot", "cvel", "crb", "M")
     fields += ("qfrc_passive", "qfrc_fluid", "time", "cacc", "cfrc_int", "site_xpos", "site_xmat", "sensordata")
@@ -252,22 +285,11 @@ def _table(
 
 def _record(element: Element) -> np.ndarray:
     record = np.zeros(rows.ELEMENT_SIZE)
-    for at, values in (
-        (rows.POSITION, element.position),
-        (rows.ROTATION, element.rotation.ravel()),
-        (rows.DRAG, element.drag),
-        (rows.TORQUE_LINEAR, element.torque_linear),
-        (rows.TORQUE_QUADRATIC, element.torque_quadratic),
-        (rows.MASS, element.added_mass),
-        (rows.INERTIA, element.added_inertia),
-        (rows.HALF, element.half_size),
-        (rows.THRUST, element.thrust),
-        (rows.PULL, element.pull),
-        (rows.PLATE, element.plate or ()),
-        (rows.CONTACT, astuple(element.contact) if element.contact else ()),
-        (rows.LAW_NUMBERS, element.law.numbers),
-    ):
-        record[at : at + len(values)] = values
-    record[rows.VOLUME], record[rows.SHAPE] = element.volume, getattr(hydrostatics, element.shape.upper())
-    record[rows.TETHER_DRAG], record[rows.WAKE_MASS] = element.tether_drag, element.wake_mass
+    other: dict[str, Any] = {"plate": element.plate or (), "own_mass": (), "own_inertia": ()}
+    other["shape"] = getattr(hydrostatics, element.shape.upper())
+    other["contact"] = astuple(element.contact) if element.contact else ()
+    for name, place in zip((*rows.RECORD, "numbers"), rows.PLACES, strict=True):
+        source = element.law if name == "numbers" else element
+        values = np.ravel(other[name] if name in other else getattr(source, name))
+        record[place : place + values.size] = values
     return record

@@ -6,8 +6,7 @@ A template (see `templates`): `S` is the flat array of `rows`; the scalar laws c
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
-
-from typing import no_type_check
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
@@ -41,14 +40,12 @@ law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
 @kernel
-@no_type_check
 def set_decay(S, dt):
     """What `advance_reference` needs to know about its step."""
     S[DECAY] = 1.0 + expm1(-S[BANDWIDTH] * dt)
 
 
 @kernel
-@no_type_check
 def advance_reference(S, n, law, tail_link, dt):
     """Move the generator on by dt, the step that `set_decay` was told, and set the reference there."""
     w, decay = S[BANDWIDTH], S[DECAY]
@@ -63,14 +60,12 @@ def advance_reference(S, n, law, tail_link, dt):
 
 
 @kernel
-@no_type_check
 def has_driven_fin(law, tail_link):
     """Whether the joint between fin and tail link has an actuator."""
     return tail_link > 0 and law[tail_link] != LOCKED and law[tail_link] != PASSIVE
 
 
 @kernel
-@no_type_check
 def fin_wave(S):
     """The state of a driven fin's wave, which has one joint and no phase shift."""
     none = 0.0 * S[FIN_PHASE]
@@ -78,14 +73,12 @@ def fin_wave(S):
 
 
 @kernel
-@no_type_check
 def fin_target(S):
     """What it is to become."""
     return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], 0.0 * S[FIN_FREQUENCY], S[FIN_OFFSET]
 
 
 @kernel
-@no_type_check
 def set_reference(S, n, law, tail_link):
     """phi_ref of every driven joint, and its derivatives, from the generator's state."""
     ramp = smooth_start(S[TIME], S[RAMP])
@@ -112,7 +105,6 @@ def set_reference(S, n, law, tail_link):
 
 
 @kernel
-@no_type_check
 def add_recorded(S, n, law, tail_link):
     """Add the angles of a recording to the references of the body's joints."""
     width = 1 + 2 * (n - 1 - tail_link)
@@ -127,7 +119,6 @@ def add_recorded(S, n, law, tail_link):
 
 
 @kernel
-@no_type_check
 def recorded_knot(S, width):
     """First row of the knot after which the time is now, the same in all lanes."""
     first, last = int(first_lane(S[KNOTS].real)), int(first_lane(S[N_KNOTS].real)) - 2
@@ -141,7 +132,6 @@ def recorded_knot(S, width):
 
 
 @kernel
-@no_type_check
 def take_reference(S, b, law, reference):
     """Store a joint's reference, which a prescribed joint follows at once."""
     angle, rate, acceleration = reference
@@ -154,7 +144,6 @@ def take_reference(S, b, law, reference):
 
 
 @kernel
-@no_type_check
 def joint_torques(S, n, law, gamma_dt):
     """Torque of every free joint for the first stage of an implicit step, and what that step adds to its inertia."""
     for i in range(1, n):
@@ -172,7 +161,6 @@ def joint_torques(S, n, law, gamma_dt):
 
 
 @kernel
-@no_type_check
 def second_torques(S, n, law, gamma_dt):
     """Right-hand side of the second stage for a = k2 + 2 k1, so that the mass matrix is not needed."""
     for i in range(1, n):
@@ -187,14 +175,12 @@ def second_torques(S, n, law, gamma_dt):
 
 
 @kernel
-@no_type_check
 def skin(S, b):
     """Torque that the skin (or a hinge) sets against the joint's angle and rate."""
     return S[b + STIFFNESS] * S[b + ANGLE] + S[b + DAMPING] * S[b + RATE]
 
 
 @kernel
-@no_type_check
 def actuator(S, b, law):
     """Torque of the joint's actuator, and its slopes."""
     motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
@@ -202,7 +188,6 @@ def actuator(S, b, law):
 
 
 @kernel
-@no_type_check
 def count_work(S, n, law, dt):
     """Joint torques as the actuators see them, and the work since the last step by the trapezoidal rule."""
     absolute = 0.0 * S[TIME]

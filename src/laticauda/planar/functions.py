@@ -4,9 +4,9 @@ Floats, complex steps and lanes go through the same source.
 """
 
 # pyright: basic
+# pyright: reportCallIssue=false
 
 import math
-from typing import no_type_check
 
 import numpy as np
 from numba import njit
@@ -39,7 +39,6 @@ EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 
 @njit(**INLINED)
-@no_type_check
 def polynomial(x, coefficients):
     """Its value by Horner's rule."""
     p = coefficients[0]
@@ -49,7 +48,6 @@ def polynomial(x, coefficients):
 
 
 @njit(**INLINED)
-@no_type_check
 def sincos(x):
     """sin and cos to 2e-16 for |x| < 1e5.
 
@@ -69,7 +67,6 @@ def sincos(x):
 
 
 @njit(**INLINED)
-@no_type_check
 def expm1(x):
     """exp(x) - 1 for -700 < x < 700 (outside it stays as it is there), to 3e-16 of exp(x), or of x if that is small.
 
@@ -85,7 +82,6 @@ def expm1(x):
 
 
 @njit(**INLINED)
-@no_type_check
 def tanh(x):
     """tanh to 4e-16, as t / (t + 2) with t = exp(2 |x|) - 1."""
     negative = x.real < 0.0

@@ -6,8 +6,7 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
-
-from typing import no_type_check
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.compiling import compiled, kernel
 from laticauda.compiling.formulas import in_rows, rows_from
@@ -25,7 +24,6 @@ plate_numbers = rows_from(PLATE_LAW, PLATE_ROWS - PLATE_LAW)
 
 
 @kernel
-@no_type_check
 def element_drag(S, b, e):
     """Drag of one element rigid on body b, link axes, and its moment about the tail end of b.
 
@@ -40,7 +38,6 @@ def element_drag(S, b, e):
 
 
 @kernel
-@no_type_check
 def added_mass_velocity_terms(S, b):
     """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end."""
     rate = S[b + LINK_RATE]
@@ -62,7 +59,6 @@ def added_mass_velocity_terms(S, b):
 
 
 @kernel
-@no_type_check
 def extra_loads(S, n, first_strip, first_plate, tail_link):
     """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
     H = HEADER_ROWS
@@ -80,7 +76,6 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
 
 
 @kernel
-@no_type_check
 def strip_drag(S, b, e):
     """Drag of one strip, rigid on body b at its own distance from the tail end."""
     f_t, f_n, moment = element_drag(S, b, e + STRIP_POSITION)
@@ -90,7 +85,6 @@ def strip_drag(S, b, e):
 
 
 @kernel
-@no_type_check
 def plate_load(S, b, e):
     """Lift and drag of one pectoral fin mounted on body b."""
     rate = S[b + LINK_RATE]
@@ -108,7 +102,6 @@ def plate_load(S, b, e):
 
 
 @kernel
-@no_type_check
 def tether(S, b):
     """F = -k |v| v + constant, at the tail end of the tail link."""
     c, s = S[b + COS], S[b + SIN]
@@ -119,7 +112,6 @@ def tether(S, b):
 
 
 @kernel
-@no_type_check
 def trailing_edge(S):
     """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
     b = HEADER_ROWS
@@ -134,7 +126,6 @@ def trailing_edge(S):
 
 
 @kernel
-@no_type_check
 def body_forces(S, n, first_strip, force):
     """Drag, added-mass and effector force on every body, world axes, once the accelerations are known.
 
@@ -157,7 +148,6 @@ def body_forces(S, n, first_strip, force):
 
 
 @kernel
-@no_type_check
 def put_force(S, b, force, row, f_t, f_n):
     """Store a force given in link axes of body b in world axes."""
     c, s = S[b + COS], S[b + SIN]
@@ -166,7 +156,6 @@ def put_force(S, b, force, row, f_t, f_n):
 
 
 @kernel
-@no_type_check
 def added_mass_force(S, b):
     """The whole added-mass force on body b, link axes: what its acceleration and its velocity call for."""
     f_t, f_n, _ = added_mass_velocity_terms(S, b)

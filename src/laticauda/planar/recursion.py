@@ -12,8 +12,7 @@ A template (see `templates`). `S` is the flat array of `rows`; `n` the number of
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
-
-from typing import no_type_check
+# pyright: reportGeneralTypeIssues=false
 
 from laticauda.compiling import kernel
 from laticauda.compiling.templates import bindings
@@ -28,7 +27,6 @@ extra_loads = _loads.extra_loads
 
 
 @kernel
-@no_type_check
 def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
     velocities(S, n)
@@ -40,7 +38,6 @@ def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras
 
 
 @kernel
-@no_type_check
 def velocities(S, n):
     """Angle, rate and velocity of every body from heading, center of mass and joints."""
     H = HEADER_ROWS
@@ -78,7 +75,6 @@ def velocities(S, n):
 
 
 @kernel
-@no_type_check
 def inward(S, n, is_free):
     """Articulated inertia and bias force of every body, from the head to the tail."""
     for i in range(n - 1, -1, -1):
@@ -93,7 +89,6 @@ def inward(S, n, is_free):
 
 
 @kernel
-@no_type_check
 def own_inertia(S, b):
     """Inertia of the body and of the water it takes along, about its tail end, world axes."""
     c, s = S[b + COS], S[b + SIN]
@@ -104,7 +99,6 @@ def own_inertia(S, b):
 
 
 @kernel
-@no_type_check
 def own_bias(S, b):
     """Bias force of the body: centripetal terms less all loads that do not depend on acceleration."""
     rate = S[b + LINK_RATE]
@@ -118,7 +112,6 @@ def own_bias(S, b):
 
 
 @kernel
-@no_type_check
 def centripetal(S, a):
     """Acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
     pull = -S[a + LENGTH] * S[a + LINK_RATE] * S[a + LINK_RATE]
@@ -126,7 +119,6 @@ def centripetal(S, a):
 
 
 @kernel
-@no_type_check
 def through_joint(S, b, joint_is_free):
     """Articulated inertia and bias of the child of body b, seen through the joint and moved to the tail end of b."""
     j = b + BODY_ROWS
@@ -158,7 +150,6 @@ def through_joint(S, b, joint_is_free):
 
 
 @kernel
-@no_type_check
 def floating_base(S):
     """Acceleration of body 0 from A a + p = 0."""
     b = HEADER_ROWS
@@ -176,7 +167,6 @@ def floating_base(S):
 
 
 @kernel
-@no_type_check
 def outward(S, n, is_free):
     """Accelerations of all bodies and joints, and those of heading and center of mass."""
     H = HEADER_ROWS
@@ -214,7 +204,6 @@ def outward(S, n, is_free):
 
 
 @kernel
-@no_type_check
 def holding_torques(S, n, is_free):
     """TOTAL_TORQUE that every prescribed joint takes, once the accelerations are known: A a + p along the joint."""
     for i in range(1, n):

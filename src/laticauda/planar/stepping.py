@@ -10,8 +10,7 @@ A template (see `templates`); its entry points are what Python calls.
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
-
-from typing import no_type_check
+# pyright: reportCallIssue=false
 
 from laticauda.compiling import compiled, entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
@@ -47,7 +46,6 @@ WEIGHTS = (
 
 
 @entry
-@no_type_check
 def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th, the first and the last included.
 
@@ -89,7 +87,6 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
 
 
 @entry
-@no_type_check
 def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations and torques for the state in `flat`, given REFERENCE_2 (prescribed) or TOTAL_TORQUE (free)."""
     S = rows_of(flat)
@@ -98,7 +95,6 @@ def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
 
 
 @entry
-@no_type_check
 def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, log, force):
     """Force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
@@ -115,14 +111,12 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
 
 
 @kernel
-@no_type_check
 def free_joints(law):
     """Which joints are free, one truth value each."""
     return law >= FIRST_FREE
 
 
 @kernel
-@no_type_check
 def any_prescribed(law, n):
     """Whether the angle of any joint is given."""
     found = False
@@ -133,7 +127,6 @@ def any_prescribed(law, n):
 
 
 @kernel
-@no_type_check
 def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
     """Stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; the first one's accelerations are in S already."""
     for r in range(BASE_ROWS):
@@ -152,7 +145,6 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
 
 
 @kernel
-@no_type_check
 def keep_slope(S, stage):
     """Store how the base's state changes at this stage."""
     for r in range(3):
@@ -161,7 +153,6 @@ def keep_slope(S, stage):
 
 
 @kernel
-@no_type_check
 def step_ahead(S, dt, weights, n_stages):
     """Set the base to where it was, plus dt times the weighted slopes of the stages so far."""
     for r in range(BASE_ROWS):
@@ -172,7 +163,6 @@ def step_ahead(S, dt, weights, n_stages):
 
 
 @kernel
-@no_type_check
 def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in S already."""
     gamma_dt = GAMMA * dt
@@ -195,7 +185,6 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
 
 
 @kernel
-@no_type_check
 def keep_first_slope(S, n, is_free, dt, gamma_dt):
     """Store y and k1, and move the state to y + h k1."""
     for r in range(3):
@@ -221,7 +210,6 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 
 @kernel
-@no_type_check
 def write_sample(S, n, sample, n_rows):
     """One sample: the header's state rows, then angle, rate, reference and torque of every joint; or the first rows."""
     joints = n - 1
@@ -234,7 +222,6 @@ def write_sample(S, n, sample, n_rows):
 
 
 @kernel
-@no_type_check
 def read_sample(S, n, sample):
     """Set the state from a sample."""
     joints = n - 1
@@ -247,7 +234,6 @@ def read_sample(S, n, sample):
 
 
 @kernel
-@no_type_check
 def finite(S, n):
     """Whether positions, rates, joint rates and torques are still numbers that a swimming robot can have."""
     well = magnitude(S[HEADING]).real < FARTHEST

@@ -7,8 +7,6 @@ the reference with its two derivatives, U torques; what stands where is in `rows
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 
-from typing import no_type_check
-
 import numpy as np
 
 from laticauda.actuation import laws
@@ -38,7 +36,6 @@ law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
 
 
 @kernel
-@no_type_check
 def advance_reference(X, C, J, R, dt):
     """Move the generator on by dt and set the reference there."""
     w = C[BANDWIDTH]
@@ -51,7 +48,6 @@ def advance_reference(X, C, J, R, dt):
 
 
 @kernel
-@no_type_check
 def set_reference(X, C, J, R):
     """phi_ref of every driven joint and its derivatives, three rows of R; each wave moves joints of its own."""
     ramp = smooth_start(X[TIME], C[RAMP])
@@ -63,7 +59,6 @@ def set_reference(X, C, J, R):
 
 
 @kernel
-@no_type_check
 def add_recorded(time, C, T, J, R):
     """Add the angles of a recording T to the references of the yaw joints."""
     n = int(C[N_KNOTS])
@@ -85,7 +80,6 @@ def add_recorded(time, C, T, J, R):
 
 
 @kernel
-@no_type_check
 def set_wave(X, C, w, ramp, wave, J, R):
     """The reference of the joints that one wave moves."""
     motion = wave_motion(wave_of(X), target_of(C), w, ramp)
@@ -98,7 +92,6 @@ def set_wave(X, C, w, ramp, wave, J, R):
 
 
 @kernel
-@no_type_check
 def actuator(C, J, i, angle, rate, R):
     """Torque of a free joint's actuator, and its slopes."""
     motion = angle, rate, R[0, i], R[1, i], R[2, i]
@@ -106,7 +99,6 @@ def actuator(C, J, i, angle, rate, R):
 
 
 @kernel
-@no_type_check
 def count_work(N, X, C, J, U, P, qvel, dt):
     """The work since the last step by the trapezoidal rule; P keeps the powers."""
     nv = N[N_BASE_QVEL]

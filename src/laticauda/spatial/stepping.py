@@ -16,8 +16,6 @@ What stands where in the arrays is in `rows`; what moves the joints in `drives`.
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 
-from typing import no_type_check
-
 import numpy as np
 
 from laticauda.compiling import compiled, entry, kernel
@@ -39,14 +37,12 @@ HOLD = 1e8  # kg m^2
 
 
 @kernel
-@no_type_check
 def evaluate(N):
     """Accelerations at the state in the data."""
     forward_skip(N[MODEL], N[DATA], 0, 1)
 
 
 @kernel
-@no_type_check
 def put_on_reference(N, qpos, qvel, J, R, hold):
     """Prescribed joints: where the reference is, and held to its acceleration."""
     nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
@@ -58,7 +54,6 @@ def put_on_reference(N, qpos, qvel, J, R, hold):
 
 
 @kernel
-@no_type_check
 def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
     """Accelerations with the prescribed joints on the reference, and the torque of every one of their actuators."""
     put_on_reference(N, qpos, qvel, J, R, hold)
@@ -71,7 +66,6 @@ def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
 
 
 @kernel
-@no_type_check
 def any_prescribed(J):
     """Whether the angle of any joint is given."""
     for i in range(J.shape[0]):
@@ -81,7 +75,6 @@ def any_prescribed(J):
 
 
 @kernel
-@no_type_check
 def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
     """Torques and implicit terms of the first stage; K keeps the slope over angle and the implicit inertia."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
@@ -98,7 +91,6 @@ def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
 
 
 @kernel
-@no_type_check
 def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
     """The same for the second stage, for a = k2 + 2 k1."""
     nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
@@ -112,7 +104,6 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
 
 
 @kernel
-@no_type_check
 def move(N, qpos, start, velocity, dt):
     """qpos = start moved with a velocity for dt."""
     for i in range(N[N_QPOS]):
@@ -121,7 +112,6 @@ def move(N, qpos, start, velocity, dt):
 
 
 @kernel
-@no_type_check
 def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
     """Stages 2 to 4; the first one's accelerations are in the data already. B: scratch rows."""
     q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
@@ -153,7 +143,6 @@ def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
 
 
 @kernel
-@no_type_check
 def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in the data already."""
     q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
@@ -182,7 +171,6 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
 
 
 @kernel
-@no_type_check
 def all_finite(N, qpos, qvel, U):
     """Whether positions, rates and torques are still numbers that a swimming robot can have."""
     for i in range(N[N_QPOS]):
@@ -198,7 +186,6 @@ def all_finite(N, qpos, qvel, U):
 
 
 @kernel
-@no_type_check
 def follow_links(N, order, qpos, links):
     """Angle of every link about the vertical, unwrapped: less than half a turn from what it was."""
     n = N[N_LINKS]
@@ -215,7 +202,6 @@ def follow_links(N, order, qpos, links):
 
 
 @kernel
-@no_type_check
 def sum_contacts(N, order, forces):
     """Force of all contacts on every link, world axes, from what the solver has found; the fin's on the tail link."""
     forces_after(N[MODEL], N[DATA])
@@ -229,7 +215,6 @@ def sum_contacts(N, order, forces):
 
 
 @kernel
-@no_type_check
 def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     """One sample of the log.
 
@@ -285,7 +270,6 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
 
 
 @entry
-@no_type_check
 def run(N, state, C, J, mass, order, hold, steps, dt, every, log):
     """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
 

@@ -145,7 +145,7 @@ class Twin:
         loads_on = self.water.forces(self._data)
         total = np.zeros((len(FORCES), int(self._setup[rows.N_LINKS]), 3))
         for i, element in enumerate(self.water.elements):
-            link = int(element.body.removeprefix("module_")) if element.body.startswith("module_") else 0
+            link = int(str(element.body).removeprefix("module_")) if str(element.body).startswith("module_") else 0
             for k, name in enumerate(FORCES):
                 total[k, link] += loads_on[name][i]
         return total

@@ -8,6 +8,7 @@ A door to Numba's and LLVM's code generation, with `laticauda.compiling.lanes`.
 """
 
 # pyright: basic
+# pyright: reportCallIssue=false
 
 import functools
 import hashlib
@@ -15,7 +16,7 @@ import math
 import platform
 import sys
 from pathlib import Path
-from typing import Any, no_type_check
+from typing import Any
 
 import llvmlite
 import llvmlite.binding as llvm
@@ -175,7 +176,6 @@ def _target() -> Target:
     """This kind of processor; chains are addresses, for arrays would bring Numba's memory management along."""
 
     @njit(**_OWN)
-    @no_type_check
     def free_joints(law):
         return _beyond(law, law[-1])  # truth values behind the laws; their number is in front of them
 
@@ -193,7 +193,6 @@ def _target() -> Target:
 
 
 @njit(**_OWN)
-@no_type_check
 def _assign(whole, real, piece, v, rows):
     """Set rows that are multiples of variables."""
     pairs, factors = whole[piece], whole[piece + 1]
@@ -202,7 +201,6 @@ def _assign(whole, real, piece, v, rows):
 
 
 @njit(**_OWN)
-@no_type_check
 def _begin(whole, real, v, rows):
     """Fill all rows: the template, what depends on the coefficients of the water, and the start."""
     for q in range(whole[N_ROWS]):
@@ -220,7 +218,6 @@ def _begin(whole, real, v, rows):
 
 
 @njit(**_OWN)
-@no_type_check
 def _look(whole, real, rows, v):
     """Set the variables that are sums of rows."""
     pairs, factors = whole[SEEN], whole[SEEN + 1]
@@ -239,7 +236,6 @@ def _move(run: Any) -> Any:
     reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
 
     @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **_OWN)
-    @no_type_check
     def move(whole, real, v, rows, interval):
         """Begin (no interval), or let some time go by; 1, or 0 if the motion diverged."""
         steps, dt = 0, v[whole[DT]]
