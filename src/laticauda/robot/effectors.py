@@ -183,11 +183,6 @@ class Mounted:
         """Of the mount, from the middle of the link [m]."""
         return self.x, self.y, self.z
 
-    @property
-    def turns(self) -> tuple[tuple[int, float], ...]:
-        """Turns from the link's axes to its own, one after the other: about which axis, by how much [rad]."""
-        return (2, self.angle), (1, -self.elevation), (0, self.roll)
-
 
 @value
 class Thruster(Mounted):
@@ -215,11 +210,6 @@ class PectoralFin(Mounted):
     parasitic_drag: float = quantity("", "Drag coefficient without lift", ge=0.0, default=0.0)
     deflection: float = quantity("rad", "Of the chord about its z axis, where no command says it", default=0.0)
     max_deflection: float | None = quantity("rad", "Most, to either side, that a command gets", ge=0.0, default=None)
-
-    @property
-    def turns(self) -> tuple[tuple[int, float], ...]:
-        """Those of the mount, then the deflection."""
-        return *super().turns, (2, self.deflection)
 
 
 @value

@@ -9,10 +9,10 @@ The frame of each piece is at its head end, x toward the head. The fin's angles 
 ones turn what is behind the hinge to the right.
 """
 
-import math
 from typing import NamedTuple
 
-from laticauda.robot import CaudalFin, Joint, Module, Piece, Robot
+from laticauda.kinematics import to_quaternion, turn
+from laticauda.robot import CaudalFin, Joint, Module, PectoralFin, Piece, Robot, Thruster
 from laticauda.robot.effectors import Hinge
 
 Three = tuple[float, float, float]
@@ -111,26 +111,17 @@ def mounts(robot: Robot) -> list[Mount]:
             f"{kind}_{k}",
             f"module_{one.link}",
             (robot.modules[one.link].half_length + one.x, one.y, one.z),
-            quaternion(*one.turns),
+            _orientation(one),
         )
         for kind, several in (("thruster", robot.thrusters), ("pectoral_fin", robot.pectoral_fins))
         for k, one in enumerate(several)
     ]
 
 
-def quaternion(*turns: tuple[int, float]) -> tuple[float, float, float, float]:
-    """Turns about x (0), y (1) or z (2) [rad], each about the axes that the ones before it left."""
-    w, x, y, z = 1.0, 0.0, 0.0, 0.0
-    for axis, angle in turns:
-        c, s = math.cos(0.5 * angle), math.sin(0.5 * angle)
-        a, b, d = (s if axis == k else 0.0 for k in range(3))
-        w, x, y, z = (
-            w * c - x * a - y * b - z * d,
-            w * a + x * c + y * d - z * b,
-            w * b - x * d + y * c + z * a,
-            w * d + x * b - y * a + z * c,
-        )
-    return w, x, y, z
+def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, float]:
+    """Turned about z, tilted, rolled about x, and a fin deflected about its own z at last."""
+    turned = turn("yaw", one.angle) @ turn("pitch", -one.elevation) @ turn("roll", one.roll)
+    return to_quaternion(turned @ turn("yaw", getattr(one, "deflection", 0.0)))
 
 
 def center_of_mass(robot: Robot) -> float:

@@ -14,12 +14,11 @@ from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
 from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
-from laticauda.kinematics import turn
+from laticauda.kinematics import to_quaternion, turn
 from laticauda.mujoco_water import Element, ground
 from laticauda.robot import Ground, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.spatial import rows
-from laticauda.spatial.bodies import quaternion
 from laticauda.spatial.twin import Twin, land_of
 from laticauda.spatial.water_robot import mounted_elements
 
@@ -92,7 +91,6 @@ class SpatialPlant(Plant[Spatial]):
         values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
         qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
-        turned = quaternion((2, start.heading), (1, start.pitch), (0, start.roll))
         axes = turn("yaw", start.heading) @ turn("pitch", start.pitch) @ turn("roll", start.roll)
         # The first two speeds of either root are those along x and y.
         speed = values[rows.STATE_ROWS + twin.n_qpos :]
@@ -102,7 +100,7 @@ class SpatialPlant(Plant[Spatial]):
             speed[:2] = start.velocity * axes[:2, 0]
         else:
             qpos[:2] = start.center_of_mass[0] - x, start.center_of_mass[1] - y
-            qpos[2:7] = self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0], *turned
+            qpos[2:7] = self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0], *to_quaternion(axes)
             speed[:3] = start.velocity * axes[:, 0]
         values[rows.STATE_ROWS + twin.n_qpos + twin.n_qvel :][: self.robot.n_links] = start.heading
         state = PlantState(values=values)
