@@ -114,7 +114,10 @@ def test_the_person_at_the_tank_does_what_a_line_says():
     assert assist(tank, "carry 1 -0.5 90") == "the robot lies straight at 1 -0.5 m, heading 90 deg"
     assert assist(tank, "truth") == "time 0.05 s, center of mass 1.0000 -0.5000 -0.1500 m, heading 90.00 deg"
     assert "Lines: a fault (frame_loss, " in assist(tank, "help")
-    with pytest.raises(ValueError, match=r"`carry` must have three numbers, x y \[m\] and heading \[deg\], got '1 2'"):
+    with pytest.raises(
+        ValueError,
+        match=r"`carry` must have three numbers, x y \[m\] and heading \[deg\], and a depth \[m\] in space, got '1 2'",
+    ):
         assist(tank, "carry 1 2")
     with pytest.raises(ValueError, match="did you mean `leak`"):
         assist(tank, "leek")
