@@ -1,15 +1,17 @@
 """How many steps per second do the environments make in lanes, against one process per environment?
 
-Question: what does a learner gain from the batch kernel? Path following: steps of 0.2 s of Mamba with its fin, random
-actions, whole calls through Gymnasium's own `make_vec`, on this machine. All ways take turns in every round, and the
-best round of each counts. Other work on the machine takes from all of them, but not the same share: so the second table
-has the steps per second of processor time, of all processes together. It needs the extra `learn`.
+Question: what does a learner gain from the batch kernel, or in space from threads in one process? Path following:
+steps of 0.2 s of Mamba with its fin, random actions, whole calls through Gymnasium's own `make_vec`, on this machine.
+All ways take turns in every round, and the best round of each counts. Other work on the machine takes from all of them,
+but not the same share: so the second table has the steps per second of processor time, of all processes together. It
+needs the extra `learn`.
 
-    python benchmarks/environments.py
+    python benchmarks/environments.py [spatial]
 """
 
 import multiprocessing
 import os
+import sys
 import time
 import warnings
 from pathlib import Path
@@ -21,11 +23,12 @@ from _timing import print_load
 import laticauda.cosim.gym
 
 NAME = laticauda.cosim.gym.IDS[0]
-COUNTS = (2, 8, 64, 1024)
+MODEL = "".join(sys.argv[1:]) or "planar"
+COUNTS = (2, 8, 64, 1024) if MODEL == "planar" else (2, 8, 64)
 MOST_PROCESSES = 64
 ROUNDS, SECONDS = 5, 0.4  # of each way in each round, at least
 WAYS: dict[str, dict[str, Any]] = {
-    "in lanes": {"vectorization_mode": "vector_entry_point"},
+    "in lanes": {"vectorization_mode": "vector_entry_point", "threads": 1},
     "in lanes, all cores": {"vectorization_mode": "vector_entry_point", "threads": os.cpu_count()},
     "one by one": {"vectorization_mode": "sync"},
     "a process each": {"vectorization_mode": "async"},
@@ -61,7 +64,7 @@ def rates(n: int) -> Rates:
         for way, how in WAYS.items():
             if way == "a process each" and n > MOST_PROCESSES:
                 continue
-            envs = gymnasium.make_vec(NAME, num_envs=n, **how)
+            envs = gymnasium.make_vec(NAME, num_envs=n, model=MODEL, **how)
             envs.reset(seed=1)
             envs.action_space.seed(1)
             actions = [envs.action_space.sample() for _ in range(8)]
@@ -77,9 +80,11 @@ def print_table(best: Rates, which: int, words: str) -> None:
     for way in WAYS:
         print(f"{way:<34}" + "".join(f"{best[way, n][which]:>10.0f}" for n in COUNTS if (way, n) in best))
     most = {way: max(found[which] for (name, _), found in best.items() if name == way) for way in WAYS}
-    same = best["in lanes", MOST_PROCESSES][which] / best["a process each", MOST_PROCESSES][which]
-    print(f"{MOST_PROCESSES} in lanes, of a process each: {same:.0f} times; ", end="")
-    print(f"the most in lanes, of the most in processes: {most['in lanes'] / most['a process each']:.0f} times")
+    processes = best["a process each", MOST_PROCESSES][which]
+    for way in ("in lanes", "in lanes, all cores"):
+        same = best[way, MOST_PROCESSES][which] / processes
+        print(f"{MOST_PROCESSES} {way}, of a process each: {same:.3g} times; ", end="")
+        print(f"the most, of the most in processes: {most[way] / most['a process each']:.3g} times")
 
 
 def main() -> None:

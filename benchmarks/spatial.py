@@ -17,11 +17,17 @@ Last answer (2026-11-21), two cores shared with other work:
     SpatialPlant  prescribed (RK4) 22 700, pd (ROS2) 44 600
 """
 
+import argparse
+import os
+import subprocess
+import sys
+import threading
 import time
 
 import mujoco
 import mujoco.rollout
 import numpy as np
+from _timing import print_load
 
 import laticauda as lc
 from laticauda import mujoco_water as water
@@ -29,6 +35,8 @@ from laticauda.interfaces import Command, OpenLoop
 from laticauda.simulate import plant, run
 
 N, DURATION, STEP, FINE = 20, 10.0, 2e-3, 1e-4
+ROUNDS = 5
+GAIT = lc.lateral_undulation(amplitude=0.26, frequency=2.27, phase_shift=0.35)
 OWN = 'density="1000" viscosity="9e-4"'
 
 
@@ -78,8 +86,81 @@ def wet(integrator: str, *, implicit_drag: bool = False) -> mujoco.MjModel:
     return model
 
 
+def marches() -> dict[str, float]:
+    """Steps per second of processor time of a plant's two kinds of joints."""
+    rates: dict[str, float] = {}
+    robot, water_ = lc.load_robot("mamba").with_links(N), lc.load_water("paper-lateral")
+    for joints in ("prescribed", "pd"):
+        body = plant(robot, water_, model="spatial", joints=joints, dt=STEP, root="free", gravity=False)
+        run(body, OpenLoop(command=Command(gait=GAIT)), 0.1)
+        begin = time.process_time()
+        run(body, OpenLoop(command=Command(gait=GAIT)), 10.0)
+        rates[joints] = 10.0 / STEP / (time.process_time() - begin)
+    return rates
+
+
+def against(older: str) -> None:
+    """The same with the sources of another version, in turns; each in processes of its own."""
+    best: dict[str, dict[str, float]] = {}
+    for _ in range(ROUNDS):
+        for sources in (older, os.environ.get("PYTHONPATH", "")):
+            told = {**os.environ, "PYTHONPATH": sources}
+            done = subprocess.run([sys.executable, __file__, "--marches"], env=told, capture_output=True, check=True)
+            for joints, rate in (line.split() for line in done.stdout.decode().splitlines()):
+                mine = best.setdefault(joints, {})
+                mine[sources] = max(mine.get(sources, 0.0), float(rate))
+    for joints, rates in best.items():
+        before, now = rates.values()
+        print(f"SpatialPlant, {joints:<12}{before:>10,.0f} before{now:>10,.0f} now{now / before:>8.2f} x")
+
+
+def threads() -> None:
+    """Wall time of 24 trials of 20 s on one thread over that on two."""
+    gaits = [lc.lateral_undulation(amplitude=a, frequency=2.27, phase_shift=0.7) for a in np.linspace(0.2, 0.6, 24)]
+    best = dict.fromkeys((1, 2), np.inf)
+    for _ in range(ROUNDS):
+        for n in best:
+            begin = time.perf_counter()
+            lc.swim_many(lc.load_robot("mamba"), gaits, 20.0, model="spatial", threads=n)
+            best[n] = min(best[n], time.perf_counter() - begin)
+    print(f"swim_many, 24 spatial trials: two threads are {best[1] / best[2]:.2f} times as fast as one")
+
+
+def beside() -> None:
+    """How a planar trial fares beside a march in space: its longest wait, as a share of that march."""
+    robot = lc.load_robot("mamba")
+    body, command = plant(robot, lc.load_water("paper-lateral"), model="spatial"), Command(gait=GAIT)
+    start = body.init(lc.Start(), command)
+    lc.swim(robot, GAIT, 0.1)
+    shares: list[float] = []
+    for _ in range(ROUNDS):
+        march = threading.Thread(target=body.march, args=(start, command, 300.0, 300.0))
+        begin = last = time.perf_counter()
+        march.start()
+        longest = 0.0
+        while march.is_alive():
+            lc.swim(robot, GAIT, 0.1)
+            now = time.perf_counter()
+            longest, last = max(longest, now - last), now
+        shares.append(longest / (last - begin))
+    print(f"planar trials beside a march in space wait at most {min(shares):.3f} of its time (1: it freezes them)")
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--marches", action="store_true", help="print only the steps per second of SpatialPlant")
+    parser.add_argument("--against", metavar="SRC", help="sources of another version to compare with, in one run")
+    told = parser.parse_args()
+    if told.marches:
+        print("\n".join(f"{joints} {rate}" for joints, rate in marches().items()))
+        return
+    print_load()
+    threads()
+    beside()
+    if told.against:
+        against(told.against)
+        return
     print(f"{'model':<44}{'steps/s':>10}{'ratio':>8}{'error at 2 ms':>15}")
     models = {
         "bare (no water)": chain("", ellipsoid=False).compile(),
@@ -101,16 +182,7 @@ def main() -> None:
             apart = float(np.linalg.norm(path[-1] - fine[-1]))
             error = f"{apart / traveled:.1e}" if "bare" not in name else "-"
             print(f"{name:<44}{rate:>10,.0f}{f'{rate / own:.1f}' if own else '-':>8}{error:>15}", flush=True)
-    robot = lc.load_robot("mamba").with_links(N)
-    gait = lc.lateral_undulation(amplitude=0.26, frequency=2.27, phase_shift=0.35)
-    for joints in ("prescribed", "pd"):
-        body = plant(
-            robot, lc.load_water("paper-lateral"), model="spatial", joints=joints, dt=STEP, root="free", gravity=False
-        )
-        run(body, OpenLoop(command=Command(gait=gait)), 0.1)
-        begin = time.process_time()
-        run(body, OpenLoop(command=Command(gait=gait)), 10.0)
-        rate = 10.0 / STEP / (time.process_time() - begin)
+    for joints, rate in marches().items():
         name = f"SpatialPlant, {joints}, {4 if joints == 'prescribed' else 2} evaluations a step"
         print(f"{name:<44}{rate:>10,.0f}")
 

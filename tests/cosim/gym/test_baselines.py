@@ -73,7 +73,7 @@ def test_its_own_door_makes_environments_and_records_them():
     envs = make_vec_env("laticauda/Efficiency-v0", 2)
     envs.reset()
     assert envs.render_mode == "rgb_array"
-    assert envs.render().shape == (360, 1280, 3)
+    assert envs.render().shape == (720, 640, 3)
 
 
 def test_another_way_from_episode_to_episode_is_refused():
