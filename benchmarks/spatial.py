@@ -6,15 +6,20 @@ its own run with a fine step? In space both kinds of joints move; in the plane t
 skips what is zero in its derivative. Single thread, `mujoco.rollout`, processor time, best of three; error: distance of
 the end point from that of the fine run after 10 s, over the distance traveled.
 
-Last answer (2026-11-21), two cores shared with other work:
-    in space      MuJoCo's ellipsoids, implicitfast     5 900 steps/s    error 3.1e-03
-                  water, implicitfast                  81 000           13.8 x    1.5e-02
-                  water, Euler                         86 000           14.6 x    1.5e-02
-                  no water                            123 000
-    in the plane  MuJoCo's ellipsoids, implicitfast    15 700           error 2.0e-03
-                  water, implicitfast                  83 000            5.3 x    2.7e-03
-                  no water                            132 000
-    SpatialPlant  prescribed (RK4) 22 700, pd (ROS2) 44 600
+Besides: are two threads at least 1.8 times as fast as one (`swim_many`); is a planar trial frozen by a march in space; and
+with `--against SRC`, in turns in one run, is the model as fast as that of other sources?
+
+Last answer (2026-11-22), two cores shared with other work, at real-time priority:
+    in space      MuJoCo's ellipsoids, implicitfast     6 000 steps/s    error 3.1e-03
+                  water, implicitfast                  83 000           13.9 x    1.2e-02
+                  water, Euler                         84 000           14.1 x    1.2e-02
+    in the plane  MuJoCo's ellipsoids, implicitfast    15 900           error 2.0e-03
+                  water, implicitfast                  86 000            5.4 x    2.7e-03
+                  no water                            133 000
+    SpatialPlant  prescribed (RK4) 22 400, pd (ROS2) 43 800
+    against the version before water that accelerates, scenes and threads: prescribed 1.00 x, pd 0.99 x
+    24 trials of 20 s: two threads 1.90 times as fast as one
+    planar trials beside a march wait at most 0.002 of its time (1: it freezes them)
 """
 
 import argparse
