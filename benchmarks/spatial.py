@@ -6,8 +6,8 @@ its own run with a fine step? In space both kinds of joints move; in the plane t
 skips what is zero in its derivative. Single thread, `mujoco.rollout`, processor time, best of three; error: distance of
 the end point from that of the fine run after 10 s, over the distance traveled.
 
-Besides: are two threads at least 1.8 times as fast as one (`swim_many`); is a planar trial frozen by a march in space; and
-with `--against SRC`, in turns in one run, is the model as fast as that of other sources?
+Besides: are two threads at least 1.8 times as fast as one (`swim_many`); is a planar trial frozen by a march in space;
+and with `--against SRC`, in turns in one run, is the model as fast as that of other sources?
 
 Last answer (2026-11-22), two cores shared with other work, at real-time priority:
     in space      MuJoCo's ellipsoids, implicitfast     6 000 steps/s    error 3.1e-03
