@@ -83,8 +83,8 @@ RECORD = {
     "shape": 1,
     "plate": 5,  # as in fluid.laws.plate
     "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
-    "own_mass": 1,  # of the body, per element on it
-    "own_inertia": 1,  # the least of the body's, likewise
+    "own_mass": 1,  # of the body and what is fixed to it, per element on them
+    "own_inertia": 1,  # the least, likewise
 }
 PLACES = (*accumulate(RECORD.values(), initial=0),)
 (POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[:9]

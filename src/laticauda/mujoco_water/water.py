@@ -266,10 +266,10 @@ def _table(
         "laws": np.array([compiled_law(element.law).address for element in elements], dtype=np.int64),
     }
     records = arrays["elements"].reshape(-1, rows.ELEMENT_SIZE)
-    loaded = np.bincount(bodies, records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody)
-    several = np.maximum(loaded[bodies], 1.0)
-    records[:, rows.OWN_MASS] = model.body_mass[bodies] / several
-    records[:, rows.OWN_INERTIA] = model.body_inertia[bodies].min(axis=1) / several
+    rigid = model.body_weldid  # bodies without a joint between them are one
+    loaded = np.bincount(rigid[bodies], records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody)
+    own = [np.bincount(rigid, x, model.nbody) for x in (model.body_mass, model.body_inertia.min(axis=1))]
+    records[:, [rows.OWN_MASS, rows.OWN_INERTIA]] = (own / np.maximum(loaded, 1.0)).T[rigid[bodies]]
     table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
     table[rows.PARENT : rows.LAWS + 1] = [a.ctypes.data for a in arrays.values()]
