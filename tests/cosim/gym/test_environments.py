@@ -11,6 +11,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from rendering import skip_without_rendering
 
+import laticauda as lc
 from laticauda.cosim.gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
 from laticauda.quantities import value
 
@@ -73,6 +74,19 @@ def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(mod
     assert np.mean(first != second) > 0.005
     envs.close(), env.close()
     assert gymnasium.make(IDS[1], duration=1.0).unwrapped.render() is None
+
+
+def test_an_episode_in_a_scene_feels_and_sees_it_and_does_not_begin_inside_of_it():
+    pytest.importorskip("mujoco")
+    settings = {"robot": "mamba", "model": lc.Spatial(scene="pegs", rays=(0.0,)), "duration": 0.4}
+    with pytest.raises(ValueError, match="`start` must not put the robot into `peg_"):
+        gymnasium.make(IDS[0], **settings).reset(options={"y": 0.2, "heading": 0.0})
+    envs = SwimmingVectorEnv(2, max_cross_track_error=0.0, max_heading=0.0, **settings)
+    envs.reset(seed=0)
+    envs.step(np.array([[1.0], [-1.0]]))
+    for one in envs.episodes.motion.observations:
+        assert (one.contact_force.shape, one.ranges.shape) == ((9, 3), (1,))
+    envs.close()
 
 
 def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
