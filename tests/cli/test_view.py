@@ -29,7 +29,8 @@ def screen():
 
 def test_a_stored_trial_becomes_a_film_and_a_picture(stored, folder, screen):
     done = stored(f"view run.nc --video run.mp4 --still run.png --time 0.5 --speed 2 --json {SMALL}")
-    assert (done.status, done.err) == (0, "")
+    assert done.status == 0
+    assert all(" % filmed, " in line for line in done.err.splitlines())  # where it takes long
     assert json.loads(done.out) == {"file": "run.nc", "video": "run.mp4", "still": "run.png"}
     assert (folder / "run.png").read_bytes().startswith(b"\x89PNG")
     assert b"ftyp" in (folder / "run.mp4").read_bytes()[:12]
@@ -61,14 +62,6 @@ def test_without_a_screen_the_message_says_what_to_do_instead(stored, monkeypatc
         "laticauda: A window needs a screen, and there is none here; write a film with `--video FILE.mp4` or a picture "
         "with `--still FILE.png` instead.\n"
     )
-
-
-def test_without_glfw_the_message_says_what_to_install(stored, monkeypatch):
-    monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setitem(sys.modules, "glfw", None)
-    done = stored("view run.nc")
-    assert done.status == 2
-    assert "A window needs the package glfw; run `pip install glfw`, or write a film" in done.err
 
 
 def test_a_screen_that_cannot_be_used_is_no_crash(stored, monkeypatch):

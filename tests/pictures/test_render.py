@@ -199,10 +199,10 @@ def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_b
 def test_the_trail_is_seen_from_the_start(trial):
     mujoco = pytest.importorskip("mujoco")
     scene = mujoco.MjvScene(studio_of(trial).model, 50)
-    lines.draw_trail(scene, trial, 0.3, -1.0)
+    lines.draw_trail(scene, trial, 0.3, -1.0, 3.0)
     pieces = scene.geoms[: scene.ngeom]
     assert len(pieces) == 2
-    assert all(piece.rgba[3] > 0.3 and piece.pos[2] > -0.95 for piece in pieces)
+    assert all(piece.rgba[3] == 1.0 and piece.pos[2] > -0.95 for piece in pieces)
 
 
 # ---- lines --------------------------------------------------------------------------------------------------------
@@ -356,10 +356,7 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
 
 
 def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
-    def fail(name):
-        raise ModuleNotFoundError("No module named 'OpenGL'", name="OpenGL")
-
-    monkeypatch.setattr(stage, "import_module", fail)
+    monkeypatch.setitem(sys.modules, "OpenGL", None)
     with pytest.raises(MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'):
         render.still(trial, tmp_path / "a.png")
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,10 @@ from laticauda.extras import load_mujoco
 from laticauda.trial import Trial
 from laticauda.trial.following import nearest_points
 
-WIDTH = 0.003  # half the width of a line, in lengths of the robot
 TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], how far above the axis, in half heights of the body
-TRAIL_COLOR, TRAIL_OPACITY = (1.0, 0.80, 0.35), 0.85
+TRAIL_COLOR = np.array((1.0, 0.85, 0.40))
 DASH, MOST_DASHES = 0.05, 1500  # in lengths of the robot, [-]
-PATH_COLOR = (1.0, 1.0, 1.0, 0.75)
+PATH_COLOR = np.array((0.92, 0.97, 0.98))
 Points = Float[np.ndarray, "n_points n_axes"]
 Dashes = list[tuple[np.ndarray, np.ndarray]]
 
@@ -43,13 +41,21 @@ def trail_points(trial: Trial, time: float, height: float) -> Points:
     return points
 
 
-def draw_trail(scene: Any, trial: Trial, time: float, height: float) -> None:
-    """Draw the trail into a scene, above the body, older pieces fainter; arguments as for `trail_points`."""
-    points, robot = trail_points(trial, time, height), trial.robot
-    points[:, 2] += OVER * max(module.section.half_height for module in robot.modules)
-    for k, (one, other) in enumerate(pairwise(points)):
-        opacity = TRAIL_OPACITY * (0.3 + 0.7 * (k + 1) / len(points))
-        _add_line(scene, one, other, WIDTH * robot.reach, (*TRAIL_COLOR, opacity))
+def draw_trail(scene: Any, trial: Trial, time: float, height: float, width: float) -> None:
+    """Draw the trail into a scene, above the body, older pieces darker.
+
+    Args:
+        scene: A `MjvScene` that is about to be drawn.
+        trial: As for `trail_points`.
+        time: The same [s].
+        height: The same [m].
+        width: Of the line [pixels].
+    """
+    points = trail_points(trial, time, height)
+    points[:, 2] += OVER * max(module.section.half_height for module in trial.robot.modules)
+    bright = np.linspace(0.5, 1.0, len(points))[:, np.newaxis] * TRAIL_COLOR
+    for one, other, color in zip(points[:-1], points[1:], bright, strict=False):
+        _add_line(scene, one, other, width, color)
 
 
 def path_dashes(trial: Trial, height: float) -> Dashes:
@@ -83,21 +89,17 @@ def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"
     return np.full(trial.time.size, height if planar else float(np.mean(trial.center_of_mass[:, 2])))
 
 
-def draw_path(scene: Any, trial: Trial, dashes: Dashes) -> None:
-    """Draw what `path_dashes` gave into a scene."""
+def draw_path(scene: Any, dashes: Dashes, width: float) -> None:
+    """Draw what `path_dashes` gave into a scene, as lines of so many pixels."""
     for one, other in dashes:
-        _add_line(scene, one, other, WIDTH * trial.robot.reach, PATH_COLOR)
+        _add_line(scene, one, other, width, PATH_COLOR)
 
 
-def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: tuple[float, ...]) -> None:
+def _add_line(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray) -> None:
     """A piece of a line into a scene that is about to be drawn."""
-    if scene.ngeom >= scene.maxgeom:
-        return
-    mujoco = load_mujoco()
-    geom = scene.geoms[scene.ngeom]
-    zero = np.zeros(3)
-    kind = mujoco.mjtGeom.mjGEOM_CYLINDER  # round ends would overlap, which shows as they are transparent
-    mujoco.mjv_initGeom(geom, kind, zero, zero, np.eye(3).ravel(), np.array(color, np.float32))
-    mujoco.mjv_connector(geom, kind, width, one, other)
-    geom.emission = 0.6
-    scene.ngeom += 1
+    if scene.ngeom < scene.maxgeom:
+        mujoco, geom = load_mujoco(), scene.geoms[scene.ngeom]
+        kind, zero = mujoco.mjtGeom.mjGEOM_LINE, np.zeros(3)
+        mujoco.mjv_initGeom(geom, kind, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32))
+        mujoco.mjv_connector(geom, kind, width, one, other)
+        scene.ngeom += 1

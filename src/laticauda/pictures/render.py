@@ -23,6 +23,7 @@ from laticauda.trial import Trial
 
 # Of the words: margin and sizes in heights of the picture, and colors.
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
+LINE = 0.0045  # thickness of the lines, in widths of the picture
 WHITE, PALE, RIM = (255, 255, 255), (200, 228, 230), (4, 30, 40)
 Color = tuple[int, int, int]
 PRESET = "veryfast"  # a seventh smaller than `medium` on these pictures, for half the time
@@ -95,13 +96,13 @@ def pictures(trial: Trial, film: Film, moments: Iterable[float], speed: float = 
         speed: What the words say of the film's [-].
     """
     with closing(studio_of(trial, size=film.size)) as studio:
-        height = studio.height
+        height, width = studio.height, LINE * film.size[0]
         path = lines.path_dashes(trial, height)
         for time in moments:
 
             def decorate(scene: Any, time: float = time) -> None:
-                lines.draw_path(scene, trial, path)
-                lines.draw_trail(scene, trial, time, height)
+                lines.draw_path(scene, path, width)
+                lines.draw_trail(scene, trial, time, height, width)
 
             camera = view(trial, time, height, film)
             picture = studio.picture(posture_at(trial, time, height), camera, decorate)

@@ -85,18 +85,24 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         speed: 2 shows it twice as fast [-].
 
     Raises:
-        NoWindow: If there is no screen, or MuJoCo's viewer cannot be had.
+        NoWindow: If there is no screen.
         MissingExtra: If MuJoCo is not installed.
     """
     speed = positive("speed", speed)
     load_mujoco()
     if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoWindow(f"A window needs a screen, and there is none here; {INSTEAD}.")
-    viewer = _viewer()
+    glfw: Any = import_module("glfw")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what it complains about is said below
+        if not glfw.init():
+            raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
     stage = studio_of(trial)
     began = time.monotonic()
     stage.take(posture_at(trial, float(trial.time[0]), stage.height))
-    with viewer.launch_passive(stage.model, stage.data, show_left_ui=False, show_right_ui=False) as window:
+    with import_module("mujoco.viewer").launch_passive(
+        stage.model, stage.data, show_left_ui=False, show_right_ui=False
+    ) as window:
         with window.lock():
             window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # from where a film begins; the mouse moves it
             window.cam.trackbodyid = stage.model.body("module_0").id
@@ -109,17 +115,3 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
                 stage.take(posture_at(trial, float(trial.time[0]) + shown, stage.height))
             window.sync()
             time.sleep(1.0 / PICTURES_PER_SECOND)
-
-
-def _viewer() -> Any:
-    """The module `mujoco.viewer`, if it can open a window here; otherwise it would end the program."""
-    try:
-        glfw: Any = import_module("glfw")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what it complains about is said below
-            works = glfw.init()
-        if not works:
-            raise NoWindow(f"A window needs a screen, and the one that is named here cannot be used; {INSTEAD}.")
-        return import_module("mujoco.viewer")
-    except ImportError as error:
-        raise NoWindow(f"A window needs the package glfw; run `pip install glfw`, or {INSTEAD}.") from error

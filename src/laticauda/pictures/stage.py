@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from laticauda.dynamics.plant import Plant, PlantState
-from laticauda.errors import MissingExtra, MissingProgram
-from laticauda.extras import load_mujoco
+from laticauda.errors import MissingProgram
+from laticauda.extras import load_mujoco, optional_import
 from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
 from laticauda.pictures.surroundings import add_surroundings, casters, draw_shadows
 from laticauda.planar import rows
@@ -208,6 +208,7 @@ def renderer_of(model: Any) -> Any:
     own choice, made when it was imported, may need one.
     """
     mujoco = load_mujoco()
+    optional_import("Rendering", "PyOpenGL", "spatial", "OpenGL")
     try:
         contexts = import_module(mujoco.Renderer.__module__).gl_context
         usual = contexts.GLContext
@@ -218,10 +219,6 @@ def renderer_of(model: Any) -> Any:
             return mujoco.Renderer(model, size.offheight, size.offwidth, MOST_SHAPES)
         finally:
             contexts.GLContext = usual
-    except ModuleNotFoundError as error:
-        if error.name and error.name.startswith("OpenGL"):
-            raise MissingExtra("Rendering", "PyOpenGL", "spatial") from error
-        raise
     except Exception as error:
         # Depending on what is missing, PyOpenGL raises an AttributeError, an ImportError or an error of its own.
         raise MissingProgram("Rendering without a screen", "EGL with a driver (Mesa's will do)", PACKAGES) from error

@@ -11,11 +11,12 @@ from laticauda.robot import Environment, Ground
 from laticauda.spatial.appearance import HULL
 
 SAMPLES = 4  # per pixel
-TILE, PIXELS = 0.5, 128  # side of a tile of the floor [m], and of its picture
+TILE = 0.5  # side of a tile of the floor [m]
+COARSE, FINE = 128, 512  # sides of a picture of a grid, and of one of flecks [pixels]
 SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water; it is drawn twice
-WHITE, GRID = (1.0, 1.0, 1.0), 512
+WHITE = (1.0, 1.0, 1.0)
 UNDER = 0.01  # how far the floor is below a terrain's lowest place [m]
-FLECKS, GRAINS = 0.002, 0.25  # shares of it that glitter, so that one sees where it is; and of sand that are darker
+GLINTS, GRAINS = 0.002, 0.25  # shares of it that glitter, so that one sees where it is; and of sand that are darker
 SUN = np.array((0.14, 0.10, -1.0))
 SHADE = 0.42  # brightness of a shadow, to that of the ground
 THIN, ABOVE = 2e-3, 3e-3  # what is left of a shape's height in its shadow, and how high that lies [-], [m]
@@ -75,10 +76,10 @@ def add_surroundings(model: Any, environment: Environment, *, floor: float, leng
     _add_floor(model, look, floor)
     for material in model.materials:
         if material.name == "sand":
-            _fleck(model, material, GRAINS, WHITE, (0.93, 0.92, 0.91), 0.7)
+            _mark(model, material, WHITE, (0.93, 0.92, 0.91), 0.7, flecks=GRAINS)
     if level is not None:
         clear = model.add_material(name="surface", specular=0.6, shininess=0.9, rgba=(*WHITE, CLEARNESS))
-        _fleck(model, clear, FLECKS, SURFACE, WHITE, 0.4)
+        _mark(model, clear, SURFACE, WHITE, 0.4, flecks=GLINTS)
         plane = _add_plane(model, "surface", level)
         plane.material, plane.group = "surface", WATERY
 
@@ -103,37 +104,33 @@ def _add_light(model: Any, look: Look, length: float) -> None:
 
 
 def _add_floor(model: Any, look: Look, height: float) -> None:
-    """A tiled plane without end; on land it is the one that the robot lies on."""
-    kind = load_mujoco()
-    flat = {"builtin": kind.mjtBuiltin.mjBUILTIN_FLAT, "mark": kind.mjtMark.mjMARK_EDGE}
-    picture = {"type": kind.mjtTexture.mjTEXTURE_2D, "width": PIXELS, "height": PIXELS}
-    model.add_texture(name="floor", rgb1=(1.0, 1.0, 1.0), markrgb=[look.line] * 3, **flat, **picture)
-    material = model.add_material(name="floor", texuniform=True, texrepeat=(1.0 / TILE, 1.0 / TILE), specular=0.0)
-    material.rgba, material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = (*look.floor, 1.0), "floor"
-    heights = [geom.pos[2] - UNDER for geom in model.geoms if geom.name in ("shore", "terrain")]
-    height = min([height, *heights])
+    """A tiled plane without end, beneath a terrain; on flat ground it is the one that the robot lies on."""
+    material = model.add_material(name="floor", specular=0.0, rgba=(*look.floor, 1.0))
+    _mark(model, material, WHITE, (look.line, look.line, look.line), 1.0 / TILE)
+    terrain = [geom.pos[2] - UNDER for geom in model.geoms if geom.name in ("shore", "terrain")]
     found = [geom for geom in model.geoms if geom.name in ("ground", "floor")]
-    for plane in found or [_add_plane(model, "floor", height)]:
+    for plane in found or [_add_plane(model, "floor", min([height, *terrain]))]:
         plane.material = "floor"
 
 
-def _fleck(model: Any, material: Any, share: float, color: Color, fleck: Color, repeat: float) -> None:
-    """Flecks on a material, which show where it is.
+def _mark(model: Any, material: Any, color: Color, mark: Color, repeat: float, *, flecks: float | None = None) -> None:
+    """A pattern on a material, which shows where it is: a grid, or flecks.
 
     Args:
         model: A `MjSpec`.
         material: One of its.
-        share: Of the material that they cover [-].
-        color: What its own is multiplied with elsewhere [-].
-        fleck: The same on them [-].
+        color: What its own is multiplied with [-].
+        mark: The same on the lines or the flecks [-].
         repeat: How often the pattern comes again [1/m].
+        flecks: Their share of the material; None: a grid [-].
     """
-    kind, name = load_mujoco(), material.name
-    texture = model.add_texture(name=name, rgb1=color, markrgb=fleck, random=share, width=GRID, height=GRID)
-    texture.type, texture.mark = kind.mjtTexture.mjTEXTURE_2D, kind.mjtMark.mjMARK_RANDOM
-    texture.builtin = kind.mjtBuiltin.mjBUILTIN_FLAT
+    kinds, name, size = load_mujoco(), material.name, COARSE if flecks is None else FINE
+    texture = model.add_texture(name=name, type=kinds.mjtTexture.mjTEXTURE_2D, width=size, height=size)
+    texture.builtin, texture.rgb1, texture.markrgb = kinds.mjtBuiltin.mjBUILTIN_FLAT, color, mark
+    texture.mark = kinds.mjtMark.mjMARK_EDGE if flecks is None else kinds.mjtMark.mjMARK_RANDOM
+    texture.random = flecks or 0.0
     material.texuniform, material.texrepeat = True, (repeat, repeat)
-    material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = name
+    material.textures[kinds.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
 def _add_plane(model: Any, name: str, height: float) -> Any:

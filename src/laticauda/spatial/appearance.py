@@ -196,13 +196,7 @@ def housing(module: Module) -> Mesh:
 
 def bands(module: Module) -> Mesh:
     """A band around every housing."""
-    return joined(
-        *(
-            _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
-            for start, stop in _housings(module)
-            for low, high in [(start + 0.40 * (stop - start), start + 0.62 * (stop - start))]
-        )
-    )
+    return joined(*(_band(module, start, stop - start, 0.40, 0.62) for start, stop in _housings(module)))
 
 
 def head(module: Module) -> Mesh:
@@ -216,7 +210,12 @@ def head(module: Module) -> Mesh:
 
 def collar(module: Module) -> Mesh:
     """The dark band around the head's neck."""
-    low, high = 0.16 * module.length, 0.26 * module.length
+    return _band(module, 0.0, module.length, 0.16, 0.26)
+
+
+def _band(module: Module, start: float, length: float, low: float, high: float) -> Mesh:
+    """A band around a housing, between two shares of its length [m]."""
+    low, high = start + low * length, start + high * length
     return _around(module, [(low, 0.9), (low, PROUD), (high, PROUD), (high, 0.9)])
 
 
