@@ -3,11 +3,12 @@
 Each is driven for 10 s by sines on its actuators. The energy is that of the bodies and of the water that they take
 along, with weight, buoyancy and springs; all but the actuators can only take from it. dm_control's two need its
 package, and Gymnasium's its own: `python campaigns/mujoco_neighbours.py` runs this script beside each. `--films FOLDER`
-draws them.
+stores eight pictures of each as an array.
 
 Last answer ("surplus": the most that the energy was ever above its start and the actuators' work, over the energy that
 they turned over):
 
+    dm_control's fish (MuJoCo 3.17)      5 elements, 0.03 m away, work   0.014 J, surplus -1.3e-06
     dm_control's swimmer (MuJoCo 3.17)   6 elements, work   0.001 J, surplus  4.0e-14
     Gymnasium's Swimmer                  3 elements, 0.71 m away, work 801.105 J, surplus -4.0e-08
     a quadruped that floats              9 elements, 0.93 m away, work 169.922 J, all finite
