@@ -157,7 +157,7 @@ def attach(
 
 
 def attached(model: Any) -> Water | None:
-    """The water of a model: of one that it was attached to, of a copy, or of one from a pickle; None: it has none."""
+    """The water of `model`: one that it was attached to, a copy, or one from a pickle; None: it has none."""
     water = registry.entry(model := getattr(model, "ptr", model))
     return water and replace(water, model=weakref.ref(model))
 
