@@ -87,6 +87,7 @@ if TYPE_CHECKING:
         run as run,
         swim as swim,
         swim_many as swim_many,
+        swim_together as swim_together,
     )
     from laticauda.trial import Trial as Trial, compare as compare, joined as joined
 

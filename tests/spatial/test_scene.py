@@ -178,3 +178,55 @@ def test_a_ray_measures_the_way_to_a_wall():
     ranges = body.observe(body.init(Start(center_of_mass=(-1.0, 0.0)), Command(gait=GAIT))).ranges
     ahead = 0.86 - (-1.0 + 0.5 * ROBOT.length)
     np.testing.assert_allclose(ranges, (ahead, ahead / np.cos(np.pi / 3.0), np.inf), rtol=1e-6)
+
+
+# ---- several robots --------------------------------------------------------------------------------------------------
+
+
+def one(y, robot="mamba", **changes):
+    given = {"model": "spatial", "scene": "open", "start": Start(center_of_mass=(0.0, y)), **changes}
+    gait = replace(GAIT, frequency=GAIT.frequency * (0.78 if y else 1.0))
+    return lc.scenario(robot, gait, given.pop("duration", 2.0), **given)
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "servo"])
+def test_robots_that_are_far_apart_swim_as_alone(joints):
+    scenarios = [one(0.0, joints=joints, root="free"), one(10.0, "mamba-modules-fin", joints=joints)]
+    for together, scenario in zip(lc.swim_together(scenarios), scenarios, strict=True):
+        alone = lc.swim(scenario)
+        for name in ("center_of_mass", "link_angle", "joint_torque", "work"):
+            np.testing.assert_allclose(getattr(together, name), getattr(alone, name), atol=1e-9)
+        assert together.scenario == scenario
+
+
+def test_robots_side_by_side_push_each_other_with_equal_forces():
+    trials = lc.swim_together([one(0.0, joints="servo", duration=4.0), one(0.25, joints="servo", duration=4.0)])
+    first, second = (trial.link_force["contact"].sum(axis=1) for trial in trials)
+    assert np.max(np.abs(first)) > 1.0
+    np.testing.assert_allclose(first, -second, atol=1e-9)
+
+
+def test_every_robot_of_a_scene_has_its_own_controller():
+    following = lc.PathFollowing(
+        gait=GAIT,
+        path=lc.StraightLine(point=(0.0, 3.0)),
+        guidance=lc.LineOfSight(look_ahead_distance=0.5),
+        heading=lc.HeadingController(gain=0.4, max_offset=0.2),
+    )
+    steered = lc.scenario(
+        "mamba", following, 2.0, model="spatial", scene="open", start=Start(center_of_mass=(0.0, 4.0))
+    )
+    free, led = lc.swim_together([one(0.0), steered])
+    assert "cross_track_error" in led.signals and "cross_track_error" not in free.signals
+    np.testing.assert_allclose(led.center_of_mass, lc.swim(steered).center_of_mass, atol=1e-9)
+
+
+def test_robots_that_cannot_be_in_one_scene_are_refused_by_name():
+    with pytest.raises(ValueError, match="`start` must not put the robot into `robot_1_module_0_hull`"):
+        lc.swim_together([one(0.0), one(0.02)])
+    with pytest.raises(ValueError, match="`root` must be the same for all robots in one scene"):
+        lc.swim_together([one(0.0), one(3.0, "mamba-modules")])
+    with pytest.raises(ValueError, match="`scene` must be the same for all robots in one scene"):
+        lc.swim_together([one(0.0), one(3.0, scene="pegs")])
+    with pytest.raises(ValueError, match=r"`scenarios\[0\].model` must have a `scene`, as `open`"):
+        lc.swim_together([one(0.0, scene=None), one(3.0)])

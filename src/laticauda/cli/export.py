@@ -62,10 +62,7 @@ class Mjcf(Urdf):
         "A preset or a TOML file, paper-lateral if left out; its loads are not in the file, its depth is", default=None
     )
     ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
-    scene: str | None = option(
-        "What is around it: tank (that of the experiments), pegs, slope, pipe, shore, height-field or an MJCF file",
-        default=None,
-    )
+    scene: str | None = option("Around it: tank, pegs, slope, pipe, shore, height-field or an MJCF file", default=None)
     root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
     actuators: Literal["none", "servo"] = option(
         "Servos in the joints, with the angle wanted as their input", default="none"

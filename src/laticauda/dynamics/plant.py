@@ -160,9 +160,13 @@ class Plant(ABC, Generic[ModelType]):
             force = self._link_forces(state, command, samples, every, dt)
             found = {name: force[i] for i, name in enumerate(FORCES)}
             log = replace(log, link_force={**found, **(log.link_force or {})})
+        return self._ended(state, command, end), log, None
+
+    def _ended(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
+        """The state behind a march; waves that references replaced go on from where they were."""
         for wave in self._held_waves(command):
             end[wave] = state.values[wave]
-        return PlantState(values=end), log, None
+        return PlantState(values=end)
 
     def what_went_wrong(self, time: float) -> str:
         """The sentence that a run ends with that diverged at `time` [s]."""

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 from laticauda.errors import BadArgument, label, one_of
-from laticauda.extensions import Extensible
+from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
@@ -82,7 +82,7 @@ class Ground:
 
 Environment: TypeAlias = Water | Ground
 SCENES: dict[str, str] = dict.fromkeys(
-    ("pegs", "slope", "pipe", "shore", "tank", "height-field", "mjcf", "edited"), "laticauda.spatial.scene"
+    ("pegs", "slope", "pipe", "shore", "tank", "height-field", "open", "mjcf", "edited"), "laticauda.spatial.scene"
 )
 """Where the scenes are that come with the package; they are imported when one is named."""
 
@@ -96,16 +96,13 @@ class Scene(Extensible, group="scenes", homes=SCENES):
 
     dt: ClassVar[float] = 0.002
     """Step at which contacts with it are resolved [s]."""
+    wet: ClassVar[bool] = False
+    """Whether it makes no sense without water."""
     level: float = quantity("m", "Height of the water's surface", default=0.0)
-    ground: Ground | None = option(
-        "Friction of its ground along and across the robot; left out, that of an environment that is a ground, and in "
-        "water MuJoCo's contact, which knows no directions",
-        default=None,
-    )
+    ground: Ground | None = option("How its ground rubs on the robot; left out, as MuJoCo has it", default=None)
 
     def __call__(self, spec: Any) -> None:
         """Put it into a `mujoco.MjSpec` in which the robots are already."""
-        raise NotImplementedError
 
     @property
     def terrain(self) -> Any:
@@ -114,6 +111,9 @@ class Scene(Extensible, group="scenes", homes=SCENES):
 
     def check(self, environment: "Environment") -> None:
         """Raise a ValueError if it cannot be in `environment`."""
+        if self.wet and isinstance(environment, Ground):
+            word = name_of(type(self))
+            raise BadArgument("scene", f"must not be `{word}` without water, got the ground `{environment.name}`")
 
     @classmethod
     def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":

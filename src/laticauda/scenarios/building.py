@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.codec import decode, with_new_names
 from laticauda.errors import BadArgument, instance, nearest, one_of
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
@@ -114,7 +113,6 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         instance("model", model, *MODELS.values())
     base = MODELS[one_of("model", model, tuple(MODELS))]() if isinstance(model, str) else model
     known = [field.name for field in fields(base)]
-    changes = with_new_names(type(base), changes)
     for name, given in changes.items():
         if name in known:
             continue
@@ -123,8 +121,6 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         raise TypeError(f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}.")
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])
-    if isinstance(changes.get("scene"), dict):
-        changes["scene"] = decode(Scene, changes["scene"])
     return replace(base, **changes) if changes else base
 
 
@@ -216,10 +212,7 @@ class Choice:
         "prescribed, if left out",
         default=None,
     )
-    scene: str | None = option(
-        "What is around it in space: pegs, slope, pipe, shore, tank, height-field, an MJCF file (.xml) or one's own",
-        default=None,
-    )
+    scene: str | None = option("Around it in space: pegs, slope, pipe, shore, tank, an MJCF file, ...", default=None)
 
     def __post_init__(self) -> None:
         """Refuse what says the same twice."""

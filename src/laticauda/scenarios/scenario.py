@@ -75,9 +75,7 @@ class Spatial(_Model):
         check=lambda _, given: Scene.of(given),
     )
 
-    rays: tuple[float, ...] = quantity(
-        "rad", "Directions in which the head measures distances, in its plane and positive to its left", default=()
-    )
+    rays: tuple[float, ...] = quantity("rad", "Where its head measures distances, positive to its left", default=())
 
     @staticmethod
     def former(table: Mapping[str, Any]) -> dict[str, Any]:

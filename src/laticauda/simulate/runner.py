@@ -85,7 +85,7 @@ def run(
     signals: list[Mapping[str, float]] = []
     failure: str | None = None
     reached, now = 0, 0.0
-    for share, count, done in _stretches(duration, sample_interval, controller.interval):
+    for share, count, done in stretches(duration, sample_interval, controller.interval):
         observation = plant.observe(state)
         if until is not None and logs and until(observation):
             scenario = replace(scenario, duration=_cut(duration, controller.interval, reached))
@@ -102,9 +102,9 @@ def run(
             progress(done)
     if throw and failure is not None:
         raise SimulationFailed(failure)
-    log, held = concatenated(logs), _held(signals, [part.time.size for part in logs])
+    log, said = concatenated(logs), held(signals, [part.time.size for part in logs])
     return Trial(
-        **vars(replace(log, signals={**held, **log.signals})),
+        **vars(replace(log, signals={**said, **log.signals})),
         scenario=scenario,
         version=__version__,
         status=failure or "The run reached its end.",
@@ -253,7 +253,7 @@ def _cut(duration: float, interval: float, n_reached: int) -> float:
     )
 
 
-def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
+def stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
     """Cut a run at its control instants, and long stretches where `progress` wants to know.
 
     Yields:
@@ -268,7 +268,7 @@ def _stretches(duration: float, sample_interval: float, control_interval: float)
             yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
 
 
-def _held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
+def held(signals: list[Mapping[str, float]], n_samples: list[int]) -> dict[str, np.ndarray]:
     """Signals at the samples of the log, each held from its control instant to the next."""
     # A stretch begins at its control instant, but that sample is stored as the last one of the stretch before.
     counts = np.array(n_samples)

@@ -12,13 +12,13 @@ import numpy as np
 from laticauda import mujoco_water as water
 from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
 from laticauda.errors import BadArgument
-from laticauda.extras import load_mujoco
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
 from laticauda.kinematics import to_quaternion, turn
 from laticauda.mujoco_water import Element, ground
 from laticauda.robot import Ground, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.spatial import rows
+from laticauda.spatial.scene import check_free
 from laticauda.spatial.twin import Twin, land_of
 from laticauda.spatial.water_robot import mounted_elements
 
@@ -70,14 +70,7 @@ class SpatialPlant(Plant[Spatial]):
 
     def data(self, state: PlantState) -> Any:
         """A `mujoco.MjData` at `state`, to look at or to render; its own, not the plant's."""
-        mujoco = load_mujoco()
-        data = mujoco.MjData(self.model)
-        at, n_qpos = rows.STATE_ROWS, self._twin.n_qpos
-        data.time = state.values[rows.TIME]
-        data.qpos[:], data.qvel[:] = state.values[at : at + n_qpos], state.values[at + n_qpos :][: self._twin.n_qvel]
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_comPos(self.model, data)
-        return data
+        return self._twin.data([state.values])
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
@@ -105,7 +98,7 @@ class SpatialPlant(Plant[Spatial]):
         values[rows.STATE_ROWS + twin.n_qpos + twin.n_qvel :][: self.robot.n_links] = start.heading
         state = PlantState(values=values)
         if self.settings.scene is not None:
-            twin.check_free(self.data(state))
+            check_free(self.model, self.data(state), set(twin.order.tolist()))
         return state
 
     def _level(self, start: Start, x: float, y: float) -> float:
@@ -213,12 +206,9 @@ class SpatialPlant(Plant[Spatial]):
 
     def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector, and log it."""
-        values, n, joints = values.copy(), self.robot.n_links, len(self._twin.joints)
-        touched = 0 if self.settings.scene is None else 3 * n
-        log = np.empty((1 + steps // every, rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * joints + touched))
+        values = values.copy()
         current = self.environment.current if isinstance(self.environment, Water) else None
-        written = self._twin.run(values, given, steps, dt, every, log, current)
-        return values, log[:written]
+        return values, self._twin.run([values], [given], steps, dt, every, current)
 
     def _as_it_is(self, state: PlantState) -> np.ndarray:
         return self._go(state.values, self._let_go(), 0, 1.0, 1)[1]

@@ -59,6 +59,9 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
     SETUP_SIZE,
 ) = range(21)
 
+# --- Where, in arrays of all robots in one scene, those of each begin; a last row says where they end
+(FIRST_STATE, FIRST_GIVEN, FIRST_JOINT, FIRST_BODY, FIRST_COLUMN, FIRST_QPOS, FIRST_QVEL, PLACES) = range(8)
+
 # --- One row of joint parameters: the joint's numbers, its law, and which wave moves it
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
 WAVE = LAW + 1

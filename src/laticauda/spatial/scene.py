@@ -7,7 +7,7 @@ that are called as in `GROUNDS`.
 """
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Collection, Generator
 from contextlib import contextmanager
 from typing import Any, ClassVar
 
@@ -26,21 +26,16 @@ Quaternion = tuple[float, float, float, float]
 # The tank at Trondheim in which the paper's robot swam [m].
 TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
 WALL = 0.1  # half thickness [m]
+DEEPEST = 2e-3  # how deep a robot may begin in something [m]
 THICK = 0.2  # half thickness of the ground's boxes [m]
 FAR = 12.0  # how long ground is that has no end of its own [m]
 STAVES = 24  # of a pipe
 SURFACE = "water"  # to be seen only
 GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
-UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 SKIN = Ground(name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
-# Red, green, blue, opacity.
-MATERIALS = {
-    "water": (0.30, 0.65, 0.75, 0.22),
-    "wall": (0.80, 0.88, 0.90, 0.25),
-    "sand": (0.66, 0.60, 0.48, 1.0),
-    "peg": (0.85, 0.78, 0.35, 1.0),
-}
-LOOKS = {"water": "water", "wall": "wall", "stave": "wall", "peg": "peg", "floor": "tiles"}  # by how names begin
+# Red, green, blue, opacity, by how names begin.
+COLORS = {"water": (0.30, 0.65, 0.75, 0.22), "wall": (0.80, 0.88, 0.90, 0.25), "peg": (0.85, 0.78, 0.35, 1.0)}
+SAND = (0.66, 0.60, 0.48, 1.0)
 
 
 @value
@@ -83,16 +78,12 @@ class Slope(Scene):
     @property
     def terrain(self) -> Terrain:
         """See `Scene`."""
-        return Terrain(height=self.height, edge=self.edge, slope=-math.tan(self.angle), floor=self._foot)
-
-    @property
-    def _foot(self) -> float:
-        return self.bottom if self.angle < 0.0 else -FAR
+        return Terrain(height=self.height, edge=self.edge, slope=-math.tan(self.angle), floor=self.bottom)
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
         sin, cos, width = math.sin(self.angle), math.cos(self.angle), 0.5 * FAR
-        length = (self._foot - self.height) / sin if sin < 0.0 else FAR
+        length = (self.bottom - self.height) / sin if sin < 0.0 else FAR
         flat = (self.edge - 0.5 * FAR, 0.0, self.height - THICK)
         # The middle of the slope's face, then half a thickness into the ground.
         x, z = self.edge + 0.5 * length * cos + THICK * sin, self.height + 0.5 * length * sin - THICK * cos
@@ -112,9 +103,7 @@ class Shore(Slope):
     angle: float = quantity("rad", "Of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0))
     ground: Ground | None = option("Friction of its ground along and across the robot", default=SKIN)
 
-    def check(self, environment: Environment) -> None:
-        """See `Scene`."""
-        needs_water(self, environment)
+    wet: ClassVar[bool] = True
 
 
 @value
@@ -131,10 +120,9 @@ class HeightField(Scene):
 
     def __post_init__(self) -> None:
         """Refuse what is no grid."""
-        if self.heights is not None and (len(self.heights) < 2 or {len(row) for row in self.heights} - {1} == set()):
-            raise BadArgument("heights", "must have two rows of two numbers at least")
-        if self.heights is not None and len({len(row) for row in self.heights}) != 1:
-            raise BadArgument("heights", "must have rows of the same length")
+        rows = self.heights or ((0.0, 0.0),) * 2
+        if len(rows) < 2 or len({len(row) for row in rows} - {0, 1}) != 1:
+            raise BadArgument("heights", "must have two rows of two numbers at least, all of the same length")
 
     @property
     def terrain(self) -> Terrain:
@@ -181,7 +169,7 @@ class Pipe(Scene):
             angle = 2.0 * math.pi * k / STAVES
             y, z = math.sin(angle) * (self.bore + thick), math.cos(angle) * (self.bore + thick)
             about = (math.cos(0.5 * angle), -math.sin(0.5 * angle), 0.0, 0.0)
-            solid(pipe, f"stave_{k}", "BOX", size, (0.0, y, z), about)
+            solid(pipe, f"wall_{k}", "BOX", size, (0.0, y, z), about)
 
 
 @value
@@ -189,10 +177,7 @@ class Tank(Scene):
     """The tank of the experiments: 40 m x 6.45 m, 1.5 m deep, with its floor and walls."""
 
     dt: ClassVar[float] = math.inf  # its walls are far
-
-    def check(self, environment: Environment) -> None:
-        """See `Scene`."""
-        needs_water(self, environment)
+    wet: ClassVar[bool] = True
 
     def __call__(self, spec: Any) -> None:
         """Floor and walls around the middle of the world, with the surface of the water at z = 0."""
@@ -202,6 +187,11 @@ class Tank(Scene):
         solid(spec, "wall_right", "BOX", (x, WALL, z), (0.0, -y - WALL, -z))
         solid(spec, "wall_front", "BOX", (WALL, y, z), (x + WALL, 0.0, -z))
         solid(spec, "wall_back", "BOX", (WALL, y, z), (-x - WALL, 0.0, -z))
+
+
+@value
+class Open(Scene):
+    """Nothing: open water or flat ground, in which robots meet nothing but each other."""
 
 
 @value
@@ -244,16 +234,13 @@ def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: b
     scene.check(environment)
     with blamed():
         scene(model)
-    if visuals:
-        if not isinstance(environment, Ground):
-            size = (0.5 * TANK_LENGTH, 0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH), 1.0)
-            surface = solid(model, SURFACE, "PLANE", size, (0.0, 0.0, scene.level))
-            surface.conaffinity = 0
-        _dress(model)
+    if visuals and not isinstance(environment, Ground):
+        size = (0.5 * TANK_LENGTH, 0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH), 1.0)
+        solid(model, SURFACE, "PLANE", size, (0.0, 0.0, scene.level)).conaffinity = 0
 
 
 def solid(
-    where: Any, name: str, kind: str, size: Three, pos: Three = (0.0, 0.0, 0.0), quat: Quaternion = UPRIGHT
+    where: Any, name: str, kind: str, size: Three, pos: Three = (0.0, 0.0, 0.0), quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
 ) -> Any:
     """Add a geom that the robot touches.
 
@@ -267,7 +254,8 @@ def solid(
     """
     body = getattr(where, "worldbody", where)
     shape = getattr(load_mujoco().mjtGeom, f"mjGEOM_{kind}")
-    return body.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, contype=0, conaffinity=1)
+    color = COLORS.get(name.partition("_")[0], SAND)
+    return body.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, rgba=color, contype=0, conaffinity=1)
 
 
 @contextmanager
@@ -280,27 +268,18 @@ def blamed() -> Generator[None]:
         raise BadArgument("scene", f"must be one that MuJoCo can compile beside the robot; it says: {said}") from error
 
 
-def needs_water(scene: Scene, environment: Environment) -> None:
-    """Refuse a scene of water without any."""
-    if isinstance(environment, Ground):
-        word = type(scene).__name__.lower()
-        raise BadArgument("scene", f"must not be `{word}` without water, got the ground `{environment.name}`")
+def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
+    """Refuse a start at which a robot is inside something.
 
-
-def _dress(model: Any) -> None:
-    """Materials and light."""
-    kind = load_mujoco()
-    for name, color in MATERIALS.items():
-        model.add_material(name=name, rgba=color, specular=0.2)
-    tiles = model.add_texture(name="tiles", type=kind.mjtTexture.mjTEXTURE_2D, width=128, height=128)
-    tiles.builtin, tiles.mark = kind.mjtBuiltin.mjBUILTIN_FLAT, kind.mjtMark.mjMARK_EDGE
-    tiles.rgb1, tiles.markrgb = (0.36, 0.58, 0.62), (0.26, 0.45, 0.50)
-    material = model.add_material(name="tiles", texuniform=True, texrepeat=(2.0, 2.0), specular=0.1)
-    material.textures[kind.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-    for geom in model.geoms:
-        if geom.contype == 0 and not geom.material and geom.name:
-            geom.material = LOOKS.get(geom.name.partition("_")[0], "sand")
-    sun = model.worldbody.add_light(name="sun", type=kind.mjtLightType.mjLIGHT_DIRECTIONAL, dir=(0.2, 0.3, -1.0))
-    sun.pos, sun.castshadow = (0.0, 0.0, 4.0), False
-    sky = model.add_texture(name="sky", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=128, height=128)
-    sky.builtin, sky.rgb1, sky.rgb2 = kind.mjtBuiltin.mjBUILTIN_GRADIENT, (0.55, 0.75, 0.85), (0.10, 0.25, 0.32)
+    Args:
+        model: A `mujoco.MjModel` with a scene.
+        data: A `mujoco.MjData` at the start, with its kinematics.
+        robots: Numbers of the robots' bodies.
+    """
+    load_mujoco().mj_collision(model, data)
+    for touch in data.contact[: data.ncon]:
+        link, other = sorted(map(int, touch.geom), key=lambda geom: int(model.geom_bodyid[geom]) not in robots)
+        if touch.dist < -DEEPEST and int(model.geom_bodyid[link]) in robots:
+            depth = f"{model.geom(link).name.removesuffix('_hull')} is {-1e3 * touch.dist:.0f} mm deep in it"
+            name = model.geom(other).name or model.body(int(model.geom_bodyid[other])).name
+            raise BadArgument("start", f"must not put the robot into `{name}` of the scene, but {depth}")

@@ -54,18 +54,6 @@ def put_on_reference(N, qpos, qvel, J, R, hold):
 
 
 @kernel
-def evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U):
-    """Accelerations with the prescribed joints on the reference, and the torque of every one of their actuators."""
-    put_on_reference(N, qpos, qvel, J, R, hold)
-    evaluate(N)
-    nv = N[N_BASE_QVEL]
-    for i in range(J.shape[0]):
-        if J[i, LAW] == PRESCRIBED:
-            # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
-            U[i] = HOLD * (R[2, i] - qacc[nv + i])
-
-
-@kernel
 def any_prescribed(J):
     """Whether the angle of any joint is given."""
     for i in range(J.shape[0]):
@@ -112,8 +100,38 @@ def move(N, qpos, start, velocity, dt):
 
 
 @kernel
-def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
+def of_robot(W, r):
+    """What the functions above take, of one robot; W holds of all what `run` takes, and R, U and K."""
+    N, S, Y, C, J, R, U, K = W
+    s, e = S[r], S[r + 1]
+    a, b = s[FIRST_JOINT], e[FIRST_JOINT]
+    state, given = Y[s[FIRST_STATE] : e[FIRST_STATE]], C[s[FIRST_GIVEN] : e[FIRST_GIVEN]]
+    reference, terms = R[3 * a : 3 * b].reshape((3, b - a)), K[2 * a : 2 * b].reshape((2, b - a))
+    return N[r], state, given, J[a:b], reference, U[a:b], terms, s[FIRST_QPOS], s[FIRST_QVEL]
+
+
+@kernel
+def put_all(W, qpos, qvel, hold, dt):
+    """`put_on_reference` for all robots, after dt more of their generators."""
+    for r in range(len(W[0])):
+        N, X, C, J, R, _, _, q, v = of_robot(W, r)
+        if dt > 0.0:
+            advance_reference(X, C, J, R, dt)
+        put_on_reference(N, qpos[q:], qvel[v:], J, R, hold[v:])
+
+
+@kernel
+def first_of_all(W, qpos, qvel, hold, gamma_dt):
+    """`first_stage` for all robots."""
+    for r in range(len(W[0])):
+        N, _, C, J, R, U, K, q, v = of_robot(W, r)
+        first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
+
+
+@kernel
+def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
     """Stages 2 to 4; the first one's accelerations are in the data already. B: scratch rows."""
+    N = W[0][0]
     q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
     n = N[N_QVEL]
     for i in range(N[N_QPOS]):
@@ -133,18 +151,18 @@ def finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt):
         move(N, qpos, q0, now, ahead)
         for i in range(n):
             qvel[i] = v0[i] + ahead * qacc[i]
-        if stage != 1:
-            advance_reference(X, C, J, R, 0.5 * dt)
-        evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
+        put_all(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
+        evaluate(N)
     move(N, qpos, q0, sum_v, 1.0)
     for i in range(n):
         qvel[i] = v0[i] + sum_a[i]
-    put_on_reference(N, qpos, qvel, J, R, hold)
+    put_all(W, qpos, qvel, hold, 0.0)
 
 
 @kernel
-def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
+def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
     """Both stages' slopes combined: y + h (3/2 k1 + 1/2 k2); k1's accelerations are in the data already."""
+    N = W[0][0]
     q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
     n, gamma_dt = N[N_QVEL], GAMMA * dt
     for i in range(N[N_QPOS]):
@@ -155,8 +173,10 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     move(N, qpos, q0, slope, dt)
     for i in range(n):
         qvel[i] = v0[i] + dt * first[i]
-    advance_reference(X, C, J, R, dt)
-    second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt)
+    for r in range(len(W[0])):
+        M, X, C, J, R, _, K, q, v = of_robot(W, r)
+        advance_reference(X, C, J, R, dt)
+        second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
     evaluate(N)
     for i in range(n):
         # As `stages.combined`; a call of it is contracted in another way here, and changes the last digit.
@@ -167,7 +187,7 @@ def finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt):
     move(N, qpos, q0, total, dt)
     for i in range(n):
         qvel[i] = v0[i]
-    put_on_reference(N, qpos, qvel, J, R, hold)
+    put_all(W, qpos, qvel, hold, 0.0)
 
 
 @kernel
@@ -269,53 +289,67 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     sample[at:] = forces
 
 
-@entry
-def run(N, state, C, J, mass, order, hold, steps, dt, every, log):
-    """Advance `state` by `steps` steps of `dt` and log every `every`-th one, the first and the last included.
+@kernel
+def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
+    """Count one robot's work, and write its sample, which is empty between samples; whether its numbers are finite."""
+    n, y, C, J, R, U, _, q, v = of_robot(W, r)
+    led, nv, links = C[IS_LED] != 0.0, v + n[N_BASE_QVEL], y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
+    for i in range(J.shape[0]):
+        if led and J[i, LAW] == PRESCRIBED:
+            # What the joint's skin sets against it is in MuJoCo's passive forces, so the actuator has to overcome it.
+            U[i] = HOLD * (R[2, i] - qacc[nv + i])
+    follow_links(n, order, qpos[q:], links)
+    count_work(n, y, C, J, U, P, qvel[v:], dt)
+    if not sample.size:
+        return True
+    forces = y[STATE_ROWS + n[N_LINKS] :]
+    if n[HAS_SCENE] != 0 and led:
+        sum_contacts(n, order, forces)
+    write_sample(n, y, J, R, U, mass, order, qpos[q:], qvel[v:], links, forces, sample)
+    return all_finite(n, qpos, qvel, U)
 
-    Returns the number of samples written: fewer than asked for if numbers left the finite range. The trapezoid of the
-    work goes on from the powers at the start of the call.
+
+@entry
+def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
+    """Advance all robots of a model by `steps` steps of `dt` and log every `every`-th one, first and last included.
+
+    N has a row of whole numbers for each robot, S says where in Y (rows, links' angles, forces), C, J, order and the
+    log's columns its own begin; `moving` is qpos and qvel of all. Returns the number of samples written: fewer than
+    asked for if numbers left the finite range. The trapezoid of the work goes on from the powers at the start.
     """
-    n_q, n_v, n_joints = N[N_QPOS], N[N_QVEL], J.shape[0]
-    qpos, qvel = field(N[DATA], N[AT_QPOS], n_q), field(N[DATA], N[AT_QVEL], n_v)
-    qacc = field(N[DATA], N[AT_QACC], n_v)
-    X, links = state[:STATE_ROWS], state[STATE_ROWS + n_q + n_v :][: N[N_LINKS]]
-    forces = state[STATE_ROWS + n_q + n_v + N[N_LINKS] :]
-    qpos[:] = state[STATE_ROWS : STATE_ROWS + n_q]
-    qvel[:] = state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v]
-    R, U, K = np.zeros((3, n_joints)), np.zeros(n_joints), np.zeros((2, n_joints))
-    P, B = np.zeros(4), np.zeros((5, n_q))
+    M, n_robots = N[0], len(N)
+    n_q, n_v = M[N_QPOS], M[N_QVEL]
+    qpos, qvel = field(M[DATA], M[AT_QPOS], n_q), field(M[DATA], M[AT_QVEL], n_v)
+    qacc = field(M[DATA], M[AT_QACC], n_v)
+    qpos[:], qvel[:] = moving[:n_q], moving[n_q:]
+    U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
+    W = (N, S, Y, C, J, np.zeros(3 * len(J)), U, np.zeros(2 * len(J)))
     hold[:] = 0.0
-    set_reference(X, C, J, R)
-    two_ways = N[IS_IMPLICIT] != 0 and any_prescribed(J)
+    for r in range(n_robots):
+        _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
+        set_reference(X, C_r, J_r, R)
+    implicit, led = N[:, IS_IMPLICIT].max() != 0, C[IS_LED] != 0.0
+    two_ways = implicit and any_prescribed(J)
     written = 0
     for step in range(steps + 1):
-        if C[IS_LED] == 0.0:
-            evaluate(N)
-        elif N[IS_IMPLICIT] == 0 or two_ways:
-            first_stage(N, qpos, qvel, C, J, R, hold, U, K, 0.0)
-            evaluate_prescribed(N, qpos, qvel, qacc, J, R, hold, U)
-        else:
-            first_stage(N, qpos, qvel, C, J, R, hold, U, K, GAMMA * dt)
-            evaluate(N)
-        follow_links(N, order, qpos, links)
-        count_work(N, X, C, J, U, P, qvel, dt if step > 0 else 0.0)
-        if step % every == 0:
-            if not all_finite(N, qpos, qvel, U):
+        if led:
+            first_of_all(W, qpos, qvel, hold, GAMMA * dt if implicit and not two_ways else 0.0)
+            put_all(W, qpos, qvel, hold, 0.0)
+        evaluate(M)
+        for r in range(n_robots):
+            a, b = S[r, FIRST_COLUMN], S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN]
+            bodies, sample = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]], log[step // every, a:b]
+            if not log_robot(W, r, mass[r], bodies, qpos, qvel, qacc, P[r], dt if step > 0 else 0.0, sample):
                 return written
-            if N[HAS_SCENE] != 0 and C[IS_LED] != 0.0:
-                sum_contacts(N, order, forces)
-            write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, log[step // every])
-            written += 1
+        written += step % every == 0
         if step == steps:
             break
-        if N[IS_IMPLICIT] == 0:
-            finish_rk4(N, X, C, J, R, U, hold, qpos, qvel, qacc, B, dt)
+        if not implicit:
+            finish_rk4(W, hold, qpos, qvel, qacc, B, dt)
         else:
             if two_ways:  # the torques above come from accelerations, which must not be those of an implicit step
-                first_stage(N, qpos, qvel, C, J, R, hold, U, K, GAMMA * dt)
-                evaluate(N)
-            finish_ros2(N, X, C, J, R, K, hold, qpos, qvel, qacc, B, dt)
-    state[STATE_ROWS : STATE_ROWS + n_q] = qpos
-    state[STATE_ROWS + n_q : STATE_ROWS + n_q + n_v] = qvel
+                first_of_all(W, qpos, qvel, hold, GAMMA * dt)
+                evaluate(M)
+            finish_ros2(W, hold, qpos, qvel, qacc, B, dt)
+    moving[:n_q], moving[n_q:] = qpos, qvel
     return written

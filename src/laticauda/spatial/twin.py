@@ -1,5 +1,7 @@
 """A spatial plant's model in MuJoCo, and what the kernels need of it."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from threading import RLock
 from types import ModuleType
 from typing import Any
@@ -10,7 +12,6 @@ from laticauda import mujoco_water as water
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import FORCES, has_hinges, joint_table
-from laticauda.errors import BadArgument
 from laticauda.extras import load_mujoco
 from laticauda.mujoco_water import native, registry, table
 from laticauda.robot import Environment, Ground, Robot, Scene
@@ -19,69 +20,49 @@ from laticauda.spatial import mjcf, rows, scene
 from laticauda.spatial.bodies import center_of_mass, fin_bodies
 from laticauda.spatial.water_robot import on_ground, robot_elements
 
-DEEPEST = 2e-3  # how deep a robot may begin in a scene's geoms [m]
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
 
 class Twin:
-    """A robot, its place and a model's settings in MuJoCo. A resource: one march at a time, whoever has the `lock`."""
+    """Robots, their place and a model's settings in MuJoCo. A resource: one march at a time, whoever has the `lock`.
 
-    def __init__(self, robot: Robot, environment: Environment, setup: Spatial) -> None:
-        mujoco = load_mujoco()
+    Args:
+        robot: The first, to which all that is said of one robot belongs; its names in the model are its own.
+        environment: Where it swims.
+        setup: Its settings, and the scene.
+        others: Further robots with theirs; names of the k-th begin with `robot_k_`.
+    """
+
+    def __init__(
+        self, robot: Robot, environment: Environment, setup: Spatial, others: Sequence[tuple[Robot, Spatial]] = ()
+    ) -> None:
         self.lock = RLock()
-        land = land_of(environment, setup)
-        ballast = setup.ballast_depth if setup.root == "free" and setup.gravity else 0.0
-        spec = mjcf.spec(
-            robot,
-            environment,
-            root=setup.root or "free",
-            actuators="none",
-            sensors=False,
-            visuals=False,
-            scene=setup.scene,
-            ballast_depth=ballast,
-        )
-        if setup.scene is not None:  # where the solver begins must not depend on what was marched before
-            spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
-            # With little friction, MuJoCo's pyramids make contacts hundreds of times as stiff as they are meant to be.
-            spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-        if land is not None:
-            for geom in spec.geoms:
-                if geom.name in scene.GROUNDS:  # it is among the loads
-                    geom.contype = geom.conaffinity = 0
-            spec.option.gravity = (0.0, 0.0, -land.gravity)
-        if not setup.gravity or setup.root == "planar":
-            spec.option.gravity = (0.0, 0.0, 0.0)
+        ballast = setup.ballast_depth if floats(setup) else 0.0
+        spec = spec_of(robot, environment, setup)
+        members = [(robot, setup, ""), *((*one, f"robot_{k}_") for k, one in enumerate(others, 1))]
         with scene.blamed():
+            for other, own, prefix in members[1:]:
+                alone = spec_of(other, environment, replace(own, scene=scene.Open()))
+                spec.worldbody.add_frame().attach_body(alone.body("module_0"), prefix, "")
             self.model = water.compiled(spec)
-        if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
-            self.model.jnt_limited[:] = 0
         if setup.dt is not None:
             self.model.opt.timestep = setup.dt
-        self._data = mujoco.MjData(self.model)
+        self._data, self._n_links = load_mujoco().MjData(self.model), robot.n_links
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = np.array((center_of_mass(robot), 0.0, -ballast * sum(m.mass for m in robot.modules) / robot.mass))
         self.joints = _joint_rows(robot, setup.joints)
-        self.water = self._attach(robot, environment, setup)
+        self._lay_out(members)
+        found = [[replace(e, body=p + e.body) for e in _elements(r, environment, s)] for r, s, p in members]
+        self._ends = np.cumsum([len(one) for one in found]).tolist()
+        self.water = self._attach([e for one in found for e in one], environment, setup)
         # Among the water's own numbers, so that it lives as long as the compiled code may read it.
-        self._hold = np.zeros(2 * int(self.model.nv))
-        self.water.numbers["hold"] = self._hold
+        self._hold = self.water.numbers["hold"] = np.zeros(2 * int(self.model.nv))
         self.water.table[table.HOLD] = self._hold.ctypes.data
         self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = 1, 0  # its steps are its own
-        fin = fin_bodies(robot.caudal_fin) if robot.caudal_fin is not None else []
-        names = [*(f"module_{i}" for i in range(robot.n_links)), *(body.name for body in fin)]
-        self._order = np.array([self.model.body(name).id for name in names])
-        own = self.model.body_rootid == self._order[0]
-        self._mass = np.where(own, self.model.body_mass, 0.0)
-        self._setup = self._numbers(robot, setup)
         self._stepping = stepping(setup.joints)
 
-    def _attach(self, robot: Robot, environment: Environment, setup: Spatial) -> water.Water:
-        elements = robot_elements(robot, environment, floats=setup.gravity and setup.root == "free")
-        land = land_of(environment, setup)
-        if land is not None:
-            elements = on_ground(elements, robot, land, wet=not isinstance(environment, Ground))
+    def _attach(self, elements: Sequence[water.Element], environment: Environment, setup: Spatial) -> water.Water:
         around = setup.scene or Scene()
         if isinstance(environment, Ground):
             return water.attach(self.model, elements, terrain=around.terrain)
@@ -90,12 +71,44 @@ class Twin:
             elements,
             density=environment.density,
             current=(*environment.current, 0.0)[:3],
-            surface=around.level if setup.root == "free" and setup.gravity else None,
+            surface=around.level if floats(setup) else None,
             form=environment.added_mass_form,
             terrain=around.terrain,
         )
 
-    def _numbers(self, robot: Robot, setup: Spatial) -> np.ndarray:
+    def _lay_out(self, members: Sequence[tuple[Robot, Spatial, str]]) -> None:
+        """Where the arrays of each robot are, its setup for the kernels, and whom its shapes touch."""
+        model, n_all = self.model, len(members)
+        self.places, self._masses = np.zeros((n_all + 1, rows.PLACES), dtype=np.int64), np.zeros((n_all, model.nbody))
+        setups: list[np.ndarray] = []
+        order: list[int] = []
+        for k, (robot, setup, prefix) in enumerate(members):
+            fin = fin_bodies(robot.caudal_fin) if robot.caudal_fin is not None else []
+            names = [*(f"module_{i}" for i in range(robot.n_links)), *(body.name for body in fin)]
+            bodies = [int(model.body(prefix + name).id) for name in names]
+            mine, root = model.body_rootid == bodies[0], int(model.body_jntadr[bodies[0]])
+            self._masses[k] = np.where(mine, model.body_mass, 0.0)
+            if setup.joints.prescribed:  # they go where the gait says; a stop would only push the rest of the body
+                model.jnt_limited[mine[model.jnt_bodyid]] = 0
+            if n_all > 1:  # its shapes touch those of the others, and not its own
+                touching, others = mine[model.geom_bodyid] & (model.geom_contype == 1), (2 << n_all) - 2 - (2 << k)
+                model.geom_contype[touching], model.geom_conaffinity[touching] = 1 | 2 << k, others
+                model.body_contype[mine], model.body_conaffinity[mine] = 1 | 2 << k, others  # what is looked at first
+            n_joints = len(_joint_rows(robot, setup.joints))
+            of_links = robot.n_links * (1 if setup.scene is None else 4)
+            columns = rows.STATE_ROWS + rows.SAMPLE_HEADER + of_links + 4 * n_joints
+            sizes = rows.STATE_ROWS + of_links, 0, n_joints, len(bodies), columns
+            self.places[k + 1, : len(sizes)] = self.places[k, : len(sizes)] + sizes
+            self.places[k, [rows.FIRST_QPOS, rows.FIRST_QVEL]] = model.jnt_qposadr[root], model.jnt_dofadr[root]
+            setups.append(self._numbers(robot, setup, len(bodies)))
+            order += bodies
+        self._setups, self.order = np.array(setups), np.array(order)
+        of_q, robots = np.repeat(model.jnt_bodyid, np.diff([*model.jnt_qposadr, model.nq])), self._masses > 0.0
+        # Of each robot's qpos and qvel, and of those of what else moves in the scene, among those of all.
+        seen = [own | ~robots.any(axis=0) for own in robots]
+        self._here = [np.flatnonzero(np.r_[one[of_q], one[model.dof_bodyid]]) for one in seen]
+
+    def _numbers(self, robot: Robot, setup: Spatial, n_bodies: int) -> np.ndarray:
         base = (3, 3) if setup.root == "planar" else (7, 6)
         fields = ("qpos", "qvel", "qacc", "xmat", "xipos", "subtree_com", "cvel", "cfrc_ext")
         return np.array(
@@ -111,22 +124,21 @@ class Twin:
                 setup.root == "planar",
                 *native.offsets(*fields),
                 setup.scene is not None,
-                self._order.size - robot.n_links,
+                n_bodies - robot.n_links,
             ],
             dtype=np.int64,
         )
 
     def run(
         self,
-        values: np.ndarray,
-        given: tuple[np.ndarray, np.ndarray, list[water.Element]],
+        each: Sequence[np.ndarray],
+        given: Sequence[tuple[np.ndarray, np.ndarray, list[water.Element]]],
         steps: int,
         dt: float,
         every: int,
-        log: np.ndarray,
         current: tuple[float, ...] | None,
-    ) -> int:
-        """Advance `values` in place; see `stepping.run`. The `current` is that of the water now [m/s]."""
+    ) -> np.ndarray:
+        """Advance the states of `each` in place; the samples of all. The `current` is that of the water now [m/s]."""
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
@@ -134,36 +146,47 @@ class Twin:
             if current is not None:
                 self.water.set_current((*current, 0.0)[:3])
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
-            for record, element in zip(records[len(records) - len(given[2]) :], given[2], strict=True):
-                record[table.THRUST : table.THRUST + 3] = element.thrust
-                record[table.ROTATION : table.ROTATION + 9] = element.rotation.ravel()
-            robot = (self._mass, self._order, self._hold)
-            return int(self._stepping.run(self._setup, values, *given[:2], *robot, steps, dt, every, log))
+            for end, (_, _, effectors) in zip(self._ends, given, strict=True):
+                for record, element in zip(records[end - len(effectors) : end], effectors, strict=True):
+                    record[table.THRUST : table.THRUST + 3] = element.thrust
+                    record[table.ROTATION : table.ROTATION + 9] = element.rotation.ravel()
+            at, (parts, moving) = rows.STATE_ROWS, self._parts(each)
+            states = np.concatenate([part for head, _, tail in parts for part in (head, tail)])
+            places, log = self.places.copy(), np.empty((1 + steps // every, self.places[-1, rows.FIRST_COLUMN]))
+            places[1:, rows.FIRST_GIVEN] = np.cumsum([one[0].size for one in given])
+            told = np.concatenate([one[0] for one in given]), np.concatenate([one[1] for one in given])
+            robots = self._masses, self.order, self._hold
+            written = self._stepping.run(self._setups, places, states, moving, *told, *robots, steps, dt, every, log)
+            for (head, own, tail), here, a in zip(parts, self._here, places[:, rows.FIRST_STATE], strict=False):
+                own[:], head[:] = moving[here], states[a : a + at]
+                tail[:] = states[a + at :][: tail.size]
+            return log[:written]
+
+    def _parts(self, each: Sequence[np.ndarray]) -> tuple[list[list[np.ndarray]], np.ndarray]:
+        """Each state's rows, qpos and qvel, and the rest; and qpos and qvel of all."""
+        at, moving = rows.STATE_ROWS, np.empty(self.n_qpos + self.n_qvel)
+        parts = [np.split(values, [at, at + here.size]) for values, here in zip(each, self._here, strict=True)]
+        for (_, own, _), here in zip(parts, self._here, strict=True):
+            moving[here] = own
+        return parts, moving
+
+    def data(self, each: Sequence[np.ndarray]) -> Any:
+        """A `mujoco.MjData` at the robots' states `each`, with its kinematics; its own, not the marches'."""
+        data, (_, moving) = load_mujoco().MjData(self.model), self._parts(each)
+        data.time, (data.qpos[:], data.qvel[:]) = each[0][rows.TIME], np.split(moving, [self.n_qpos])
+        load_mujoco().mj_kinematics(self.model, data)
+        load_mujoco().mj_comPos(self.model, data)
+        return data
 
     def forces(self) -> np.ndarray:
         """Forces on every link where the last run ended, (3, n_links, 3) [N]; the fin's are the tail link's."""
         loads_on = self.water.forces(self._data)
-        total = np.zeros((len(FORCES), int(self._setup[rows.N_LINKS]), 3))
+        total = np.zeros((len(FORCES), self._n_links, 3))
         for i, element in enumerate(self.water.elements):
             link = int(str(element.body).removeprefix("module_")) if str(element.body).startswith("module_") else 0
             for k, name in enumerate(FORCES):
                 total[k, link] += loads_on[name][i]
         return total
-
-    def check_free(self, data: Any) -> None:
-        """Refuse a start at which the robot is inside something.
-
-        Args:
-            data: A `mujoco.MjData` at the start, with its kinematics.
-        """
-        load_mujoco().mj_collision(self.model, data)
-        for touch in data.contact[: data.ncon]:
-            bodies = [int(self.model.geom_bodyid[k]) for k in touch.geom]
-            mine = [k for k, body in enumerate(bodies) if body in self._order]
-            if touch.dist < -DEEPEST and len(mine) == 1:
-                link, other = (self.model.geom(int(touch.geom[k])).name for k in (mine[0], 1 - mine[0]))
-                depth = f"{link.removesuffix('_hull')} is {-1e3 * touch.dist:.0f} mm deep in it"
-                raise BadArgument("start", f"must not put the robot into `{other}` of the scene, but {depth}")
 
     def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
         """Distances from the tip of the head [m], infinite where there is nothing.
@@ -172,8 +195,8 @@ class Twin:
             data: A `mujoco.MjData` with its kinematics.
             rays: Directions in the head's plane, from its x axis to its left [rad].
         """
-        mujoco, n = load_mujoco(), int(self._setup[rows.N_LINKS])
-        head, geom = int(self._order[n - 1]), np.zeros(1, dtype=np.int32)
+        mujoco, n = load_mujoco(), self._n_links
+        head, geom = int(self.order[n - 1]), np.zeros(1, dtype=np.int32)
         turned, tip = data.xmat[head].reshape(3, 3), data.site(f"module_{n - 1}_center").xpos
         tip = data.xpos[head] + 2.0 * (tip - data.xpos[head])
         ways = [turned @ (np.cos(angle), np.sin(angle), 0.0) for angle in rays]
@@ -188,6 +211,51 @@ def stepping(joints: JointLaw) -> ModuleType:
         joints: Whose formula is compiled beside the built-in ones, if it is none of them.
     """
     return specialized("laticauda.spatial", TEMPLATES, {"joint_law": joints.own})
+
+
+def _elements(robot: Robot, environment: Environment, setup: Spatial) -> tuple[water.Element, ...]:
+    """What the water and the ground see of a robot."""
+    found = robot_elements(robot, environment, floats=floats(setup))
+    land = land_of(environment, setup)
+    return found if land is None else on_ground(found, robot, land, wet=not isinstance(environment, Ground))
+
+
+def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
+    """The `mujoco.MjSpec` of a robot in its place.
+
+    Args:
+        robot: What swims.
+        environment: The water it swims in, or the ground.
+        setup: The model's settings.
+    """
+    mujoco, land = load_mujoco(), land_of(environment, setup)
+    spec = mjcf.spec(
+        robot,
+        environment,
+        root=setup.root or "free",
+        actuators="none",
+        sensors=False,
+        visuals=False,
+        scene=setup.scene,
+        ballast_depth=setup.ballast_depth if floats(setup) else 0.0,
+    )
+    if setup.scene is not None:  # where the solver begins must not depend on what was marched before
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
+        # With little friction, MuJoCo's pyramids make contacts hundreds of times as stiff as they are meant to be.
+        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    if land is not None:
+        for geom in spec.geoms:
+            if geom.name in scene.GROUNDS:  # it is among the loads
+                geom.contype = geom.conaffinity = 0
+        spec.option.gravity = (0.0, 0.0, -land.gravity)
+    if not setup.gravity or setup.root == "planar":
+        spec.option.gravity = (0.0, 0.0, 0.0)
+    return spec
+
+
+def floats(setup: Spatial) -> bool:
+    """Whether there is weight and buoyancy in `setup`, and what moves by them."""
+    return setup.gravity and setup.root == "free"
 
 
 def land_of(environment: Environment, setup: Spatial) -> Ground | None:
