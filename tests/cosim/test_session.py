@@ -10,6 +10,7 @@ from laticauda.cosim import Session
 from laticauda.cosim.messages import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
+from laticauda.robot import Thruster
 from laticauda.simulate import plant
 
 
@@ -138,6 +139,29 @@ def test_spatial_worlds_move_at_the_same_time_and_each_as_if_alone():
         assert list(pool.map(places, offsets)) == [places(offset) for offset in offsets]
 
 
+def test_a_world_in_space_starts_at_depth_and_drifts_upward(ask):
+    pytest.importorskip("mujoco")
+    ask("reset", model="spatial", root="free", gait={"amplitude": 0.0}, depth=2.0, pitch=0.1)
+    risen = ask("step", duration=5.0, current=[0.0, 0.0, 0.1])["observation"]
+    assert risen["center_of_mass_velocity"][2] > 0.02
+    assert "`start.depth` must" in ask("reset", depth=2.0)["error"]
+
+
+def test_thrusters_do_what_a_message_says_until_it_is_taken_back():
+    thruster = Thruster(link=0, thrust=0.0, max_thrust=3.0)
+    session = Session({"pushed": replace(lc.load_robot("chain", 3), thrusters=(thruster,))})
+
+    def speed(**fields):
+        answer = json.loads(session.answer(json.dumps({"do": "step", "duration": 4.0, **fields}).encode()))
+        return answer["observation"]["center_of_mass_velocity"][0]
+
+    session.answer(json.dumps({"do": "reset", "robot": "pushed", "gait": {"amplitude": 0.0}}).encode())
+    assert speed() == pytest.approx(0.0, abs=1e-9)
+    fast = speed(thrusts=2.0)
+    assert fast > 0.1
+    assert speed(thrusts=[]) < fast
+
+
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ask("reset", joints="pd", dt=0.5, coefficients={"normal_drag": 50.0, "tangential_friction": 50.0})
     assert "diverged at t = " in ask("step", duration=50.0)["error"]
@@ -159,7 +183,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
-        ("set", {"current": [0.1]}, "`current` must be two numbers in m/s, got 1 of them."),
+        ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s, got 1 of them."),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
         ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
         ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),

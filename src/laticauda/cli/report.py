@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from laticauda.cli.tables import aligned, number, percent, read_in
 from laticauda.gaits import Custom, Gait, Wave
 from laticauda.quantities import quantities_of
@@ -230,6 +232,10 @@ def _run(trial: Trial) -> str:
     for name, words, unit in (("dt", "time step", "s"), ("ramp", "smooth start", "s")):
         if settings.get(name):
             parts.append(f"{words} {settings[name]:g} {unit}")
+    if settings.get("scene"):
+        force = (trial.link_force or {}).get("contact", np.zeros((1, 3)))
+        strongest = np.linalg.norm(force, axis=-1).max()
+        parts.append(f"scene {settings['scene']}: it pushes a link with {number(strongest)} N at most")
     is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
     if is_steered and settings.get("offset_bandwidth"):
         parts.append(f"steering: {loop_in_words(settings)}")

@@ -15,6 +15,7 @@ from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import TEXTBOOK, Robot, Water, ground_names, load_robot, parameter_names, robot_names, water_names
+from laticauda.robot.environment import Current
 from laticauda.scenarios import Choice, Scenario
 
 PROTOCOL_VERSION = 1
@@ -78,11 +79,12 @@ def _plain(value: Any) -> Any:
 # Mamba's first trial of the paper.
 FIRST_GAIT = Gait(amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0))
 MOST_LINKS = 200
-HELD = ("gait", "offset", "pitch_offset", "references", "enabled", "current")
+LISTS = ("references", "enabled", "thrusts", "deflections")
+HELD = ("gait", "offset", "pitch_offset", *LISTS, "current")
 """Fields that `step` and `set` change."""
 NAMES = tuple(Choice.__dataclass_fields__)
-MODEL = ("joints", "dt", "ramp", "offset_bandwidth")
-START = ("center_of_mass", "heading")
+MODEL = ("joints", "dt", "ramp", "offset_bandwidth", "root")
+START = ("center_of_mass", "heading", "depth", "pitch", "roll")
 MADE_FROM = (*dict.fromkeys((*NAMES, *MODEL, *START)), "sample_interval", "coefficients", *HELD)
 """Fields of a message that a world is made from."""
 
@@ -96,7 +98,9 @@ class _Held:
     pitch_offset: float = quantity("rad", "Of all pitch joints", ge=-1e3, le=1e3, default=0.0)
     references: tuple[float, ...] | None = quantity("rad", "Where joints go, not where the gait says", default=None)
     enabled: tuple[bool, ...] | None = option("Whether each joint's motor is on", default=None)
-    current: tuple[float, float] = quantity("m/s", "Which the water moves to", ge=-100.0, le=100.0, default=(0.0, 0.0))
+    thrusts: tuple[float, ...] | None = quantity("N", "Of every driven thruster", default=None)
+    deflections: tuple[float, ...] | None = quantity("rad", "Of every driven pectoral fin", default=None)
+    current: Current = quantity("m/s", "Which the water moves to", ge=-100.0, le=100.0, default=(0.0, 0.0))
 
 
 def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> Scenario:
@@ -172,7 +176,7 @@ def read_command(message: Message, held: Command) -> Command:
     """
     changes = _held(_given(message, ("offset", "pitch_offset")), "offset", "pitch_offset")
     # Octave and MATLAB write arrays of one number as the number, and null as an empty array.
-    said = {name: message[name] for name in ("references", "enabled") if name in message}
+    said = {name: message[name] for name in LISTS if name in message}
     lists = {
         name: None if one == [] else [one] if isinstance(one, bool | int | float) else one for name, one in said.items()
     }
