@@ -3,7 +3,7 @@
 Installs laticauda[spatial] with each by pip, looks that the library that runs is the one that is imported, and runs
 `campaigns/strangers.py` there. dm_control 1.0.50 does not work with MuJoCo 4, so it gets 3.17.
 
-Last answer, of the same steps by hand:
+Last answer, of 2026-11-22 (each ran the script to its end):
 
     mujoco                 4.0.0, no broken requirements
     gymnasium[mujoco]      4.0.0, no broken requirements
