@@ -20,7 +20,7 @@ from laticauda.extras import optional_import
 from laticauda.files import read_bytes
 from laticauda.trial import Format
 from laticauda.trial.arrays import Samples
-from laticauda.trial.dataset import MARK, assembled, packed, variable
+from laticauda.trial.dataset import MARK, assembled, variable
 
 if TYPE_CHECKING:
     import xarray
@@ -80,21 +80,7 @@ def _decoded(content: bytes) -> "xarray.Dataset":
 
     # From memory: what the file system has to say was said when the bytes were read.
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
-        found = xarray.open_dataset(NetCDF4DataStore(file), decode_cf=False).load()
-        if found.attrs.get(MARK) == 1:
-            found.attrs["state_arrays"] = _state(file, found.attrs)
-    return found
-
-
-def _state(file: Any, attributes: Any) -> dict[str, Any]:
-    """The arrays of the state, which files of format 1 have in a group."""
-    kinds: dict[str, str] = json.loads(attributes["state"])
-    group = file.groups["state"]
-    group.set_auto_mask(False)
-    for name in kinds:
-        if name not in group.variables:
-            raise KeyError(f"state/{name}")
-    return {name: packed(np.asarray(group[name][...]).astype(kind)) for name, kind in kinds.items()}
+        return xarray.open_dataset(NetCDF4DataStore(file), decode_cf=False).load()
 
 
 TEXT = "laticauda_trial"

@@ -11,12 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.codec import decode, keys_of
-from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
-from laticauda.robot import Ground, Robot, Water, from_toml
-from laticauda.scenarios import Experiment, Scenario, run_from_toml, run_to_toml
-from laticauda.scenarios.coding import run_of_settings
+from laticauda.codec import keys_of
+from laticauda.scenarios import run_from_toml, run_to_toml
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import Contents
@@ -25,8 +21,7 @@ if TYPE_CHECKING:
     import xarray
 
 FORMAT = 2
-"""Number of this layout: 1 kept robot, gait, environment and settings, and the kinds of numbers of the state, apart. A
-larger one is a newer laticauda's."""
+"""Number of this layout; another one is an older or a newer laticauda's."""
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
@@ -148,22 +143,24 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         return dataset.variables[name].values
 
     forces: list[str] | None = json.loads(attributes["link_force"])
+    with keys_of("scenario", ValueError):
+        scenario = run_from_toml(attributes["scenario"])
     return {
         **{name: read(name) for name in PLAIN},
         "work": np.stack([read(name) for name in WORK], axis=1),
         "electrical_work": read(ELECTRICAL) if attributes["has_electrical_work"] else None,
         "link_force": None if forces is None else {name: read(LINK_FORCE + name) for name in forces},
         "signals": {name: read(SIGNAL + name) for name in json.loads(attributes["signals"])},
-        "scenario": _scenario(attributes, read),
+        "scenario": scenario,
         **{name: str(attributes[name]) for name in TEXTS},
         "succeeded": bool(attributes["succeeded"]),
-        "not_measured": tuple(json.loads(attributes.get("not_measured", "[]"))),  # older versions have none
+        "not_measured": tuple(json.loads(attributes["not_measured"])),
         "state": _state(attributes),
     }
 
 
 def check_format(attributes: Mapping[str, Any]) -> None:
-    """Refuse what is no trial, or one of a newer laticauda.
+    """Refuse what is no trial, or one of another format.
 
     Args:
         attributes: Of a Dataset.
@@ -173,8 +170,11 @@ def check_format(attributes: Mapping[str, Any]) -> None:
     """
     if MARK not in attributes:
         raise ValueError("it is no trial of laticauda.")
-    if not 1 <= attributes[MARK] <= FORMAT:
-        raise ValueError(f"it has format {attributes[MARK]}, and this version of laticauda reads format {FORMAT}.")
+    if attributes[MARK] != FORMAT:
+        raise ValueError(
+            f"it has format {attributes[MARK]}, and this version of laticauda reads format {FORMAT}: read it with the "
+            f"one that wrote it, {attributes.get('version')} of {str(attributes.get('created'))[:10]}."
+        )
 
 
 def packed(values: AnyArray) -> dict[str, Any]:
@@ -207,33 +207,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
 
 def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
     stored: dict[str, Any] = json.loads(attributes["state"])
-    if attributes[MARK] == 1:
-        arrays: Mapping[str, Any] = attributes["state_arrays"]
-        stored = {name: {**arrays[name], "dtype": kind} for name, kind in stored.items()}
     return {
         name: np.frombuffer(base64.b64decode(one["bytes"]), one["dtype"]).reshape(one["shape"])
         for name, one in stored.items()
     }
-
-
-def _scenario(attributes: Mapping[str, Any], read: Callable[[str], AnyArray]) -> Scenario | Experiment:
-    if attributes[MARK] > 1:
-        with keys_of("scenario", ValueError):
-            return run_from_toml(attributes["scenario"])
-    gait: dict[str, Any] | None = json.loads(attributes["gait"])
-    robot, environment = from_toml(attributes["robot"], Robot), _environment(attributes["environment"])
-    log = {name: read(name) for name in ("time", "center_of_mass", "center_of_mass_velocity", "heading")}
-    made = None if gait is None else _gait(gait)
-    return run_of_settings(robot, made, environment, json.loads(attributes["settings"]), log)
-
-
-def _gait(table: Any) -> Gait:
-    with keys_of("gait", ValueError):
-        return decode(Gait, table)
-
-
-def _environment(text: str) -> Water | Ground:
-    read = from_toml(text)
-    if isinstance(read, Robot):
-        raise BadArgument("environment", "must be water or ground, got a robot")
-    return read

@@ -8,27 +8,20 @@ from collections.abc import Mapping
 from dataclasses import is_dataclass, replace
 from typing import Any, TypeAlias, cast
 
-import numpy as np
-
 from laticauda.codec import decode, encode
-from laticauda.control import IntegralLineOfSight, LineOfSight, PathFollowing, Polyline, Spline, StraightLine
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, instance
 from laticauda.estimation import Estimator, KinematicEstimator
-from laticauda.extensions import name_of
 from laticauda.fluid.laws import FunctionDrag
-from laticauda.gaits import Gait
-from laticauda.interfaces import Controller, OpenLoop
+from laticauda.interfaces import Controller
 from laticauda.packaging import __version__
 from laticauda.quantities import option, quantity, value
-from laticauda.robot import Robot, law_of
-from laticauda.robot.files import from_toml
+from laticauda.robot import law_of
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
-from laticauda.scenarios.coding import run_of_settings
 
 HEADER = "operation"
-FORMATS = ("1", "2")
-"""That are read; the last one is written."""
+FORMAT = "2"
+"""That is read and written."""
 Estimators: TypeAlias = Estimator | KinematicEstimator
 
 
@@ -62,7 +55,7 @@ class Header:
         if estimator is not None:
             del estimator["robot"]  # it is the run's
         return {
-            "format": FORMATS[-1],
+            "format": FORMAT,
             "version": __version__,
             "run": run_to_toml(self.run),
             "controller": json.dumps(encode(self.controller, Controller)),
@@ -77,20 +70,19 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
     """The header that `Header.texts` made texts of; it equals that one.
 
     Args:
-        texts: Of one of `FORMATS`.
+        texts: Of `FORMAT`.
 
     Raises:
         KeyError: If one is missing.
         BadKey: If one is not as it may be.
         ValueError: Likewise.
     """
-    texts = texts if "run" in texts else _today(texts)
-    run, estimator = cast(Any, run_from_toml(texts["run"])), named_today(json.loads(texts["estimator"]))
+    run, estimator = cast(Any, run_from_toml(texts["run"])), json.loads(texts["estimator"])
     if estimator is not None:
         estimator = {**estimator, "robot": run.robot}
     return Header(
         run=run,
-        controller=decode(cast(Any, Controller), named_today(json.loads(texts["controller"])), "controller"),
+        controller=decode(cast(Any, Controller), json.loads(texts["controller"]), "controller"),
         estimator=decode(Estimators, estimator, "estimator"),
         twin=cast(Any, run_from_toml(texts["twin"])) if texts["twin"] else None,
         supply_voltage=float(texts["supply_voltage"]) if texts["supply_voltage"] else None,
@@ -103,38 +95,3 @@ def _record_of(plant: Plant[Any]) -> Experiment:
     if isinstance(law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
         raise BadArgument("plant", "must have a law that is a class, and no scene, to be recorded")
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)
-
-
-# ---- format 1, of version 0.1 ----------------------------------------------------------------------------------------
-
-_CHOICES = (PathFollowing, OpenLoop, LineOfSight, IntegralLineOfSight, StraightLine, Polyline, Spline)
-_KINDS = {kind.__name__: name_of(kind) for kind in (*_CHOICES, Estimator, KinematicEstimator)}
-
-
-def named_today(plain: Any) -> Any:
-    """What JSON says of a value as the codec has it: format 1 had the name of every class, and every None."""
-    if isinstance(plain, list):
-        return [named_today(one) for one in cast("list[Any]", plain)]
-    if not isinstance(plain, dict):
-        return plain
-    table = {key: named_today(one) for key, one in cast("dict[str, Any]", plain).items() if one is not None}
-    kind = table.pop("class", "")
-    return {**table, "kind": _KINDS[kind]} if kind in _KINDS else table
-
-
-def _today(texts: Mapping[str, str]) -> dict[str, str]:
-    """The texts of a header of format 1 as today's."""
-    estimator: dict[str, Any] = json.loads(texts["estimator"]) or {}
-    plant: dict[str, Any] | None = estimator.pop("plant", None)
-    return {
-        **texts,
-        "run": _run(texts, json.loads(texts["settings"]), named_today(json.loads(texts["gait"]))),
-        "estimator": json.dumps(estimator or None),
-        "twin": "" if plant is None else _run(plant, plant["settings"], None),
-    }
-
-
-def _run(texts: Mapping[str, str], settings: Mapping[str, Any], gait: Any) -> str:
-    robot, environment = from_toml(texts["robot"], Robot), cast(Any, from_toml(texts["environment"]))
-    of_no_time = {"time": np.zeros(1)}
-    return run_to_toml(run_of_settings(robot, decode(Gait | None, gait), environment, settings, of_no_time))

@@ -14,7 +14,7 @@ from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, R
 from laticauda.interfaces import Command, Controller
 from laticauda.logs import Logged, open_recording
 from laticauda.operate.recording.entries import SCHEMAS, Decision, Event, Measurement, Tick, Timing
-from laticauda.operate.recording.header import FORMATS, HEADER, Header, header_from_texts, named_today
+from laticauda.operate.recording.header import FORMAT, HEADER, Header, header_from_texts
 from laticauda.operate.recording.recorder import COMMAND, TICK
 
 Entry = Measurement | Estimate | Decision | Event | Tick
@@ -71,10 +71,10 @@ def read_operation(path: str | Path) -> OperationLog:
     texts = recording.metadata.get(HEADER)
     if texts is None:
         raise TrialFileError(f"Cannot load {path}: it is no recording of an operation, or its beginning is missing.")
-    if texts.get("format") not in FORMATS:
+    if texts.get("format") != FORMAT:
         raise TrialFileError(
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
-            f"{' and '.join(FORMATS)}: read it with the laticauda that wrote it, {texts.get('version')}."
+            f"{FORMAT}: read it with the laticauda that wrote it, {texts.get('version')}."
         )
     try:
         with keys_of(f"Cannot load {path}", TrialFileError):
@@ -104,7 +104,7 @@ def _entry(logged: Logged) -> Entry:
         )
     if logged.topic == COMMAND:
         decided = json.loads(content["data"])
-        decided["command"] = decode(Command, named_today(decided["command"]), "command")
+        decided["command"] = decode(Command, decided["command"], "command")
         return Decision(**decided)
     if logged.topic == TICK:
         return Tick(*content["data"])
