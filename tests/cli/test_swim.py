@@ -322,3 +322,17 @@ def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_
 def test_a_water_that_is_named_beside_a_scenario_file_keeps_its_name(run):
     assert run("swim --duration 1 --save-scenario run.toml").status == 0
     assert json.loads(run("swim run.toml --water paper-eel --json").out)["environment"] == "paper-eel"
+
+
+def test_robots_of_further_scenario_files_swim_in_the_same_scene(run):
+    pytest.importorskip("mujoco")
+    scene = "swim --model spatial --scene open --duration 0.2"
+    assert run(f"{scene} --save-scenario other.toml").status == 0
+    done = run(f"{scene} --robot mamba-fin --position 0 0.6 --beside other.toml --save two.nc --json")
+    found = json.loads(done.out)
+    first, second = lc.load_trial("two.nc"), lc.load_trial("two-1.nc")
+    assert (first.robot.name, second.robot.name) == ("mamba-fin", "mamba")
+    assert found["mean_power"] == first.mean_power
+    assert found["beside"][0]["mean_power"] == second.mean_power
+    refused = run("swim --model spatial --scene open --duration 0.3 --position 0 1 --beside other.toml")
+    assert (refused.status, refused.err) == (2, "laticauda: --duration must be the same for all robots in one scene.\n")

@@ -66,6 +66,17 @@ def test_the_replay_is_where_the_trial_was(name):
         np.testing.assert_allclose(found[:, 2], -1.0, atol=1e-9)
 
 
+def test_robots_in_one_scene_are_each_where_their_trials_were():
+    start = {"center_of_mass": (0.3, 0.6), "heading": 0.4}
+    first, second = swum("mamba-modules", duration=1.0), swum("mamba-fin", duration=1.0)
+    studio = studio_of(first, others=[second.robot])
+    postures = [posture_at(first, 1.0, -1.0), posture_at(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0)]
+    studio.take(*postures)
+    for body, posture in zip(("module_0", "robot_1_module_0"), postures, strict=True):
+        center = studio.data.subtree_com[studio.model.body(body).id]
+        np.testing.assert_allclose(center, posture.center_of_mass, atol=1e-9)
+
+
 def with_other(trial, **parts):
     return replace(trial, scenario=replace(trial.scenario, **parts))
 

@@ -8,7 +8,7 @@ import laticauda as lc
 from laticauda import figures, simulate
 from laticauda.cli import flags
 from laticauda.cli.command import Outcome
-from laticauda.cli.flags import BadFlag, File, NetCdf, Picture, ScenarioFile, Toml
+from laticauda.cli.flags import BadFlag, File, Files, NetCdf, Picture, ScenarioFile, Toml
 from laticauda.cli.progress import run_bar
 from laticauda.cli.report import as_text, facts_of, interval_table
 from laticauda.cli.scene import OfScenario, warn_of_compiling
@@ -25,7 +25,14 @@ class Recording(Filming):
     plot: Picture = option("Draw path, speed, joint angles and torques into this picture (.png or .pdf)", default=None)
     sheet: ClassVar[str] = "swim_sheet"
 
-    def outcome(self, trial: lc.Trial, origin: str, more: str = "", facts: Mapping[str, Any] | None = None) -> Outcome:
+    def outcome(
+        self,
+        trial: lc.Trial,
+        origin: str,
+        more: str = "",
+        facts: Mapping[str, Any] | None = None,
+        beside: Sequence[lc.Trial] = (),
+    ) -> Outcome:
         """Write what is asked for, and say what came out.
 
         Args:
@@ -33,12 +40,14 @@ class Recording(Filming):
             origin: Where its coefficients are from, in words.
             more: What is printed below the table.
             facts: What is known besides, for JSON.
+            beside: Of other robots in the same scene.
         """
         if self.save is not None:
-            trial.save(self.save)
+            for k, one in enumerate((trial, *beside)):
+                one.save(f"{self.save.removesuffix('.nc')}-{k}.nc" if k else self.save)
         if self.plot is not None:
             figures.save_figure(getattr(figures, self.sheet)(trial), self.plot)
-        self.write_film(trial)
+        self.write_film(trial, beside=beside)
         return Outcome(
             facts={**facts_of(trial), **(facts or {})},
             text=as_text(trial, origin) + more,
@@ -81,6 +90,11 @@ class Swim(Run):
         default=False,
     )
 
+    beside: Files = option(
+        "Scenario files of further robots in the same scene; --save run.nc writes their trials to run-1.nc and so on",
+        default=(),
+    )
+
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """The command that was typed; see `OfScenario.read`."""
@@ -88,11 +102,20 @@ class Swim(Run):
 
     def run(self) -> Outcome:
         """Run and write."""
+        if self.beside:
+            return self._together()
         trial = self.swum(self.chosen)
         if not self.interval:
             return self.outcome(trial, self.origin)
         found = simulate.spread(trial)
         return self.outcome(trial, self.origin, f"\n\n{interval_table(trial, found)}", {"interval": found})
+
+    def _together(self) -> Outcome:
+        """The robot and those of further scenario files, in one scene."""
+        scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
+        trial, *others = lc.swim_together(scenarios, progress=run_bar(self.chosen.duration))
+        facts = {"beside": [facts_of(one) for one in others]}
+        return self.outcome(trial, self.origin, "".join(f"\n\n{as_text(one)}" for one in others), facts, others)
 
 
 @value

@@ -1,10 +1,11 @@
 """`laticauda view`: a stored trial in 3D, in a window, as a film or as a picture."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import laticauda as lc
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flags import File, Input, Mp4, Written
+from laticauda.cli.flags import File, Files, Input, Mp4, Written
 from laticauda.cli.progress import film_bar
 from laticauda.errors import BadArgument
 from laticauda.pictures.camera import Film
@@ -18,18 +19,19 @@ class Filming(Command):
     video: Mp4 = option("Show the run in 3D in this film (.mp4)", default=None)
     film: Film = option("What the film shows, and how large", default=Film())
 
-    def write_film(self, trial: lc.Trial, speed: float = 1.0) -> None:
+    def write_film(self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()) -> None:
         """Write the film of a trial, if that is asked for.
 
         Args:
             trial: Any.
             speed: How many times as fast to show it [-].
+            beside: Of other robots in the same scene.
         """
         if self.video is not None:
             from laticauda.pictures.render import video
 
             begin, end = self.film.span(trial)
-            video(trial, self.video, self.film, speed=speed, progress=film_bar(end - begin))
+            video(trial, self.video, self.film, speed=speed, beside=beside, progress=film_bar(end - begin))
 
 
 @value
@@ -45,17 +47,18 @@ class View(Filming):
     still: Annotated[File, Written((".png",))] = option("Write a picture (.png)", default=None)
     time: float | None = quantity("s", "Moment of the picture; the end if left out", default=None)
     speed: float = quantity("", "How many times as fast to show it", gt=0.0, default=1.0)
+    beside: Files = option("Trials of other robots in the same scene, in the film or picture too", default=())
 
     def run(self) -> Outcome:
         """Show or write."""
         if self.time is not None and self.still is None:
             raise BadArgument("time", "must be given with --still: it is the moment of the picture")
-        trial = lc.load_trial(self.file)
+        trial, *beside = [lc.load_trial(name) for name in (self.file, *self.beside)]
         if self.still is not None:
             from laticauda.pictures.render import still
 
-            still(trial, self.still, self.film, time=self.time)
-        self.write_film(trial, self.speed)
+            still(trial, self.still, self.film, time=self.time, beside=beside)
+        self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
             from laticauda.pictures.replay import show
 

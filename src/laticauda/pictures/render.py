@@ -36,6 +36,7 @@ def video(
     film: Film = Film(),  # noqa: B008 - frozen
     *,
     speed: float = 1.0,
+    beside: Sequence[Trial] = (),
     progress: Callable[[float], None] | None = None,
 ) -> None:
     """Show a trial as a film.
@@ -47,6 +48,7 @@ def video(
         path: An MP4 file, written when the film is complete.
         film: Its size, which has to be even, its pace, its part of the trial, and the camera.
         speed: 2 shows the trial twice as fast [-].
+        beside: Of other robots in the same scene, from `laticauda.swim_together`.
         progress: Called with how much of the trial has been filmed [s].
 
     Raises:
@@ -63,7 +65,7 @@ def video(
     moments = [min(begin + k * step, end) for k in range(count)]
 
     def shown() -> Iterator[Picture]:
-        for moment, picture in zip(moments, pictures(trial, film, moments, speed), strict=True):
+        for moment, picture in zip(moments, pictures(trial, film, moments, speed, beside), strict=True):
             yield picture
             if progress is not None:
                 progress(moment - begin)
@@ -71,7 +73,14 @@ def video(
     write_video(shown(), path, size=film.size, frames_per_second=film.frames_per_second)
 
 
-def still(trial: Trial, path: str | Path, film: Film = Film(), *, time: float | None = None) -> None:  # noqa: B008
+def still(
+    trial: Trial,
+    path: str | Path,
+    film: Film = Film(),  # noqa: B008 - frozen
+    *,
+    time: float | None = None,
+    beside: Sequence[Trial] = (),
+) -> None:
     """Show one moment of a trial; what is not said here is as for `video`.
 
     Args:
@@ -79,14 +88,17 @@ def still(trial: Trial, path: str | Path, film: Film = Film(), *, time: float | 
         path: A PNG file.
         film: Its size, and the camera.
         time: The moment [s]; None is the end of the film.
+        beside: Of other robots in the same scene.
     """
     begin, end = film.span(trial)
     moment = end if time is None else within("time", time, begin, end, "s")
-    [picture] = pictures(trial, film, [moment])
+    [picture] = pictures(trial, film, [moment], beside=beside)
     Image.fromarray(picture).save(path, optimize=True)
 
 
-def pictures(trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0) -> Iterator[Picture]:
+def pictures(
+    trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0, beside: Sequence[Trial] = ()
+) -> Iterator[Picture]:
     """Pictures of a trial, words included.
 
     Args:
@@ -94,8 +106,9 @@ def pictures(trial: Trial, film: Film, moments: Iterable[float], speed: float = 
         film: Their size, and the camera.
         moments: Of which [s].
         speed: What the words say of the film's [-].
+        beside: Of other robots in the same scene.
     """
-    with closing(studio_of(trial, size=film.size)) as studio:
+    with closing(studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
         height, width = studio.height, LINE * film.size[0]
         path = lines.path_dashes(trial, height)
         for time in moments:
@@ -105,7 +118,8 @@ def pictures(trial: Trial, film: Film, moments: Iterable[float], speed: float = 
                 lines.draw_trail(scene, trial, time, height, width)
 
             camera = view(trial, time, height, film)
-            picture = studio.picture(posture_at(trial, time, height), camera, decorate)
+            posture, *others = [posture_at(one, time, height) for one in (trial, *beside)]
+            picture = studio.picture(posture, camera, decorate, others)
             figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
             yield write_words(picture, figures, words(trial, speed))
 

@@ -2,7 +2,7 @@
 
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -52,6 +52,7 @@ class Studio:
         robot: Who is seen.
         environment: Where.
         model: Whose settings say what else is there; None: nothing.
+        others: Further robots there.
         heights: Least and greatest of the center of mass that will be shown; None: it swims in a plane [m].
         size: Width and height of pictures that will be taken of it [pixels].
 
@@ -66,12 +67,16 @@ class Studio:
         environment: Environment,
         model: Model | None = None,
         *,
+        others: Sequence[Robot] = (),
         heights: tuple[float, float] | None = None,
         size: tuple[int, int] = SIZE,
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         scene = model.scene if isinstance(model, Spatial) else None
         spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=_ballast(robot, model))
+        for k, other in enumerate(others, 1):
+            alone = mjcf.spec(other, environment, sensors=False, ballast_depth=_ballast(other, model))
+            spec.worldbody.add_frame().attach_body(alone.body("module_0"), f"robot_{k}_", "")
         on_land, (lowest, highest) = isinstance(environment, Ground), heights or (self.height, self.height)
         self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
@@ -84,15 +89,18 @@ class Studio:
         self.data: Any = load_mujoco().MjData(self.model)
         self._casters = casters(self.model)
 
-    def take(self, posture: Posture) -> None:
-        """Bend and put the robot so."""
+    def take(self, posture: Posture, *others: Posture) -> None:
+        """Bend and put the robot so, and the others there."""
         mujoco, data = load_mujoco(), self.data
-        angles = np.append(posture.joint_angle, posture.fin_angle)
-        data.qpos[:3], data.qpos[3:7] = 0.0, posture.orientation
-        data.qpos[7 : 7 + angles.size] = angles
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_comPos(self.model, data)
-        data.qpos[:3] = posture.center_of_mass - data.subtree_com[self.model.body("module_0").id]
+        for k, one in enumerate((posture, *others)):
+            body = self.model.body(f"robot_{k}_module_0" if k else "module_0")
+            angles = np.append(one.joint_angle, one.fin_angle)
+            q = data.qpos[int(self.model.jnt_qposadr[body.jntadr[0]]) :]
+            q[:3], q[3:7] = 0.0, one.orientation
+            q[7 : 7 + angles.size] = angles
+            mujoco.mj_kinematics(self.model, data)
+            mujoco.mj_comPos(self.model, data)
+            q[:3] = one.center_of_mass - data.subtree_com[body.id]
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
         mujoco.mj_camlight(self.model, data)
@@ -107,15 +115,22 @@ class Studio:
     def _renderer(self) -> Any:
         return renderer_of(self.model)
 
-    def picture(self, posture: Posture, camera: Any = None, decorate: Callable[[Any], None] | None = None) -> Picture:
+    def picture(
+        self,
+        posture: Posture,
+        camera: Any = None,
+        decorate: Callable[[Any], None] | None = None,
+        others: Sequence[Posture] = (),
+    ) -> Picture:
         """What a camera sees.
 
         Args:
             posture: Of the robot.
             camera: A `MjvCamera`; None: beside the robot, always in the same direction.
             decorate: Called with the `MjvScene` before it is drawn, to add what is in no model.
+            others: Of the other robots.
         """
-        self.take(posture)
+        self.take(posture, *others)
         renderer, flags = self._renderer, load_mujoco().mjtRndFlag
         aspect = renderer.width / renderer.height
         wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # it may look anywhere

@@ -10,11 +10,11 @@ from laticauda.packaging import __version__
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.series import Log, concatenated
 from laticauda.simulate.plants import plant
-from laticauda.simulate.runner import check_size, held, stretches
+from laticauda.simulate.runner import Progress, check_size, held, stretches
 from laticauda.trial import Trial
 
 
-def swim_together(scenarios: Sequence[Scenario]) -> list[Trial]:
+def swim_together(scenarios: Sequence[Scenario], *, progress: Progress | None = None) -> list[Trial]:
     """Run several robots in one scene.
 
     They have one environment, one scene (`open` is one with nothing else in it), one duration and sample interval;
@@ -23,6 +23,7 @@ def swim_together(scenarios: Sequence[Scenario]) -> list[Trial]:
 
     Args:
         scenarios: One for each robot, of the spatial model.
+        progress: Called now and then with the time reached [s].
 
     Returns:
         A trial for each; contacts with other robots are among its contact forces. Rays see no other robots.
@@ -64,7 +65,7 @@ def swim_together(scenarios: Sequence[Scenario]) -> list[Trial]:
     logs: list[list[Log]] = []
     signals: list[list[Mapping[str, float]]] = []
     failure: str | None = None
-    for share, count, _ in stretches(duration, sample_interval, min([math.inf, *paces])):
+    for share, count, done in stretches(duration, sample_interval, min([math.inf, *paces])):
         for k, controller in enumerate(controllers):
             if not logs or math.isfinite(controller.interval):
                 minds[k], commands[k] = controller.step(minds[k], together.plants[k].observe(each[k]))
@@ -73,6 +74,8 @@ def swim_together(scenarios: Sequence[Scenario]) -> list[Trial]:
         logs.append([log.at(slice(1, None)) if logs else log for log in found])
         if failure is not None:
             break
+        if progress is not None:
+            progress(done)
     trials: list[Trial] = []
     for k, one in enumerate(scenarios):
         parts = [log[k] for log in logs]
