@@ -18,7 +18,7 @@ from laticauda.gaits import Gait, JointAngles, recorded_gait
 from laticauda.gaits.envelopes import Custom, Envelope
 from laticauda.quantities import option, quantity, value
 from laticauda.robot import Environment, Robot, Water, load_joint_angles, load_robot
-from laticauda.scenarios import Choice, Model, Scenario, load_scenario, model_of, named_after
+from laticauda.scenarios import Choice, Model, Scenario, Spatial, load_scenario, model_of, named_after
 
 Kind = TypeVar("Kind", bound=Extensible)
 
@@ -186,7 +186,8 @@ def warn_of_compiling(environment: Environment, model: Model | str = "planar") -
         model: By which model.
     """
     if simulate.needs_compiling(environment, model):
-        print("compiling the kernels for this machine (once, about 10 s) ...", file=sys.stderr, flush=True)
+        seconds = 25 if model == "spatial" or isinstance(model, Spatial) else 10
+        print(f"compiling the kernels for this machine (once, about {seconds} s) ...", file=sys.stderr, flush=True)
 
 
 NAMES = tuple(field.name for field in fields(Names))
