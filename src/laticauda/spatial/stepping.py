@@ -106,8 +106,7 @@ def of_robot(W, r):
     s, e = S[r], S[r + 1]
     a, b = s[FIRST_JOINT], e[FIRST_JOINT]
     state, given = Y[s[FIRST_STATE] : e[FIRST_STATE]], C[s[FIRST_GIVEN] : e[FIRST_GIVEN]]
-    reference, terms = R[3 * a : 3 * b].reshape((3, b - a)), K[2 * a : 2 * b].reshape((2, b - a))
-    return N[r], state, given, J[a:b], reference, U[a:b], terms, s[FIRST_QPOS], s[FIRST_QVEL]
+    return N[r], state, given, J[a:b], R[:, a:b], U[a:b], K[:, a:b], s[FIRST_QPOS], s[FIRST_QVEL]
 
 
 @kernel
@@ -323,18 +322,19 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     qacc = field(M[DATA], M[AT_QACC], n_v)
     qpos[:], qvel[:] = moving[:n_q], moving[n_q:]
     U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
-    W = (N, S, Y, C, J, np.zeros(3 * len(J)), U, np.zeros(2 * len(J)))
+    W = (N, S, Y, C, J, np.zeros((3, len(J))), U, np.zeros((2, len(J))))
     hold[:] = 0.0
     for r in range(n_robots):
         _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
         set_reference(X, C_r, J_r, R)
     implicit, led = N[:, IS_IMPLICIT].max() != 0, C[IS_LED] != 0.0
     two_ways = implicit and any_prescribed(J)
+    if led:
+        put_all(W, qpos, qvel, hold, 0.0)
     written = 0
     for step in range(steps + 1):
         if led:
             first_of_all(W, qpos, qvel, hold, GAMMA * dt if implicit and not two_ways else 0.0)
-            put_all(W, qpos, qvel, hold, 0.0)
         evaluate(M)
         for r in range(n_robots):
             a, b = S[r, FIRST_COLUMN], S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN]
