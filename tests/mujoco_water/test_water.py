@@ -217,7 +217,7 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
     start = np.concatenate([data.qpos, mass @ (data.qvel[:3] - current), inertia @ data.qvel[3:]])
     found = solve_ivp(rates, (0, 3), start, "DOP853", rtol=1e-12, atol=1e-13).y[:7, -1]
     mujoco.mj_step(model, data, nstep=3000)
-    np.testing.assert_allclose(data.qpos, found, atol=1e-8)
+    np.testing.assert_allclose(data.qpos, found, atol=1e-8 if RK4_ORDER == 4 else 1e-5)
 
 
 def test_kirchhoff_keeps_momentum():

@@ -58,6 +58,7 @@ def test_contact_forces_are_saved_and_loaded(tmp_path):
     trial = swim("pegs", 6.0, joints="servo", link_forces=True)
     assert set(trial.link_force) == {"drag", "added_mass", "effector", "contact"}
     assert np.max(np.abs(trial.link_force["contact"])) > 1.0
+    pytest.importorskip("mcap")
     for name in ("run.nc", "run.mcap"):
         trial.save(tmp_path / name)
         again = lc.load_trial(tmp_path / name)
