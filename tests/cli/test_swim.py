@@ -336,3 +336,9 @@ def test_robots_of_further_scenario_files_swim_in_the_same_scene(run):
     assert found["beside"][0]["mean_power"] == second.mean_power
     refused = run("swim --model spatial --scene open --duration 0.3 --position 0 1 --beside other.toml")
     assert (refused.status, refused.err) == (2, "laticauda: --duration must be the same for all robots in one scene.\n")
+
+
+def test_a_scene_that_needs_water_is_refused_on_the_ground(run):
+    done = run("swim --model spatial --scene shore --ground viscous")
+    said = "laticauda: --scene must not be `shore` without water, got the ground `viscous`.\n"
+    assert (done.status, done.err) == (2, said)

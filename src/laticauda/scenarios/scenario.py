@@ -143,6 +143,8 @@ class Scenario:
     def __post_init__(self) -> None:
         """Check what its type does not tell."""
         instance("motion", self.motion, Gait, Controller)
+        if isinstance(self.model, Spatial) and self.model.scene is not None:
+            self.model.scene.check(self.environment)
 
     @property
     def gait(self) -> Gait:
