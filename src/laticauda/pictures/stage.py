@@ -76,7 +76,7 @@ class Studio:
         spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=_ballast(robot, model))
         for k, other in enumerate(others, 1):
             alone = mjcf.spec(other, environment, sensors=False, ballast_depth=_ballast(other, model))
-            spec.worldbody.add_frame().attach_body(alone.body("module_0"), f"robot_{k}_", "")
+            mjcf.add_robot(spec, alone, k)
         on_land, (lowest, highest) = isinstance(environment, Ground), heights or (self.height, self.height)
         self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
@@ -93,7 +93,7 @@ class Studio:
         """Bend and put the robot so, and the others there."""
         mujoco, data = load_mujoco(), self.data
         for k, one in enumerate((posture, *others)):
-            body = self.model.body(f"robot_{k}_module_0" if k else "module_0")
+            body = self.model.body(f"{mjcf.prefix(k)}module_0")
             angles = np.append(one.joint_angle, one.fin_angle)
             q = data.qpos[int(self.model.jnt_qposadr[body.jntadr[0]]) :]
             q[:3], q[3:7] = 0.0, one.orientation

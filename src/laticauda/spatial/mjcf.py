@@ -122,6 +122,22 @@ def write_mjcf(
     write(path, model.to_xml())
 
 
+def prefix(k: int) -> str:
+    """What the names of the k-th robot of a model begin with; those of the first, 0, are its own."""
+    return f"robot_{k}_" if k else ""
+
+
+def add_robot(model: Any, alone: Any, k: int) -> None:
+    """Put a further robot into a model, where it stands in its own.
+
+    Args:
+        model: A `MjSpec`.
+        alone: Another one, with that robot.
+        k: Its number, from 1 on; see `prefix`.
+    """
+    model.worldbody.add_frame().attach_body(alone.body("module_0"), prefix(k), "")
+
+
 def start_height(robot: Robot, environment: Environment, scene: Scene | None = None) -> float:
     """Height at which the model's robot lies at first [m]: the axis's depth below the surface, or on the ground.
 

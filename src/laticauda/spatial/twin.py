@@ -39,11 +39,10 @@ class Twin:
         self.lock = RLock()
         ballast = setup.ballast_depth if floats(setup) else 0.0
         spec = spec_of(robot, environment, setup)
-        members = [(robot, setup, ""), *((*one, f"robot_{k}_") for k, one in enumerate(others, 1))]
+        members = [(*one, mjcf.prefix(k)) for k, one in enumerate(((robot, setup), *others))]
         with scene.blamed():
-            for other, own, prefix in members[1:]:
-                alone = spec_of(other, environment, replace(own, scene=scene.Open()))
-                spec.worldbody.add_frame().attach_body(alone.body("module_0"), prefix, "")
+            for k, (other, own) in enumerate(others, 1):
+                mjcf.add_robot(spec, spec_of(other, environment, replace(own, scene=scene.Open())), k)
             self.model = water.compiled(spec)
         if setup.dt is not None:
             self.model.opt.timestep = setup.dt
