@@ -34,7 +34,7 @@ from laticauda.pictures.camera import Film
 from laticauda.pictures.render import still
 from laticauda.reports.front import front_figure
 from laticauda.spatial.scene import Shore
-from laticauda.studies import Grid, Optimization, Sweep, optimize, run_sweep
+from laticauda.studies import Optimization, optimize
 from laticauda.trial.null_models import mape
 
 FOLDER = Path(__file__).parent
@@ -208,7 +208,7 @@ def three_dimensions(folder: Path) -> None:
 
 
 def cockpit(folder: Path) -> None:
-    """The live page: following a path with its plots, the controls, and a sweep as the map."""
+    """The live page: following a path with its plots, the controls, and the map of the gaits."""
     from page import camera  # here alone: it needs a browser
 
     from laticauda.cockpit.simulation import changed
@@ -216,7 +216,7 @@ def cockpit(folder: Path) -> None:
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
     plain = lc.scenario(robot, gait)
-    with camera(plain) as seen, tempfile.TemporaryDirectory() as scratch:
+    with camera(plain) as seen:
         seen.swim(changed(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
         seen.open("Plots")
         seen.look((-0.45, -2.1, 1.2), 0.3)
@@ -227,15 +227,12 @@ def cockpit(folder: Path) -> None:
         seen.look((-0.45, -1.9, 1.1), 0.5)
         seen.shoot(folder / "cockpit.png")
         seen.cockpit.live.link_forces = False
-        grid = Path(scratch) / "grid"
-        values = {
-            "gait.amplitude": np.radians(np.linspace(10, 50, 9)),
-            "gait.frequency": np.radians(np.linspace(40, 180, 8)),
-            "gait.phase_shift": np.radians([30, 40, 60]),
-        }
-        run_sweep(Sweep(scenario=lc.scenario(robot, gait, 20.0), points=Grid(values=values)), grid)
-        seen.cockpit.load(grid)
         seen.open("Map")
+        board = seen.cockpit._board
+        board._on.value = True
+        seen.cockpit.frame()
+        board._worker.join()
+        seen.cockpit.frame()
         seen.look((0.1, -2.6, 0.8), 0.45)
         seen.shoot(folder / "cockpit-map.png")
 

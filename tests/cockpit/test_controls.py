@@ -154,7 +154,7 @@ def test_a_click_on_the_map_sets_the_gait(cockpit):
     while board._frame is None and time.monotonic() < end:
         cockpit.frame()
         time.sleep(0.05)
-    right, down, _ = board._place(40.0, 160.0)
+    right, down, _ = board._place(42.4, 151.0)  # the nearest trial counts
     eye, goal = np.array([0.3, -2.0, 1.5]), board._frame.position + np.array([right, 0.0, -down])
     board._click(Event(Page(), None, (eye, goal - eye)))
     cockpit._show_scenario()
@@ -200,7 +200,7 @@ def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world
     assert runs._since == live.simulation.time == 0.0
 
 
-def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cockpit, tmp_path):
+def test_a_recorded_operation_is_played_back_and_what_is_no_trial_says_why(cockpit, tmp_path):
     from operate.tank import record
 
     from laticauda.studies import Grid, Sweep, open_sweep, run_sweep
@@ -213,12 +213,14 @@ def test_a_recorded_operation_is_played_back_and_a_sweep_is_sent_to_the_map(cock
     run_sweep(Sweep(scenario=lc.scenario("mamba", GAIT, 2.0), points=Grid(values=values)), tmp_path / "s")
     open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
     page = Page()
-    file = SimpleNamespace(name="s.nc", content=(tmp_path / "s.nc").read_bytes())
-    cockpit._runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
-    assert page.told == ["Cannot play back s.nc: it is no trial; the tab Map loads sweeps."]
-    cockpit.load(tmp_path / "s")
-    cockpit.frame()
-    assert cockpit._board._frame is not None
+    for name, content in (("s.nc", (tmp_path / "s.nc").read_bytes()), ("broken.txt", b"nothing")):
+        file = SimpleNamespace(name=name, content=content)
+        cockpit._runs._load(SimpleNamespace(client=page, target=SimpleNamespace(value=file)))
+    sweep, text = page.told
+    assert sweep.startswith("Cannot load s.nc: ")
+    assert text == "Cannot load broken.txt: a trial file ends in one of .nc, .mcap, .parquet, .mat."
+    with pytest.raises(TrialFileError, match="a trial file ends in one of"):
+        cockpit.load(tmp_path / "s")
     with pytest.raises(TrialFileError, match=r"Cannot load .*nothing\.nc: there is no such file"):
         cockpit.load(tmp_path / "nothing.nc")
 

@@ -73,13 +73,13 @@ def cockpit():
 
 def gait_on_the_board(amplitude_deg, frequency_deg_s):
     """Where a gait of the map is on a page that has just been opened [px]."""
-    from laticauda.cockpit.board import ABOVE, BEHIND, BOX, HEIGHT, WIDTH, gait_map_picture
-    from laticauda.cockpit.maps import AMPLITUDES, FREQUENCIES
+    from laticauda.cockpit.board import ABOVE, BEHIND, HEIGHT, WIDTH
+    from laticauda.cockpit.maps import AMPLITUDES, BOX, FREQUENCIES, gait_map_picture
     from laticauda.cockpit.scene import FIELD_OF_VIEW
 
     values = np.zeros((len(FREQUENCIES), len(AMPLITUDES)))
     (left, bottom, wide, high) = BOX
-    limits = gait_map_picture(AMPLITUDES, FREQUENCIES, values, "", ("", "")).limits
+    limits = gait_map_picture(values, "forward_velocity").limits
     across, up = (
         (value - low) / (top - low) for value, (low, top) in zip((amplitude_deg, frequency_deg_s), limits, strict=True)
     )

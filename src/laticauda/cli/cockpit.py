@@ -91,9 +91,7 @@ class CockpitCommand(OfScenario):
 
     file: ScenarioFile = option("A scenario file (.toml) that the flags change; it comes first", default=None)
     tank: Tank = option("A robot that somebody else operates", default=Tank())
-    load: str | None = option(
-        "Play back this trial or recording of an operation beside it, or show this sweep as the map", default=None
-    )
+    load: str | None = option("Play back this trial or recording of an operation beside it", default=None)
     host: str = option("Where the page is served; 127.0.0.1 is this computer alone", default="127.0.0.1")
     port: int = quantity("", "Likewise; 0: any that is free", ge=0, le=65535, default=8080)
 

@@ -9,13 +9,11 @@ from typing import Any
 from laticauda.cockpit import pages
 from laticauda.cockpit.board import Board
 from laticauda.cockpit.controls import Controls
-from laticauda.cockpit.files import opened
 from laticauda.cockpit.live import Live
-from laticauda.cockpit.maps import Map
 from laticauda.cockpit.operated import OperatedRobot
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.cockpit.readouts import Plots, numbers_text
-from laticauda.cockpit.runs import Runs
+from laticauda.cockpit.runs import Runs, stored_trial
 from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME, Scene
 from laticauda.cockpit.simulation import depth_of, path_of, route_of
 from laticauda.control import StraightLine
@@ -87,21 +85,17 @@ class Cockpit:
         return len(self._cameras.all())
 
     def load(self, path: Path) -> None:
-        """Play back a trial or a recording as a ghost, or show a sweep as the map.
+        """Play back a trial or a recording as a ghost.
 
         Args:
-            path: The file, or the folder of a sweep.
+            path: The file.
 
         Raises:
-            TrialFileError: If it is none of them; the message has the reason.
+            TrialFileError: If it is neither; the message has the reason.
             MissingExtra: If the format needs a package that is not installed.
             ValueError: If the trial does not say how the robot was bent.
         """
-        found = opened(path)
-        if isinstance(found, Map):
-            self._board.show_sweep(found)
-        else:
-            self._runs.play(found)
+        self._runs.play(stored_trial(path, str(path)))
 
     def open(self) -> None:
         """Let time pass, in a thread of its own."""

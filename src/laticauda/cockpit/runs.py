@@ -9,15 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.files import READ, received_trial
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import refusing
 from laticauda.cockpit.scene import Scene
+from laticauda.errors import TrialFileError
+from laticauda.logs import load_trial, open_recording
+from laticauda.operate import read_operation, trial_of
+from laticauda.operate.recording.header import HEADER
 from laticauda.robot import Robot
 from laticauda.scenarios import Scenario, run_to_toml
 from laticauda.series import Log
-from laticauda.trial import Trial
+from laticauda.trial import Format, Trial
 
+READ = tuple(ending for ending in Format.endings() if ending != ".csv")
 SAVED = "cockpit-run.nc"
 GAP = 0.5  # from the robot to a ghost beside it, to the left of where that heads [m]
 BESIDE = "It begins beside the robot; else it is where it was when it was recorded"
@@ -151,7 +155,10 @@ class Runs:
     @refusing
     def _load(self, event: Any) -> None:
         file = event.target.value
-        self.play(received_trial(file.name, file.content))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"uploaded{Path(file.name).suffix.lower()}"
+            path.write_bytes(file.content)
+            self.play(stored_trial(path, file.name))
 
     def _place(self, event: Any = None) -> None:
         """Beside the robot, or where it was."""
@@ -169,6 +176,29 @@ class Runs:
         self._ghost = None
         self._scene.ghost(None)
         self._beside.visible = self._away.visible = False
+
+
+def stored_trial(path: Path, name: str) -> Trial:
+    """The trial, or the run of a recorded operation, in a file.
+
+    Args:
+        path: The file.
+        name: What messages call it.
+
+    Raises:
+        TrialFileError: If it is none of them; the message has the reason.
+        MissingExtra: If the format needs a package that is not installed.
+    """
+    if not path.exists():
+        raise TrialFileError(f"Cannot load {name}: there is no such file.")
+    if path.suffix not in READ:
+        raise TrialFileError(f"Cannot load {name}: a trial file ends in one of {', '.join(READ)}.")
+    try:
+        if path.suffix == ".mcap" and HEADER in open_recording(path).metadata:
+            return trial_of(read_operation(path))
+        return load_trial(path)
+    except TrialFileError as error:
+        raise TrialFileError(str(error).replace(str(path), name)) from error
 
 
 def _send(event: Any, name: str, content: bytes) -> None:
