@@ -28,10 +28,11 @@ import time
 from math import radians
 
 import numpy as np
+from pymoo.indicators.hv import HV
 
 import laticauda as lc
 from laticauda.gaits import envelope_of
-from laticauda.studies import Optimization, hypervolume, optimize
+from laticauda.studies import Optimization, optimize
 from laticauda.studies.optimization import evaluate, losses
 
 SEEDS = range(1, 6)
@@ -73,7 +74,8 @@ def main() -> None:
             runs.append((seed, losses(optimization.objectives, front.figures), by_chance, middle - start, end - middle))
         reference = (0.0, max(float(found[:, 1].max()) for _, found, *_ in runs))
         for seed, found, by_chance, *times in runs:
-            sought, equal, many = (hypervolume(x, reference) for x in (found, by_chance[:budget], by_chance))
+            area = HV(ref_point=np.array(reference))
+            sought, equal, many = (float(area(x)) for x in (found, by_chance[:budget], by_chance))
             ratios.append(sought / many)
             taken[kind] = max(taken.get(kind, 0.0), times[0])
             print(

@@ -25,11 +25,12 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.lab import LabSettings, Tank, VirtualRobot
+from laticauda.operate.files import load_operation
 from laticauda.operate.series import Series, run_series
 from laticauda.operate.session import Result, operate_stepped
 from laticauda.operate.settings import Operation
 from laticauda.paper.measured import path_following_trials
-from laticauda.paper.repeats import table2_series
+from laticauda.paper.repeats import TABLE2
 from laticauda.trial import following
 
 PLACED, TURNED = 0.02, math.radians(1.0)  # how well somebody puts the robot down: an assumption [m], [rad]
@@ -64,7 +65,7 @@ def simulated(operation: Operation) -> lc.Trial:
 
 def setting(number: int, repeats: int, duration: float | None, folder: Path) -> Series:
     """All runs of one setting, in a folder of its own."""
-    series = table2_series()
+    series = load_operation(TABLE2)
     what = series.trials[number]
     what = what if duration is None else replace(what, duration=duration)
     series = replace(series, name=what.name, repeats=repeats, trials=(what,))
@@ -142,7 +143,7 @@ def main() -> int:
     parser.add_argument("--settings", type=int, nargs="*", help="their numbers, 0 to 11; all otherwise")
     parser.add_argument("--output", type=Path, default=Path("out/table2"))
     options = parser.parse_args()
-    numbers = options.settings or range(len(table2_series().trials))
+    numbers = options.settings or range(len(load_operation(TABLE2).trials))
     rows: list[dict[str, object]] = []
     with ProcessPoolExecutor(options.workers) as pool:
         waiting = [pool.submit(row, n, options.repeats, options.duration, options.output) for n in numbers]

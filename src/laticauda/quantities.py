@@ -123,13 +123,9 @@ class Quantity:
 
 
 @overload
-def quantity(
-    unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ..., compare: bool = ...
-) -> T: ...
+def quantity(unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ...) -> T: ...
 @overload
-def quantity(
-    unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ..., compare: bool = ...
-) -> Any: ...
+def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ...) -> Any: ...
 def quantity(
     unit: str,
     text: str,
@@ -138,7 +134,6 @@ def quantity(
     ge: float = -math.inf,
     gt: float = -math.inf,
     le: float = math.inf,
-    compare: bool = True,
 ) -> Any:
     """A field that is a number, several numbers, or None where its type allows it.
 
@@ -149,25 +144,23 @@ def quantity(
         ge: It is not below this.
         gt: It is above this.
         le: It is not above this.
-        compare: Whether two values differ if this differs.
     """
     declared = Quantity(unit=unit, text=text, ge=ge, gt=gt, le=le)
-    return dataclasses.field(default=default, compare=compare, metadata={"quantity": declared, "text": text})
+    return dataclasses.field(default=default, metadata={"quantity": declared, "text": text})
 
 
 @overload
-def option(text: str, *, default: T, check: Check | None = ..., compare: bool = ...) -> T: ...
+def option(text: str, *, default: T, check: Check | None = ...) -> T: ...
 @overload
-def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ..., compare: bool = ...) -> T: ...
+def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ...) -> T: ...
 @overload
-def option(text: str, *, check: Check | None = ..., compare: bool = ...) -> Any: ...
+def option(text: str, *, check: Check | None = ...) -> Any: ...
 def option(
     text: str,
     *,
     default: Any = MISSING,
     default_factory: Any = MISSING,
     check: Check | None = None,
-    compare: bool = True,
 ) -> Any:
     """A field that is no number: a text, a truth value, a choice or another value.
 
@@ -176,10 +169,9 @@ def option(
         default: Left out: it must be given.
         default_factory: Makes the default.
         check: Instead of the check that its type tells: `check(name, value)` returns the cleaned value.
-        compare: Whether two values differ if this differs.
     """
     made: Any = {"default_factory": default_factory} if default_factory is not MISSING else {"default": default}
-    return dataclasses.field(**made, compare=compare, metadata={"text": text, "check": check})
+    return dataclasses.field(**made, metadata={"text": text, "check": check})
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))

@@ -59,19 +59,6 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
     assert not (folder / "a" / "front.png").exists()
 
 
-def test_both_gaits_go_into_one_figure(run, folder: Path):
-    done = run(f"optimize --both-gaits {SHORT} --json")
-    assert done.status == 0
-    assert [found["gait"] for found in json.loads(done.out)["gaits"]] == ["lateral_undulation", "eel_like"]
-    assert sorted(path.name for path in (folder / "a").iterdir()) == [
-        "eel_like",
-        "front.pdf",
-        "front.png",
-        "lateral_undulation",
-    ]
-    assert (folder / "a" / "eel_like" / "front.csv").exists()
-
-
 def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
     swim_points, calls = trials.swim_points, []
 
@@ -119,7 +106,6 @@ def test_the_names_are_listed(run):
         ("--joint-rate-limit-deg-s -5", "--joint-rate-limit-deg-s must be > 0 deg/s, got -5"),
         ("--output file", "--output must be a folder, got the file file"),
         ("--output full", "--output must be empty, or hold this optimization, got full with thesis"),
-        ("--both-gaits --gait custom --envelope 1 1 1 1 1 1 1 1 1", "--both-gaits must not be given with the gait cus"),
     ],
 )  # fmt: skip
 def test_bad_input_is_said_in_the_words_of_the_command(run, folder: Path, line: str, message: str):

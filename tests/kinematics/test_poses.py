@@ -42,12 +42,12 @@ def robots(draw):
 
 @st.composite
 def poses(draw, batch=(3,)):
-    """A robot with a batch of poses and their rates: robot, center of mass, its velocity, link angles, link rates."""
+    """A robot with a batch of poses: robot, center of mass, link angles, and their rates."""
     robot = draw(robots())
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    vectors = rng.uniform(-5.0, 5.0, size=(2, *batch, 2))
+    center_of_mass = rng.uniform(-5.0, 5.0, size=(*batch, 2))
     angles = rng.uniform(-3.0, 3.0, size=(2, *batch, robot.n_links))
-    return robot, *vectors, *angles
+    return robot, center_of_mass, *angles
 
 
 def tangents(link_angle):
@@ -56,7 +56,7 @@ def tangents(link_angle):
 
 @given(poses())
 def test_masses_at_their_places_have_the_center_of_mass_that_was_given(pose):
-    robot, center_of_mass, _, link_angle, _ = pose
+    robot, center_of_mass, link_angle, _ = pose
     posture = Posture(robot, center_of_mass, link_angle)
     offset = np.array([module.center for module in robot.modules])
     mass = np.array([module.mass for module in robot.modules])
@@ -71,7 +71,7 @@ def test_masses_at_their_places_have_the_center_of_mass_that_was_given(pose):
 
 @given(poses())
 def test_every_link_lies_between_its_ends_along_its_angle(pose):
-    robot, center_of_mass, _, link_angle, _ = pose
+    robot, center_of_mass, link_angle, _ = pose
     posture = Posture(robot, center_of_mass, link_angle)
     ends = posture.link_ends
     length = np.array([module.length for module in robot.modules])[:, np.newaxis]
@@ -81,7 +81,7 @@ def test_every_link_lies_between_its_ends_along_its_angle(pose):
 
 @given(poses())
 def test_the_fin_extends_the_tail_link_backward_by_its_length(pose):
-    robot, center_of_mass, _, link_angle, _ = pose
+    robot, center_of_mass, link_angle, _ = pose
     posture = Posture(robot, center_of_mass, link_angle)
     length = robot.caudal_fin.length if robot.caudal_fin is not None else 0.0
     gap = posture.link_ends[:, 0] - posture.trailing_edge
@@ -90,7 +90,7 @@ def test_the_fin_extends_the_tail_link_backward_by_its_length(pose):
 
 @given(poses(), st.data())
 def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
-    robot, center_of_mass, velocity, link_angle, link_rate = pose
+    robot, center_of_mass, link_angle, link_rate = pose
     posture = Posture(robot, center_of_mass, link_angle)
     link = data.draw(st.integers(0, robot.n_links - 1))
     offset = data.draw(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)))
@@ -99,8 +99,6 @@ def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
     across = np.stack((-np.sin(link_angle[:, link]), np.cos(link_angle[:, link])), axis=-1)
     along = tangents(link_angle)[:, link]
     marker = posture.link_centers[:, link] + offset[0] * along + offset[1] * across
-    drift = link_rate[:, link, np.newaxis] * (offset[0] * across - offset[1] * along)
-    seen = posture.link_velocities(velocity, link_rate)[:, link] + drift
     joint_angle, joint_rate = kinematics.joint_angles(link_angle), kinematics.joint_angles(link_rate)
 
     theta = kinematics.link_angles(joint_angle, angle=link_angle[:, link], link=link)
@@ -108,25 +106,12 @@ def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
     np.testing.assert_allclose(theta, link_angle, atol=1e-12)
     np.testing.assert_allclose(theta_rate, link_rate, atol=1e-12)
     p = kinematics.center_of_mass(robot, marker, theta, link=link, offset=offset)
-    v = kinematics.center_of_mass_velocity(robot, seen, theta, theta_rate, link=link, offset=offset)
     np.testing.assert_allclose(p, center_of_mass, atol=1e-11)
-    np.testing.assert_allclose(v, velocity, atol=1e-10)
-
-
-@given(poses())
-def test_velocities_are_the_rates_of_the_positions(pose):
-    robot, center_of_mass, velocity, link_angle, link_rate = pose
-    h = 1e-6
-    now = Posture(robot, center_of_mass, link_angle)
-    before, after = (Posture(robot, center_of_mass + d * velocity, link_angle + d * link_rate) for d in (-h, h))
-    links, edge = now.link_velocities(velocity, link_rate), now.trailing_edge_velocity(velocity, link_rate)
-    np.testing.assert_allclose(links, (after.link_centers - before.link_centers) / (2.0 * h), atol=1e-7)
-    np.testing.assert_allclose(edge, (after.trailing_edge - before.trailing_edge) / (2.0 * h), atol=1e-7)
 
 
 @given(poses(), ANGLES, st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0)))
 def test_a_pose_that_is_turned_and_moved_has_its_parts_turned_and_moved(pose, angle, shift):
-    robot, center_of_mass, _, link_angle, _ = pose
+    robot, center_of_mass, link_angle, _ = pose
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     here = Posture(robot, center_of_mass, link_angle)
     there = Posture(robot, center_of_mass @ rotation.T + shift, link_angle + angle)
@@ -136,15 +121,13 @@ def test_a_pose_that_is_turned_and_moved_has_its_parts_turned_and_moved(pose, an
 
 @given(poses(batch=(2, 4)))
 def test_any_leading_axes_give_what_each_pose_gives_alone(pose):
-    robot, center_of_mass, velocity, link_angle, link_rate = pose
+    robot, center_of_mass, link_angle, _ = pose
     every = Posture(robot, center_of_mass, link_angle)
-    ends, velocities = every.link_ends, every.link_velocities(velocity, link_rate)
+    ends = every.link_ends
     back = kinematics.center_of_mass(robot, ends[..., 0, :], link_angle)
     assert ends.shape == (2, 4, robot.n_links + 1, 2)
     alone = Posture(robot, center_of_mass[1, 2], link_angle[1, 2])
     np.testing.assert_allclose(alone.link_ends, ends[1, 2], atol=1e-13)
-    one = alone.link_velocities(velocity[1, 2], link_rate[1, 2])
-    np.testing.assert_allclose(one, velocities[1, 2], atol=1e-13)
     np.testing.assert_allclose(
         kinematics.center_of_mass(robot, ends[1, 2, 0], link_angle[1, 2]), back[1, 2], atol=1e-13
     )
@@ -202,13 +185,7 @@ def test_a_lost_marker_loses_one_pose_only():
             lambda r: Posture(r, np.zeros(3), np.zeros(9)),
             "`center_of_mass` must have 2 columns, x and y, got shape (3,).",
         ),
-        (lambda r: straight(r).link_velocities(np.zeros(2), np.zeros(1)), "`link_rate` must have 9 columns"),
-        (lambda r: straight(r).trailing_edge_velocity(0.0, np.zeros(9)), "`velocity` must have 2 columns"),
         (lambda r: kinematics.center_of_mass(r, np.zeros(1), np.zeros(9)), "`position` must have 2 columns"),
-        (
-            lambda r: kinematics.center_of_mass_velocity(r, np.zeros(3), np.zeros(9), np.zeros(9)),
-            "`velocity` must have 2 columns",
-        ),
     ],
 )
 def test_an_array_that_does_not_fit_the_robot_is_refused(call, message):

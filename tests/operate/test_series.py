@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.operate.files import SeriesFile
+from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.operate.series import run_series
 from laticauda.operate.session import Result
 from laticauda.operate.settings import Operation
 from laticauda.paper.measured import path_following_trials
-from laticauda.paper.repeats import load_repeats, table2_series
+from laticauda.paper.repeats import TABLE2, load_repeats
 from laticauda.trial import Trial
 
 
@@ -41,12 +41,12 @@ def powered(trial: Trial, watts: float) -> Trial:
 
 
 def small(**changes) -> SeriesFile:
-    series = table2_series()
+    series = load_operation(TABLE2)
     return replace(series, trials=series.trials[:2], repeats=2, retries=1, **changes)
 
 
 def test_the_papers_table_2_is_a_series_of_its_twelve_starts():
-    series = table2_series()
+    series = load_operation(TABLE2)
     measured = path_following_trials()
     assert len(series.trials) == len(measured) == 12
     for operation, row in zip(series.trials, measured, strict=True):
@@ -81,7 +81,7 @@ def test_a_series_has_mean_and_scatter_and_the_reason_of_every_rejected_run(tmp_
 def test_its_repeats_are_what_the_report_reads(tmp_path: Path, swum: Trial):
     run_series(small(), tmp_path, lambda operation, _: result(operation.name, powered(swum, 50.0)))
     (repeat,) = load_repeats(tmp_path / "repeats.csv")
-    assert repeat.gait == table2_series().trials[0].gait
+    assert repeat.gait == load_operation(TABLE2).trials[0].gait
     assert repeat.forward_velocity == (pytest.approx(swum.forward_velocity),) * 4
     assert repeat.mean_power == (pytest.approx(50.0),) * 4
 

@@ -8,9 +8,10 @@ import pytest
 
 import laticauda as lc
 from laticauda.identify import fit, from_trial
+from laticauda.operate.files import load_operation
 from laticauda.operate.series import Series, run_series
 from laticauda.operate.settings import Calibration
-from laticauda.paper.repeats import load_repeats, table2_series
+from laticauda.paper.repeats import TABLE2, load_repeats
 
 QUICK = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5)
 DURATION = 6.0
@@ -24,7 +25,7 @@ def campaign():
 @pytest.fixture(scope="module")
 def done(campaign, tmp_path_factory) -> Series:
     """Two runs of the first setting, without steering."""
-    series = table2_series()
+    series = load_operation(TABLE2)
     what = replace(series.trials[0], following=None, duration=DURATION, rate=50.0, countdown=0.1, calibration=QUICK)
     folder = tmp_path_factory.mktemp("series")
     return run_series(replace(series, trials=(what,), repeats=2), folder, campaign.operated)

@@ -6,7 +6,7 @@ import pytest
 import xarray
 
 import laticauda as lc
-from laticauda.studies import Front, Optimization, hypervolume, unbeaten
+from laticauda.studies import Front, Optimization, unbeaten
 from laticauda.studies.trials import QUANTITIES
 
 SOUGHT = Optimization(
@@ -37,20 +37,6 @@ def test_a_point_is_kept_exactly_if_no_other_one_beats_it(levels: int):
 def test_of_one_objective_the_first_best_point_is_kept():
     assert unbeaten(np.array([[3.0], [1.0], [1.0]])).tolist() == [False, True, False]
     assert unbeaten(np.empty((0, 2))).size == 0
-
-
-def test_the_hypervolume_is_the_area_of_the_stairs():
-    losses = np.array([[1.0, 3.0], [2.0, 1.0], [2.5, 2.5], [0.0, 9.0]])
-    assert hypervolume(losses, (4.0, 4.0)) == pytest.approx(1.0 * 1.0 + 2.0 * 3.0)
-    assert hypervolume(losses[:0], (4.0, 4.0)) == 0.0
-
-
-def test_a_point_more_never_makes_the_hypervolume_smaller():
-    points = np.random.default_rng(1).uniform(0.0, 1.0, (30, 2))
-    areas = [hypervolume(points[:n], (1.0, 1.0)) for n in range(31)]
-    assert np.all(np.diff(areas) >= 0.0)
-    grid = np.stack(np.meshgrid(*[(np.arange(400) + 0.5) / 400] * 2), axis=-1).reshape(-1, 1, 2)
-    assert areas[-1] == pytest.approx(np.mean(np.any(np.all(points <= grid, axis=2), axis=1)), abs=0.01)
 
 
 def test_chosen_points_lie_evenly_along_the_front_with_its_ends():

@@ -5,7 +5,6 @@ front between speed and power.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,7 +14,7 @@ from laticauda.cli import vary
 from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, Words
 from laticauda.cli.progress import stored_trials
-from laticauda.cli.scene import Names, warn_of_compiling
+from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.vary import Known, Study
 from laticauda.errors import BadArgument, one_of
 from laticauda.quantities import option, quantity, value
@@ -150,49 +149,23 @@ class Optimize(Study):
         "Count gaits too for which joints' actuators have too little torque or speed, or whose links overlap",
         default=False,
     )
-    both_gaits: bool = option(
-        "Optimize both of the paper's gaits, each in a folder of its own, and draw both in one figure", default=False
-    )
     output: Folder = option(
         "The folder of the results; an optimization that was stopped goes on there when the same command is run again",
         default="optimum",
     )
-    other: Any = option("The scenario of the other gait, for --both-gaits", default=None)
-
-    @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "Optimize":
-        """The command that was typed; see `OfScenario.read`."""
-        names = Names.read(words, prog)
-        chosen = cls.of(names, words, prog)
-        if not chosen.both_gaits:
-            return chosen
-        others = {"lateral-undulation": "eel-like", "eel-like": "lateral-undulation"}
-        if names.gait not in others:
-            raise BadArgument("both_gaits", "must not be given with the gait custom: they are the paper's two")
-        return replace(chosen, other=cls.of(replace(names, gait=others[names.gait]), words, prog).chosen)
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
-        """Search, and write the fronts."""
+        """Search, and write the front."""
         from laticauda.reports.front import write_front, write_front_figure
 
         folder = Path(self.output)
-        places = {folder: scenario}
-        if self.other is not None:
-            places = {folder / one.gait.kind: one for one in (scenario, self.other)}
-        fronts: dict[Path, Front] = {}
-        for place, one in places.items():
-            fronts[place] = self._front(one, place)
-            write_front(fronts[place], place)
-        pictures = write_front_figure([*fronts.values()], folder)
-        facts = [_facts(front, place, pictures) for place, front in fronts.items()]
-        text = [_text(front, place) for place, front in fronts.items()]
+        front = self._front(scenario, folder)
+        write_front(front, folder)
+        pictures = write_front_figure([front], folder)
+        text = [_text(front, folder)]
         if pictures:
             text.append(f"Figure: {', '.join(map(str, pictures))}")
-        return Outcome(
-            facts=facts[0] if self.other is None else {"gaits": facts},
-            text="\n\n".join(text),
-            succeeded=all(map(len, fronts.values())),
-        )
+        return Outcome(facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0)
 
     def _front(self, scenario: Scenario, folder: Path) -> Front:
         """Do the work that is left."""

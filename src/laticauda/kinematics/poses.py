@@ -3,9 +3,8 @@
 Every point of the robot is the center of mass plus a fixed combination of the links' directions:
 
     r = p + sum_i b_i t_i,                t_i = (cos theta_i, sin theta_i)
-    r' = p' + sum_i b_i theta_i' n_i,     n_i = (-sin theta_i, cos theta_i)
 
-so a robot is a few rows of levers b [m], and positions and velocities use the same rows. The pieces of a fin count as
+so a robot is a few rows of levers b [m]. The pieces of a fin count as
 links here, behind the tail link; where `fin_angle` is left out the fin is straight. Links are numbered tail
 first, phi_i = theta_{i+1} - theta_i, angles are counter-clockwise from the world x axis. All arrays may have any
 number of leading axes (time first). The robot is taken as it is: reduce one with pitch joints by `robot.planar()`.
@@ -126,36 +125,12 @@ class Posture:
         """Trailing edge of the fin; of a robot without one the tail end. A rigid fin extends the tail link backward."""
         return self.fin_line[..., 0, :]
 
-    def link_velocities(self, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None = None) -> Points:
-        """Velocity of the middle of each body link, world axes [m/s].
-
-        Args:
-            velocity: p' of the center of mass, world axes [m/s].
-            link_rate: theta' [rad/s].
-            fin_rate: Of the fin's joints [rad/s].
-
-        Raises:
-            ValueError: If an array does not fit the robot.
-        """
-        return self._rates_at(_levers(self.robot).center, velocity, link_rate, fin_rate)
-
-    def trailing_edge_velocity(
-        self, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None = None
-    ) -> Vectors:
-        """Velocity of the `trailing_edge`, world axes [m/s]; arguments and errors as for `link_velocities`."""
-        return self._rates_at(_levers(self.robot).fin[:1], velocity, link_rate, fin_rate)[..., 0, :]
-
     @cached_property
     def _angles(self) -> np.ndarray:
         return _with_fin(self.robot, self.link_angle, self.fin_angle)
 
     def _at(self, lever: Levers) -> Points:
         return self.center_of_mass[..., np.newaxis, :] + _offsets(lever, self._angles)
-
-    def _rates_at(self, lever: Levers, velocity: Vectors, link_rate: Angles, fin_rate: FinAngles | None) -> Points:
-        velocity = _columns("velocity", velocity, 2, "x and y")
-        rates = _with_fin(self.robot, _columns("link_rate", link_rate, self.robot.n_links), fin_rate)
-        return velocity[..., np.newaxis, :] + _offset_rates(lever, self._angles, rates)
 
 
 def center_of_mass(
@@ -190,42 +165,6 @@ def center_of_mass(
     link_angle = _columns("link_angle", link_angle, robot.n_links)
     angles = _with_fin(robot, link_angle, fin_angle)
     return position - _rotated(offset, link_angle[..., link]) - _offsets(row, angles)[..., 0, :]
-
-
-def center_of_mass_velocity(
-    robot: Robot,
-    velocity: Vectors,
-    link_angle: Angles,
-    link_rate: Angles,
-    *,
-    link: int = 0,
-    offset: tuple[float, float] = (0.0, 0.0),
-    fin_angle: FinAngles | None = None,
-    fin_rate: FinAngles | None = None,
-) -> Vectors:
-    """Velocity of the center of mass [m/s], from that of one marker and the links' angles and rates.
-
-    Args:
-        robot: Whose body it is.
-        velocity: The marker's velocity [m/s], world axes.
-        link_angle: theta [rad].
-        link_rate: theta' [rad/s].
-        link: The link that carries the marker, 0 = tail.
-        offset: The marker's place from the middle of the link: toward the head, to the left [m].
-        fin_angle: Of the joints of a fin that bends or is driven, from its root on [rad].
-        fin_rate: Their rates [rad/s].
-
-    Raises:
-        ValueError: If an array does not fit the robot, or it has no such link.
-    """
-    row = _levers(robot).center[[_link_index(link, robot.n_links)]]
-    velocity = _columns("velocity", velocity, 2, "x and y")
-    link_angle = _columns("link_angle", link_angle, robot.n_links)
-    link_rate = _columns("link_rate", link_rate, robot.n_links)
-    across = _rotated((-offset[1], offset[0]), link_angle[..., link])
-    mount = across * link_rate[..., link, np.newaxis]
-    angles, rates = _with_fin(robot, link_angle, fin_angle), _with_fin(robot, link_rate, fin_rate)
-    return velocity - mount - _offset_rates(row, angles, rates)[..., 0, :]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -273,12 +212,6 @@ def _with_fin(robot: Robot, link_angle: Angles, fin_angle: FinAngles | None) -> 
 def _offsets(lever: Levers, angle: np.ndarray) -> Points:
     """sum_i b_i t_i of every point [m]."""
     return np.stack((np.cos(angle) @ lever.T, np.sin(angle) @ lever.T), axis=-1)
-
-
-def _offset_rates(lever: Levers, angle: np.ndarray, rate: np.ndarray) -> Points:
-    """sum_i b_i theta_i' n_i of every point [m/s]."""
-    x, y = -np.sin(angle) * rate, np.cos(angle) * rate
-    return np.stack((x @ lever.T, y @ lever.T), axis=-1)
 
 
 # A wrong last axis would broadcast silently to a wrong answer, so this check stands at every public door.

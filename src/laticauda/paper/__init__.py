@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         PathFollowingStudy as PathFollowingStudy,
         run_path_following as run_path_following,
     )
-    from laticauda.paper.repeats import Repeat as Repeat, load_repeats as load_repeats, table2_series as table2_series
+    from laticauda.paper.repeats import TABLE2 as TABLE2, Repeat as Repeat, load_repeats as load_repeats
     from laticauda.paper.report.experiments import Experiments as Experiments, paper_experiments as paper_experiments
     from laticauda.paper.report.reproduce import reproduce as reproduce
     from laticauda.paper.runs import Coefficients as Coefficients

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from laticauda.gaits import Gait
-from laticauda.operate.files import SeriesFile, load_operation
 from laticauda.operate.series import mean_and_deviation
 from laticauda.trial.null_models import Row
 from laticauda.trial.speeds import load_speeds
@@ -35,13 +34,6 @@ class Repeat(Row):
         """The same for the power; None if no trial has one [W]."""
         known = [value for value in self.mean_power if value is not None]
         return mean_and_deviation(known) if known else None
-
-
-def table2_series() -> SeriesFile:
-    """Table 2 as a series to operate."""
-    series = load_operation(TABLE2)
-    assert isinstance(series, SeriesFile)  # it is ours
-    return series
 
 
 def load_repeats(path: str | Path) -> tuple[Repeat, ...]:

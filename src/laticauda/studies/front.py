@@ -148,17 +148,3 @@ def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
         if losses[i, -1] < least:
             kept[i], least = True, losses[i, -1]
     return kept
-
-
-def hypervolume(losses: Losses, reference: tuple[float, float]) -> float:
-    """The area of what two objectives' points beat, up to a reference point; the greater the better the front.
-
-    Args:
-        losses: Two objectives, smaller is better.
-        reference: The worst values that count.
-    """
-    inside = losses[np.all(losses < reference, axis=1)]
-    front = inside[unbeaten(inside)]
-    front = front[np.argsort(front[:, 0])]
-    edges = np.append(front[1:, 0], reference[0])
-    return float(np.sum((edges - front[:, 0]) * (reference[1] - front[:, 1])))

@@ -180,23 +180,3 @@ def _check(events: Set[str]) -> None:
     for event in events:
         if event not in known:
             raise ValueError(f"`events` must hold events of the table only, got {event!r}{nearest(event, known)}")
-
-
-def safety_table(straighten_time: float = 2.0) -> tuple[tuple[str, str, str, str, str], ...]:
-    """The table of the documentation: event, what it means, action, the time it takes at most, and what comes after.
-
-    Args:
-        straighten_time: As in `Supervisor` [s].
-    """
-    supervisor = Supervisor(straighten_time=straighten_time)
-    words = {"finish": "finish the run", "straighten": "straighten, then limp"}
-    return tuple(
-        (
-            rule.event,
-            rule.says,
-            words.get(rule.action, rule.action.replace("_", " ")),
-            "" if rule.action == "finish" else f"{supervisor.within(rule.action):g} s",
-            "fault" if rule.is_fault else "idle" if rule.action != "finish" else "",
-        )
-        for rule in RULES
-    )
