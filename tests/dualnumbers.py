@@ -10,7 +10,7 @@ import numpy as np
 
 from laticauda.actuation import laws as joint_laws
 from laticauda.dynamics import stages
-from laticauda.fluid import laws
+from laticauda.fluid import flow, inertia, laws
 from laticauda.planar import rows
 
 PLANAR = Path(rows.__file__).parent
@@ -110,6 +110,9 @@ def python_kernels(law=None):
         "rows_from": lambda first, count: lambda S, b=0: tuple(S[b + first : b + first + count]),
         "actuator_of": lambda own: _driven,
         "plate": laws.plate,
+        "flow": flow,
+        "inertia": inertia,
+        "summed": lambda kinds, count: None,
         "Element": laws.Element,
         "MOTION": laws.MOTION,
         "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
@@ -117,7 +120,7 @@ def python_kernels(law=None):
         **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
-    names = {"WIDTH": 1, "joint_law": None, "law": (law or laws.PolynomialDrag()).formula}
+    names = {"WIDTH": 1, "joint_law": None, "flow": (), "law": (law or laws.PolynomialDrag()).formula}
     for template in ("loads", "recursion", "drives", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
         source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)

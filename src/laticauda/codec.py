@@ -102,7 +102,9 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
             return tuple(decode(kind, one) for one in things)
     if origin in (types.UnionType, Union):
         holds = [one for one in inner if is_dataclass(one) or _kinds(one) is not None]
-        return decode(holds[0], value, at) if holds and value is not None else value
+        # Beside numbers, only these are for an object.
+        is_table = several is None or any(isinstance(value, kind) for kind in (dict, Mapping, str))
+        return decode(holds[0], value, at) if holds and value is not None and is_table else value
     if origin is tuple and (is_dataclass(inner[0]) or _kinds(inner[0]) is not None):
         if not isinstance(value, list | tuple):
             raise BadKey(at, f"must be a list of tables, got {shown(value)}")

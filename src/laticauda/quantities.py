@@ -303,9 +303,12 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
         check = _check_of(inner[0], declared)
         return None if check is None else lambda name, given: None if given is None else check(name, given)
     kinds = get_args(hint)
-    if all(get_origin(one) is tuple for one in kinds):  # two numbers or three, say
-        item, counts = get_args(kinds[0])[0], tuple(len(get_args(one)) for one in kinds)
-        return functools.partial(_several, _check_of(item, declared), _things(item, counts, declared), counts)
+    tuples, others = [one for one in kinds if get_origin(one) is tuple], [one for one in kinds if isinstance(one, type)]
+    if tuples and len(tuples) + len(others) == len(kinds):  # two numbers or three, say, or an object in their place
+        item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples)
+        things = " or a ".join([_things(item, counts, declared), *(one.__name__ for one in others)])
+        check = functools.partial(_several, _check_of(item, declared), things, counts)
+        return lambda name, given: given if isinstance(given, (*others,)) else check(name, given)
     return _instance_of(kinds) if all(isinstance(one, type) for one in kinds) and declared is None else None
 
 

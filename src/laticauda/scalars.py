@@ -6,9 +6,13 @@ vector register). Neither of the last two can be compared by `if`: a law picks w
 takes the functions below. What the kernels put in their place gives the same numbers.
 """
 
+from typing import Any, cast
 
-def where(condition: bool, a: float, b: float) -> float:
-    """`a` if the condition holds, else `b`; both are computed, so both must be harmless.
+import numpy as np
+
+
+def where(condition: Any, a: float, b: float) -> float:
+    """`a` if the condition holds, else `b`; both are computed, so both must be harmless. Arrays go element by element.
 
     Args:
         condition: Of real parts, as in ``x.real > 0.0``; join two by ``|`` and ``&``.
@@ -18,6 +22,8 @@ def where(condition: bool, a: float, b: float) -> float:
     Returns:
         One of the two.
     """
+    if isinstance(condition, np.ndarray):
+        return cast(Any, np.where(cast("np.ndarray", condition), a, b))
     return a if condition else b
 
 

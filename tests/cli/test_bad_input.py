@@ -66,7 +66,7 @@ BAD = {
     "swim --reference-speed -1": "--reference-speed must be >= 0 m/s, got -1",
     "swim --depth 0": "--depth must be > 0 m, got 0",
     "swim --depth 0.01": "--depth must be > 0.055 m",
-    "swim --current 1": "--current must be two or three numbers in m/s, got 1 of them",
+    "swim --current 1": "--current must be two or three numbers in m/s or a Flow, got 1 of them",
     "swim --current nan 0": "--current must be a finite number in m/s, got nan.",
     "swim --trailing-edge elongated": "--trailing-edge must be `none` unless `added_mass_form` is `kirchhoff`",
     # laws, by name or from a module

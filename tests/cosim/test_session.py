@@ -183,7 +183,7 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
-        ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s, got 1 of them."),
+        ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s or a Flow, got 1 of them."),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
         ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
         ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),

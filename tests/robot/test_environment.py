@@ -28,7 +28,7 @@ def water(**changes):
         ({"rotational": "none"}, r"`rotational` must be one of `paper`, `strip`, got 'none'"),
         ({"trailing_edge": "sharp"}, r"`trailing_edge` must be one of `none`, `elongated`"),
         ({"trailing_edge": "elongated"}, r"`trailing_edge` must be `none` unless `added_mass_form` is `kirchhoff`"),
-        ({"current": (0.1,)}, r"`current` must be two or three numbers in m/s, got 1 of them"),
+        ({"current": (0.1,)}, r"`current` must be two or three numbers in m/s or a Flow, got 1 of them"),
         ({"current": (0.1, math.inf)}, r"`current\[1\]` must be a finite number in m/s"),
         ({"depth": 0.0}, r"`depth` must be > 0 m"),
     ],

@@ -216,7 +216,7 @@ def test_a_file_that_is_hardly_one_is_refused(text, message, tmp_path):
         ('added_mass_form = "kirchoff"', r"key `added_mass_form`: must be one of .*; did you mean `kirchhoff`\?$"),
         ('trailing_edge = "elongated"', r"key `trailing_edge`: must be `none` unless `added_mass_form` is `kirchhoff`"),
         ("depth = -1", r"key `depth`: must be > 0 m, got -1$"),
-        ("current = 0.1", r"key `current`: must be two or three numbers in m/s, got 0\.1$"),
+        ("current = 0.1", r"key `current`: must be two or three numbers in m/s or a Flow, got 0\.1$"),
     ],
 )
 def test_a_bad_water_is_refused_in_the_same_way(line, message):

@@ -105,7 +105,8 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         if self.own is not None:
             from laticauda.compiling.formulas import check  # Numba is slow to import
 
-            check(self, Drive, (0.1, -0.2, 0.3, 0.4, 0.5, *[1.0] * len(Drive._fields)), "u, K_p and K_d")
+            example = (0.1, -0.2, 0.3, 0.4, 0.5, *[1.0] * len(Drive._fields))
+            check(self.formula, self.numbers, Drive, example, 3, "u, K_p and K_d")
 
     @property
     def code(self) -> int:

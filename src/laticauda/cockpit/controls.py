@@ -211,9 +211,9 @@ def models() -> tuple[str, ...]:
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
 
 
-def _current(scenario: Scenario) -> Current:
+def _current(scenario: Scenario) -> tuple[float, float]:
     assert isinstance(scenario.environment, Water)
-    return scenario.environment.current
+    return scenario.environment.uniform[:2]
 
 
 def _fin_of(robot: Robot) -> str:

@@ -36,6 +36,8 @@ class Target:
     """Of laws, see `scalars.where`."""
     magnitude: Any
     """Of laws, see `scalars.magnitude`."""
+    first_lane: Any
+    """Of numbers that are the same in all lanes."""
     instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """What stands in the place of names that the templates of kernels import or define."""
 
@@ -92,6 +94,11 @@ def in_lanes(function: Any) -> Any:
         function: As `compiled` returned it.
     """
     return _target.get().in_lanes(function)
+
+
+def first_lane() -> Any:
+    """The function that gives a number which is the same in all lanes."""
+    return _target.get().first_lane
 
 
 def _all_or_each(function: Any) -> Any:
@@ -156,6 +163,7 @@ PROCESSOR = Target(
     in_lanes=_all_or_each,
     where=cast(Any, lanes).where,
     magnitude=cast(Any, lanes).magnitude,
+    first_lane=cast(Any, lanes).first_lane,
 )
 _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 from numba.core.errors import NumbaError
 
 from laticauda.compiling import compiled, fingerprint, for_python, in_lanes, kernel
-from laticauda.formulas import Formula, Law
+from laticauda.formulas import Formula
 
 _checked: set[str] = set()
 
@@ -25,17 +25,23 @@ def digest_of(formula: Formula) -> str:
     return " ".join([fingerprint(formula.function), *formula.fields])
 
 
-def in_numbers(formula: Formula, record: type, n_first: int) -> Any:
+def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
     """A formula as a compiled function of numbers alone.
 
     Args:
         formula: It takes `n_first` numbers and a `record`.
-        record: A NamedTuple of what the kernel knows about the thing that the law acts on.
+        record: A NamedTuple of what the kernel knows about the thing that the law acts on; None: it takes none.
         n_first: How many numbers come before the record's; behind those come the law's own.
     """
-    inner, last = compiled(formula.function), n_first + len(record._fields)  # type: ignore[attr-defined]
+    inner, last = compiled(formula.function), n_first + _size(record)
     own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
     rest = () if formula.fields else (0.0,)
+
+    def alone(*numbers: float) -> Any:
+        return inner(own(*numbers[last:], *rest), *numbers[:n_first])
+
+    if record is None:
+        return compiled(alone)
 
     def call(*numbers: float) -> Any:
         return inner(own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last]))
@@ -43,35 +49,47 @@ def in_numbers(formula: Formula, record: type, n_first: int) -> Any:
     return compiled(call)
 
 
-def in_rows(formula: Formula, record: type, n_first: int) -> Any:
+def _size(record: Any) -> int:
+    return 0 if record is None else len(record._fields)
+
+
+def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
     """The same for kernels: it takes lanes too; see `in_numbers`."""
     return in_lanes(in_numbers(formula, record, n_first))
 
 
-def check(law: Law, record: type, example: tuple[float, ...], results: str) -> None:
-    """Refuse a law that cannot be compiled, or does not return three finite numbers; ours do.
+def check(
+    formula: Formula,
+    numbers: tuple[float, ...],
+    record: type | None,
+    example: tuple[float, ...],
+    count: int,
+    results: str,
+) -> None:
+    """Refuse a formula that cannot be compiled, or does not return finite numbers; ours do.
 
     Args:
-        law: With its numbers.
+        formula: Of a law.
+        numbers: The law's own.
         record: As for `in_numbers`.
         example: What it is called with, the record's numbers at the end.
-        results: What it must return, in words.
+        count: How many numbers it must return.
+        results: What they are, in words.
 
     Raises:
         ValueError: With the reason.
     """
-    formula = law.formula
     made_of = digest_of(formula)
     if made_of in _checked or formula.function.__module__.startswith("laticauda."):
         return
     try:
-        n_first = len(example) - len(record._fields)  # type: ignore[attr-defined]
-        found: Any = for_python(in_numbers(formula, record, n_first))(*example, *law.numbers)
+        found: Any = for_python(in_numbers(formula, record, len(example) - _size(record)))(*example, *numbers)
     except (NumbaError, TypeError) as err:
         raise ValueError(f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}") from err
-    numbers = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
-    if [isinstance(one, float) and math.isfinite(one) for one in numbers] != [True] * 3:
-        raise ValueError(f"`{formula.name}` must return three finite numbers, {results}, got {found}.")
+    values = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
+    if [isinstance(one, float) and math.isfinite(one) for one in values] != [True] * count:
+        words = {3: "three"}.get(count, count)
+        raise ValueError(f"`{formula.name}` must return {words} finite numbers, {results}, got {found}.")
     _checked.add(made_of)
 
 

@@ -19,7 +19,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas
 from laticauda.formulas import Formula
@@ -123,7 +123,7 @@ def specialized(
         target: What to compile for; None for this machine's processor.
     """
     folder, target = PACKAGE.joinpath(*package.split(".")[1:]), target or PROCESSOR
-    digests = {name: formulas.digest_of(one) if isinstance(one, Formula) else one for name, one in names.items()}
+    digests = {name: _made_of(one) for name, one in names.items()}
     found: dict[str, Any] = dict(names)
     template = ""
     with _one_at_a_time, compiling_for(target):
@@ -139,6 +139,13 @@ def specialized(
                 _loaded[template, key, target] = module
             found[template] = _loaded[template, key, target]
     return found[template]
+
+
+def _made_of(one: object) -> object:
+    """What stands for a name's value in a digest."""
+    if isinstance(one, tuple):
+        return [_made_of(part) for part in cast("tuple[object, ...]", one)]
+    return formulas.digest_of(one) if isinstance(one, Formula) else one
 
 
 def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:

@@ -153,7 +153,7 @@ def _cycles(trial: Trial) -> _Cycles:
     assert trial.gait is not None
     time, period = trial.time - trial.time[0], 2.0 * math.pi / trial.gait.frequency
     begin = np.arange(0.0, time[-1] - period + 1e-9, 0.1 * period)
-    current = trial.environment.current if isinstance(trial.environment, Water) else (0.0, 0.0)
+    current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
     vx, vy = (_over_cycle(time, trial.center_of_mass[:, i], begin, period) - current[i] for i in range(2))
     steps = 0.5 * (trial.heading[1:] + trial.heading[:-1]) * np.diff(time)
     heading = _over_cycle(time, np.concatenate(([0.0], np.cumsum(steps))), begin, period)

@@ -6,13 +6,13 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from laticauda.codec import BadKey, check_keys
+from laticauda.codec import BadKey, check_keys, encode
 from laticauda.cosim import messages
 from laticauda.cosim.messages import Message
 from laticauda.cosim.worlds import World, changed, new_world, stepped, whole_run
 from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive
 from laticauda.packaging import __version__
-from laticauda.robot import Robot, Water
+from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import settings_of
 from laticauda.series import SERIES
 
@@ -122,7 +122,7 @@ def _seen(world: World) -> dict[str, Any]:
 
 def _command(world: World) -> dict[str, Any]:
     water = world.plant.environment
-    current = {"current": list(water.current)} if isinstance(water, Water) else {}
+    current = {"current": encode(water.current, Current)} if isinstance(water, Water) else {}
     return {**dataclasses.asdict(world.command), **current}
 
 

@@ -127,7 +127,7 @@ def step_twin(
         astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
     then, log, trouble = plant.march(state.plant, _held(reference, fin), dt, dt)
     # The water's own motion is the filter's affair.
-    drift = np.array(getattr(plant.environment, "current", (0.0, 0.0))[:2])
+    drift = np.array(getattr(plant.environment, "uniform", (0.0, 0.0))[:2])
     velocity, rate = log.center_of_mass_velocity[-1, :2] - drift, float(log.heading_rate[-1])
     is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
     if trouble is not None or not is_sane or astray > ASTRAY_TIME:

@@ -52,8 +52,8 @@ def path_strip(trial: Trial, ax: Axes) -> Axes:
     x, y = trial.center_of_mass[:, 0], trial.center_of_mass[:, 1]
     ax.plot(x, y, color=style.INK, linewidth=0.8, zorder=4, label="center of mass")
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
-    if isinstance(trial.environment, Water) and any(trial.environment.current[:2]):
-        _tell_current(ax, trial.environment.current[:2])
+    if isinstance(trial.environment, Water) and any(trial.environment.uniform[:2]):
+        _tell_current(ax, trial.environment.uniform[:2])
     ax.set_aspect("equal", adjustable="datalim")
     return style.dress(ax, xlabel="x [m]", ylabel="y [m]")
 

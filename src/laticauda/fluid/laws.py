@@ -83,7 +83,8 @@ class DragLaw(Law, Extensible, group="drag_laws"):
         """
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
-        check(self, Element, (0.3, -0.2, 0.2, 0.5, 1.0, 10.0, 0.1, 0.01), "f_t [N], f_n [N] and tau [N m]")
+        example = (0.3, -0.2, 0.2, 0.5, 1.0, 10.0, 0.1, 0.01)
+        check(self.formula, self.numbers, Element, example, 3, "f_t [N], f_n [N] and tau [N m]")
 
     def steepest(self, speed: float) -> tuple[float, float]:
         """Largest drag per speed between rest and `speed`, along and across, of an element with coefficients 1 [1/s].

@@ -63,6 +63,8 @@ class Coefficients:
     """Linear rotational drag per U_ref [N s^2]."""
     lambda_3: Float[np.ndarray, " n"]
     """Quadratic rotational drag [N m s^2]."""
+    displaced: Float[np.ndarray, " n"]
+    """Mass of the water that would be in the element's place; 0 on the ground [kg]."""
     fin: "Coefficients | None" = None
     """Strips of the caudal fin on body 0, from its root to the trailing edge; None without a fin [-]."""
 
@@ -93,12 +95,13 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
     mass = np.array([module.mass for module in robot.modules])
     fin = robot.caudal_fin
     if isinstance(environment, Ground):
-        loads = _ground_loads(mass, environment)
+        loads, density = _ground_loads(mass, environment), 0.0
         strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        loads = _loads_in_water(robot.modules, half_length, environment)
+        loads, density = _loads_in_water(robot.modules, half_length, environment), environment.density
         strips = _fin_in_water(fin, environment) if fin else None
-    return _coefficients(half_length, half_length, mass, loads, strips)
+    displaced = density * np.array([module.volume for module in robot.modules])
+    return _coefficients(half_length, half_length, mass, loads, displaced, strips)
 
 
 def immersion_factor(half_height: float, depth: float | None) -> float:
@@ -164,10 +167,12 @@ def _coefficients(
     position: np.ndarray,
     mass: np.ndarray,
     loads: Iterable[np.ndarray],
+    displaced: np.ndarray,
     fin: Coefficients | None = None,
 ) -> Coefficients:
     named = dict(zip(_LOADS, loads, strict=True))
-    return Coefficients(half_length=half_length, position=position, mass=mass, fin=fin, **named)
+    shape = {"half_length": half_length, "position": position, "mass": mass, "displaced": displaced}
+    return Coefficients(**shape, **named, fin=fin)
 
 
 def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
@@ -214,14 +219,14 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     c_n = 0.5 * rho * own(fin.normal_drag, water.normal_drag) * h * d
     c_t = 0.5 * rho * own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
     lambdas = _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
-    return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas))
+    return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
 
 
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:
     edges = _strip_edges(fin, closed=True)
     mass = fin.mass * np.diff(edges) / fin.length
     loads = _ground_loads(mass, ground) if ground.friction.of_weight else [np.zeros_like(mass)] * len(_LOADS)
-    return _strips(fin, edges, loads)
+    return _strips(fin, edges, loads, 0.0)
 
 
 def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
@@ -248,9 +253,10 @@ def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts
     return np.sort(np.concatenate((edges, inside)))
 
 
-def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray]) -> Coefficients:
+def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray], density: float) -> Coefficients:
     d = np.diff(edges)
-    return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads)
+    displaced = density * fin.volume * d / np.sum(d)  # all of it, an opening's too
+    return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads, displaced)
 
 
 def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_Number, _Number, _Number]:

@@ -145,10 +145,12 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     for i, run in enumerate(runs):
         plant = run.plant
         if id(plant) not in of_plant:
-            law = type(plant.law), getattr(plant.law, "function", None), type(plant.joints)
+            flow = plant.flow
+            law = type(plant.law), getattr(plant.law, "function", None), type(plant.joints), flow.parts, flow.counts
             if law not in of_law:
                 own = plant.joints.own
-                of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)}"
+                moving = [digest_of(formula) for formula in flow.kinds]
+                of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
             of_plant[id(plant)] = _kind(plant, interval, of_law[law])
         recorded = run.command.gait.recorded  # lanes share its times, not its angles
         kinds.setdefault((of_plant[id(plant)], recorded and recorded.time), []).append(i)

@@ -64,7 +64,7 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     n, first_strip, first_plate, law, tail_link, has_extras = cast(Any, plant.layout.chain)
     S = cuda.to_device(np.stack([run.rows for run in runs], axis=1))
     log = cuda.device_array((n_intervals + 1, PATH_ROWS, len(runs)))
-    march = _kernel(specialize(1, plant.law, plant.joints, _target()).run)
+    march = _kernel(specialize(1, plant.law, plant.joints, plant.flow.kinds, _target()).run)
     march[math.ceil(len(runs) / _THREADS), _THREADS](
         S,
         n,
@@ -148,6 +148,7 @@ def _target() -> Target:
         in_lanes=lambda function: function,
         where=where,
         magnitude=magnitude,
+        first_lane=itself,
         instead={
             "rows_of": itself,
             "any_lane": itself,

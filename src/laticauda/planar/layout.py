@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from laticauda.actuation.laws import JointLaw, Prescribed
 from laticauda.dynamics.plant import joint_table
 from laticauda.errors import BadArgument
+from laticauda.fluid.flow import Rows, rows_of
 from laticauda.hydrodynamics import Coefficients, link_coefficients, wake_mass
 from laticauda.planar import rows
 from laticauda.robot import (
@@ -116,14 +117,17 @@ def layout(
     for i, body in enumerate(bodies):
         if body.strips is not None:
             water = body.strips
-            own = np.stack((water.position, water.c_t, water.c_n, water.lambda_2, water.lambda_3), axis=1)
-            strips[first_strip[i] : first_strip[i + 1], : rows.STRIP_LAMBDA_3 + 1] = own
+            loads = water.c_t, water.c_n, water.lambda_2, water.lambda_3, water.mu_t, water.mu_n, water.displaced
+            own = np.stack((water.position, *loads), axis=1)
+            strips[first_strip[i] : first_strip[i + 1], : rows.STRIP_DISPLACED + 1] = own
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
+    flow = flow_rows(environment).numbers
+    S[rows.FLOW] = S.size
     wake = isinstance(environment, Water) and environment.trailing_edge != "none"
     pulled = S[rows.TETHER_DRAG] > 0.0 or S[rows.TETHER_FORCE_X] != 0.0 or S[rows.TETHER_FORCE_Y] != 0.0
     return Layout(
-        template=S,
+        template=np.concatenate((S, flow)),
         n_bodies=n,
         first_strip=first_strip,
         first_plate=first_plate,
@@ -210,10 +214,11 @@ def _write_environment(
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
-    if len(environment.current) > 2:
+    S[rows.CURRENT_X], S[rows.CURRENT_Y], upward = environment.uniform
+    if upward:
         rule = "must be in the plane for the planar model; `model` may be `spatial`, got"
-        raise BadArgument("current", f"{rule} {environment.current[2]:g} m/s upward")
-    S[rows.CURRENT_X], S[rows.CURRENT_Y] = environment.current[:2]
+        raise BadArgument("current", f"{rule} {upward:g} m/s upward")
+    S[rows.HEIGHT] = -(environment.depth or 0.0)
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
@@ -244,8 +249,7 @@ def _write_bodies(records: np.ndarray, bodies: Sequence[_Body], environment: Env
         (rows.FIRST_MOMENT_SHARE, moment / total),
     ):
         records[:, row] = values
-    drag = slice(rows.C_T, rows.LAMBDA_3 + 1)
-    records[:, drag] = [_own_drag(body) for body in bodies]
+    records[:, rows.C_T : rows.DISPLACED + 1] = [_own_loads(body) for body in bodies]
 
 
 def _solid(body: _Body) -> tuple[float, float, float, float]:
@@ -258,12 +262,22 @@ def _solid(body: _Body) -> tuple[float, float, float, float]:
     return body.length, mass, moment, inertia
 
 
-def _own_drag(body: _Body) -> tuple[float, ...]:
-    """The rows from C_T to LAMBDA_3."""
+def _own_loads(body: _Body) -> tuple[float, ...]:
+    """The rows from C_T to DISPLACED."""
     if body.own is None:
-        return (0.0,) * 4
+        return (0.0,) * 7
     w, i = body.own
-    return w.c_t.item(i), w.c_n.item(i), w.lambda_2.item(i), w.lambda_3.item(i)
+    return tuple(one.item(i) for one in (w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
+
+
+def flow_rows(environment: Environment) -> Rows:
+    """The flow of the water as the kernels see it; of the ground or of water that moves as one, nothing.
+
+    Args:
+        environment: The water or the ground.
+    """
+    flow = environment.flow if isinstance(environment, Water) else None
+    return Rows() if flow is None else rows_of(flow)
 
 
 def _added_mass(body: _Body) -> tuple[float, ...]:
@@ -311,7 +325,7 @@ def write_effectors(S: np.ndarray, robot: Robot, environment: Environment, *, fi
     for record, plate in zip(
         S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS), plates, strict=True
     ):
-        record[:] = _plate_numbers(plate, robot.modules[plate.link], half_density)
+        record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
 
 
 def _add_thruster(record: np.ndarray, robot: Robot, link: int, thruster: Thruster) -> None:

@@ -9,9 +9,11 @@ Forces are in the axes of the link, moments about its tail end. A template (see 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from laticauda.compiling import compiled, kernel
+from laticauda.compiling.flows import summed
 from laticauda.compiling.formulas import in_rows, rows_from
-from laticauda.compiling.lanes import magnitude, where
+from laticauda.compiling.lanes import first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
+from laticauda.fluid import flow, inertia
 from laticauda.fluid.laws import MOTION, Element, plate
 from laticauda.planar.functions import sincos
 from laticauda.planar.rows import *
@@ -20,26 +22,106 @@ _names = bindings(__name__)
 law = in_rows(_names["law"], Element, MOTION)
 law_numbers = rows_from(LAW, len(_names["law"].fields))
 plate_law = compiled(plate)
-plate_numbers = rows_from(PLATE_LAW, PLATE_ROWS - PLATE_LAW)
+plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
+water_numbers = rows_from(0, 5)
+HAS_FLOW = bool(_names["flow"])
+motion = summed(_names["flow"], len(flow.Motion._fields))
+felt = compiled(flow.felt)
+carried, load = compiled(inertia.carried), compiled(inertia.load)
+
+
+@kernel
+def water_around(S, n, first_strip, first_plate, tail_link):
+    """How the water moves at every element, where it has a flow; else it is in the velocities already."""
+    if HAS_FLOW:
+        places(S, n)
+        for i in range(n):
+            b = HEADER_ROWS + i * BODY_ROWS
+            strips, plates = first_strip[i + 1] - first_strip[i], first_plate[i + 1] - first_plate[i]
+            for k in range(3 + strips + plates if i == 0 or i == tail_link else 1 + strips + plates):
+                x, y, found = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
+                if 0 < k <= strips:
+                    e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS
+                    x, found = S[e + STRIP_POSITION], e + WATER_OF
+                elif strips < k <= strips + plates:
+                    e = HEADER_ROWS + n * BODY_ROWS + first_strip[n] * STRIP_ROWS
+                    e += (first_plate[i] + k - 1 - strips) * PLATE_ROWS
+                    x, y, found = S[e + PLATE_X], S[e + PLATE_Y], e + PLATE_WATER
+                elif k == strips + plates + 1 and i == tail_link:
+                    x, found = y, TETHER_WATER
+                elif k > strips + plates and i == 0:
+                    x, found = S[WAKE_POSITION] + y, WAKE_WATER
+                put_water(S, b, x, y, found)
+
+
+@kernel
+def places(S, n):
+    """World position of every body's tail end, from that of the center of mass."""
+    px, py, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        S[b + PX] = px
+        S[b + PY] = py
+        c, s = S[b + COS], S[b + SIN]
+        mean_x += S[b + MASS_SHARE] * px + S[b + FIRST_MOMENT_SHARE] * c
+        mean_y += S[b + MASS_SHARE] * py + S[b + FIRST_MOMENT_SHARE] * s
+        px += S[b + LENGTH] * c
+        py += S[b + LENGTH] * s
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        S[b + PX] += S[X] - mean_x
+        S[b + PY] += S[Y] - mean_y
+
+
+@kernel
+def put_water(S, b, x, y, found):
+    """How the water moves at a place on body b, in five rows: velocity and acceleration in link axes, rotation."""
+    c, s = S[b + COS], S[b + SIN]
+    place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
+    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(motion(S, first_row(S), place_x, place_y, S[HEIGHT], S[TIME]))
+    S[found] = c * u + s * v
+    S[found + 1] = c * v - s * u
+    S[found + 2] = c * a_x + s * a_y
+    S[found + 3] = c * a_y - s * a_x
+    S[found + 4] = spin
+
+
+@kernel
+def first_row(S):
+    """Where the flow's numbers begin, the same in all lanes."""
+    return int(first_lane(S[FLOW].real))
+
+
+@kernel
+def through_water(S, b, x, water):
+    """Velocity of a place on the axis of body b, and its rate of turning, relative to the water that moves there."""
+    rate = S[b + LINK_RATE]
+    if HAS_FLOW:
+        return S[b + V_T] - S[water], S[b + V_N] + x * rate - S[water + 1], rate - S[water + 4]
+    return S[b + V_T], S[b + V_N] + x * rate, rate
 
 
 @kernel
 def element_drag(S, b, e):
     """Drag of one element rigid on body b, link axes, and its moment about the tail end of b.
 
-    `e` is the first of the element's five rows: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. A body's
-    own (from CENTER on) and a strip's (from STRIP_POSITION on) stand in the same order.
+    `e` is the first of the element's rows: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. A body's own
+    (from CENTER on) and a strip's (from STRIP_POSITION on) stand in the same order.
     """
-    rate = S[b + LINK_RATE]
     x = S[e]
-    v_n = S[b + V_N] + x * rate
-    f_t, f_n, tau = law(S[b + V_T], v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S))
+    v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
+    f_t, f_n, tau = law(v_t, v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S))
     return f_t, f_n, tau + x * f_n
 
 
 @kernel
 def added_mass_velocity_terms(S, b):
-    """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end."""
+    """Velocity-dependent part of the added-mass force (link axes) and its moment about the tail end.
+
+    Of the body with its strips; where the water has a flow, of its own element alone.
+    """
+    if HAS_FLOW:
+        return element_inertia(S, b, b + CENTER)
     rate = S[b + LINK_RATE]
     v_t, v_n = S[b + V_T], S[b + V_N]
     mu_t, mu_n = S[b + MU_T], S[b + MU_N]
@@ -59,6 +141,24 @@ def added_mass_velocity_terms(S, b):
 
 
 @kernel
+def element_inertia(S, b, e):
+    """What the inertia of moving water does to one element, but for the acceleration of the tail end and the rotation.
+
+    The laws are those of `fluid.inertia`; with them comes the force that moves the displaced water itself.
+    """
+    x, rate, own = S[e], S[b + LINK_RATE], S[OWN_VELOCITY]
+    u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
+    mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
+    V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
+    # Seen from the tail end, whose axes turn; the part of x rate^2 that the classic form has is in CENTRIPETAL.
+    rate_t = rate * (own * S[b + V_N] - V_n) - carried(flow_t, 0.0, spin, u_n, 0.0)
+    rate_n = -rate * (own * S[b + V_T] - V_t) - carried(flow_n, spin, 0.0, 0.0, u_t)
+    f_t = load(S[KIRCHHOFF], mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
+    f_n = load(S[KIRCHHOFF], mu_n, rate_n, turning * mu_t * u_t) + displaced * flow_n
+    return f_t, f_n, load(S[KIRCHHOFF], 0.0, 0.0, (mu_n - mu_t) * u_t * u_n) + x * f_n
+
+
+@kernel
 def extra_loads(S, n, first_strip, first_plate, tail_link):
     """Thrusters, fin strips, pectoral fins, tether and trailing edge: loads that only some bodies have."""
     H = HEADER_ROWS
@@ -69,6 +169,7 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
         S[b + EXTRA_MOMENT] = S[b + THRUST_MOMENT]
         for e in range(first_strip[i], first_strip[i + 1]):
             strip_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
+            strip_inertia(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
         for e in range(first_plate[i], first_plate[i + 1]):
             plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
     tether(S, H + tail_link * BODY_ROWS)
@@ -78,7 +179,20 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
 @kernel
 def strip_drag(S, b, e):
     """Drag of one strip, rigid on body b at its own distance from the tail end."""
-    f_t, f_n, moment = element_drag(S, b, e + STRIP_POSITION)
+    add_extra(S, b, element_drag(S, b, e + STRIP_POSITION))
+
+
+@kernel
+def strip_inertia(S, b, e):
+    """What the inertia of moving water does to one strip; without a flow it is in that of the body."""
+    if HAS_FLOW:
+        add_extra(S, b, element_inertia(S, b, e + STRIP_POSITION))
+
+
+@kernel
+def add_extra(S, b, found):
+    """Add force and moment to those on body b."""
+    f_t, f_n, moment = found
     S[b + EXTRA_T] += f_t
     S[b + EXTRA_N] += f_n
     S[b + EXTRA_MOMENT] += moment
@@ -87,11 +201,10 @@ def strip_drag(S, b, e):
 @kernel
 def plate_load(S, b, e):
     """Lift and drag of one pectoral fin mounted on body b."""
-    rate = S[b + LINK_RATE]
     x = S[e + PLATE_X]
     y = S[e + PLATE_Y]
-    v_t = S[b + V_T] - y * rate
-    v_n = S[b + V_N] + x * rate
+    v_t, v_n, _ = through_water(S, b, x, e + PLATE_WATER)
+    v_t -= y * S[b + LINK_RATE]
     s, c = sincos(S[e + PLATE_ANGLE])
     f_chord, f_normal = plate_law(c * v_t + s * v_n, c * v_n - s * v_t, *plate_numbers(S, e))
     f_t = c * f_chord - s * f_normal
@@ -105,7 +218,7 @@ def plate_load(S, b, e):
 def tether(S, b):
     """F = -k |v| v + constant, at the tail end of the tail link."""
     c, s = S[b + COS], S[b + SIN]
-    v_t, v_n = S[b + V_T], S[b + V_N]
+    v_t, v_n, _ = through_water(S, b, 0.0, TETHER_WATER)
     drag = S[TETHER_DRAG] * (v_t * v_t + v_n * v_n) ** 0.5
     S[b + EXTRA_T] += c * S[TETHER_FORCE_X] + s * S[TETHER_FORCE_Y] - drag * v_t
     S[b + EXTRA_N] += c * S[TETHER_FORCE_Y] - s * S[TETHER_FORCE_X] - drag * v_n
@@ -116,8 +229,7 @@ def trailing_edge(S):
     """Momentum that leaves with the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
     b = HEADER_ROWS
     x = S[WAKE_POSITION]
-    u = S[b + V_T]
-    w = S[b + V_N] + x * S[b + LINK_RATE]
+    u, w, _ = through_water(S, b, x, WAKE_WATER)
     shed = where(u.real > 0.0, S[WAKE_MASS], 0.0 * u)
     f_n = -shed * u * w
     S[b + EXTRA_T] += 0.5 * shed * w * w
@@ -129,22 +241,29 @@ def trailing_edge(S):
 def body_forces(S, n, first_strip, force):
     """Drag, added-mass and effector force on every body, world axes, once the accelerations are known.
 
-    `force` holds two rows per body, x and y: of all bodies the drag, then the added mass, then the effectors.
+    `force` holds two rows per body, x and y: of all bodies the drag, then the added mass (with what accelerating water
+    does to the displaced one), then the effectors.
     """
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
         extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
-        # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag.
+        # Strips add to the extra loads: collect theirs alone, and move them from effectors to drag and added mass.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for e in range(first_strip[i], first_strip[i + 1]):
             strip_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
         f_t, f_n, _ = element_drag(S, b, b + CENTER)
         put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
+        extra_t -= S[b + EXTRA_T]
+        extra_n -= S[b + EXTRA_N]
+        S[b + EXTRA_T] = 0.0
+        S[b + EXTRA_N] = 0.0
+        for e in range(first_strip[i], first_strip[i + 1]):
+            strip_inertia(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
         put_force(S, b, force, effector, extra_t - S[b + EXTRA_T], extra_n - S[b + EXTRA_N])
         f_t, f_n = added_mass_force(S, b)
-        put_force(S, b, force, added_mass, f_t, f_n)
+        put_force(S, b, force, added_mass, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
 
 
 @kernel

@@ -1,7 +1,7 @@
 """The closed-form planar model as a `Plant`."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
 from typing import Any, ClassVar
@@ -13,40 +13,47 @@ from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import Plant, PlantState, Samples
 from laticauda.errors import BadArgument
+from laticauda.fluid import flow as flows
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
+from laticauda.formulas import Formula
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
-from laticauda.planar.layout import Layout, layout, write_effectors
+from laticauda.planar.layout import Layout, flow_rows, layout, write_effectors
 from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
 LEAST_DT = 1e-7  # s; a run with smaller steps would not end
 TEMPLATES = {
-    "loads": ("WIDTH", "law"),
-    "recursion": ("WIDTH", "law"),
+    "loads": ("WIDTH", "law", "flow"),
+    "recursion": ("WIDTH", "law", "flow"),
     "drives": ("WIDTH", "joint_law"),
-    "stepping": ("WIDTH", "law", "joint_law"),
+    "stepping": ("WIDTH", "law", "flow", "joint_law"),
 }
 """Of the kernels, and what each is made for; see `laticauda.compiling.templates`."""
 
 
 def specialize(
-    width: int = 1, law: DragLaw | None = None, joints: JointLaw | None = None, target: Target | None = None
+    width: int = 1,
+    law: DragLaw | None = None,
+    joints: JointLaw | None = None,
+    flow: tuple[Formula, ...] = (),
+    target: Target | None = None,
 ) -> ModuleType:
-    """The stepping kernels for `width` lanes, one drag law and one joint law.
+    """The stepping kernels for `width` lanes, one drag law, one joint law and one kind of flow.
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
         law: Whose formula is compiled; what it calls counts as part of it, its numbers do not. None: the polynomial.
         joints: Whose formula is compiled beside the built-in ones, if it is none of them.
+        flow: The kinds of parts of the water's flow (`fluid.flow.rows_of`); empty: it moves as one, if at all.
         target: What to compile for; None for this machine's processor.
 
     Returns:
         The module `laticauda.planar.stepping`, compiled for them on first call.
     """
     own = None if joints is None else joints.own
-    names = {"WIDTH": width, "law": (law or PolynomialDrag()).formula, "joint_law": own}
+    names = {"WIDTH": width, "law": (law or PolynomialDrag()).formula, "joint_law": own, "flow": flow}
     return specialized("laticauda.planar", TEMPLATES, names, target)
 
 
@@ -84,7 +91,7 @@ class PlanarPlant(Plant[Planar]):
 
     def kernels_of(self, width: int) -> Any:
         """The compiled kernels for `width` trials side by side."""
-        return specialize(width, self.law, self.joints)
+        return specialize(width, self.law, self.joints, self.flow.kinds)
 
     @cached_property
     def _kernels(self) -> Any:
@@ -94,6 +101,11 @@ class PlanarPlant(Plant[Planar]):
     def law(self) -> DragLaw:
         """Loads on one element."""
         return law_of(self.environment)
+
+    @cached_property
+    def flow(self) -> flows.Rows:
+        """The water's flow as the kernels see it."""
+        return flow_rows(self.environment)
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Straight, the generator at the commanded gait, its offset building up from zero."""
@@ -126,7 +138,7 @@ class PlanarPlant(Plant[Planar]):
         S[rows.AMPLITUDE : rows.OFFSET + 1] = yaw[:4]
         S[rows.FIN_AMPLITUDE : rows.FIN_LEAD + 1] = fin.amplitude, fin.frequency, fin.offset, fin.phase
         if (robot := command.effectors(self.robot)) is not self.robot:
-            write_effectors(S, robot, self.environment, first_link=a.tail_link)
+            write_effectors(S[: S.size - self.flow.numbers.size], robot, self.environment, first_link=a.tail_link)
         S[rows.BANDWIDTH] = self.settings.offset_bandwidth
         S[rows.RAMP] = self.ramp if command.references is None else 0.0
         S[rows.TIME : rows.TIME + rows.LOG_STATE] = values[: rows.LOG_STATE]
@@ -153,6 +165,8 @@ class PlanarPlant(Plant[Planar]):
         Returns:
             Force along the body, force across it to the left [N], yaw moment about the middle of its links [N m].
         """
+        if self.flow.kinds:
+            return replace(self, environment=replace(self.environment, current=(0.0, 0.0))).towing_load(speed, angle)
         a, S = self.layout, self.layout.template.copy()
         S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
         S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)

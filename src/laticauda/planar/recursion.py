@@ -24,12 +24,14 @@ _loads = _names["loads"]
 added_mass_velocity_terms = _loads.added_mass_velocity_terms
 element_drag = _loads.element_drag
 extra_loads = _loads.extra_loads
+water_around = _loads.water_around
 
 
 @kernel
 def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras):
     """Accelerations of the base and of the joints, for the state in S."""
     velocities(S, n)
+    water_around(S, n, first_strip, first_plate, tail_link)
     if has_extras:
         extra_loads(S, n, first_strip, first_plate, tail_link)
     inward(S, n, is_free)

@@ -2,7 +2,8 @@
 
 The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is row `q` of all
 lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then one
-record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin.
+record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin, then the numbers of a flow
+and of a recording, if there are any.
 """
 
 from laticauda.actuation.laws import FIRST_FREE as FIRST_FREE
@@ -38,6 +39,8 @@ from laticauda.gaits.reference import WaveState
     RAMP,  # T of the smooth start [s]; 0: none
     KNOTS,  # row where a recording of the body's joints begins, behind all records; 0: there is none
     N_KNOTS,  # of that recording: time, then angle and rate of every joint
+    FLOW,  # row where the numbers of the water's flow begin (`fluid.flow.rows_of`), if it has one
+    HEIGHT,  # of the body's axis above the mean surface, for the flow [m]
     # --- Header: state --------------------------------------------------------------------------------------------
     TIME,  # [s]
     TIME_REST,  # what TIME lost to rounding so far (Kahan summation) [s]
@@ -48,7 +51,7 @@ from laticauda.gaits.reference import WaveState
     VX,  # velocity of the center of mass [m/s]
     VY,
     PHASE,  # of the wave of the body's joints [rad], and the other numbers of gaits.reference.WaveState
-) = range(31)
+) = range(33)
 AMPLITUDE_NOW, FREQUENCY_NOW, PHASE_SHIFT_NOW, OFFSET_NOW, OFFSET_RATE = (PHASE + k for k in (1, 3, 5, 7, 8))
 FIN_PHASE = PHASE + len(WaveState._fields)  # the same of a driven fin, which has no phase shift
 FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (FIN_PHASE + k for k in (1, 3, 5, 6))
@@ -76,7 +79,9 @@ FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (FIN_PHA
     SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
 ) = range(FIN_OFFSET_RATE + 1, FIN_OFFSET_RATE + 21)
 SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
-LAW = SLOPES + 36  # the numbers of the drag law, in the order of its fields
+TETHER_WATER = SLOPES + 36  # five rows each: how the water moves at tether and trailing edge, as from WATER_T on
+WAKE_WATER = TETHER_WATER + 5
+LAW = WAKE_WATER + 5  # the numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # those of the joint law, if it is one of somebody's own
 HEADER_ROWS = JOINT_LAW + MOST_NUMBERS
 
@@ -98,11 +103,19 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     MOMENT_N,  # sum mu_n x [kg m]
     MASS_SHARE,  # m / m_t
     FIRST_MOMENT_SHARE,  # m c / m_t [m]
-    CENTER,  # where its own drag acts, from its tail end [m]; these five as in a strip (loads.element_drag)
+    CENTER,  # where its own loads act, from its tail end [m]; these as in a strip (loads.element_drag)
     C_T,
     C_N,
     LAMBDA_2,
     LAMBDA_3,
+    OWN_MU_T,  # of this element alone; these and the following only where the water has a flow [kg]
+    OWN_MU_N,
+    DISPLACED,  # mass of the water in its place [kg]
+    WATER_T,  # velocity of the water there, link axes
+    WATER_N,
+    FLOW_T,  # its material acceleration
+    FLOW_N,
+    SPIN,  # its rotation [rad/s]
     THRUST_T,  # thrusters, in link axes [N]
     THRUST_N,
     THRUST_MOMENT,  # about the tail end [N m]
@@ -125,7 +138,9 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     LINK_RATE,  # theta'
     UX,  # velocity of the tail end of this body relative to that of body 0
     UY,
-    V_T,  # velocity of its tail end relative to the water, link axes
+    PX,  # place of its tail end relative to that of body 0; where the water has a flow
+    PY,
+    V_T,  # velocity of its tail end relative to the water, link axes; over ground where the water has a flow
     V_N,
     EXTRA_T,  # loads besides the body's own drag, link axes, moment about the tail end
     EXTRA_N,
@@ -149,10 +164,12 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     SLOPE_ANGLE,
     SLOPE_RATE,
     BODY_ROWS,
-) = range(JOINT_ROWS, 72)
+) = range(JOINT_ROWS, 82)
 
-# --- One record per fin strip -----------------------------------------------------------------------------------------
-(STRIP_POSITION, STRIP_C_T, STRIP_C_N, STRIP_LAMBDA_2, STRIP_LAMBDA_3, STRIP_ROWS) = range(6)
+# --- One record per fin strip: the rows of an element, from CENTER on -------------------------------------------------
+(MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T))
+(STRIP_POSITION, STRIP_LAMBDA_3, STRIP_DISPLACED, STRIP_ROWS) = (0, 4, 7, 13)
 
-# --- One record per pectoral fin: its place from the tail end of its body [m], and five numbers of fluid.laws.plate
-(PLATE_X, PLATE_Y, PLATE_ANGLE, PLATE_LAW, PLATE_ROWS) = (*range(4), 8)
+# --- One record per pectoral fin: its place from the tail end of its body [m], five numbers of fluid.laws.plate, and
+# the water's motion there, as from WATER_T on
+(PLATE_X, PLATE_Y, PLATE_ANGLE, PLATE_LAW, PLATE_WATER, PLATE_ROWS) = (*range(4), 8, 13)

@@ -5,7 +5,7 @@ from laticauda.robot.body import Actuator as Actuator, Joint as Joint, Module as
 from laticauda.robot.describe import describe as describe, summary as summary
 from laticauda.robot.effectors import CaudalFin as CaudalFin, Hinge as Hinge, PectoralFin as PectoralFin, Piece as Piece
 from laticauda.robot.effectors import Tether as Tether, Thruster as Thruster
-from laticauda.robot.environment import Environment as Environment, Ground as Ground, Water as Water
+from laticauda.robot.environment import Current as Current, Environment as Environment, Ground as Ground, Water as Water
 from laticauda.robot.environment import Scene as Scene, check_fits as check_fits, law_of as law_of
 from laticauda.robot.files import RobotNotFound as RobotNotFound, from_toml as from_toml, ground_names as ground_names
 from laticauda.robot.files import load_ground as load_ground, load_joint_angles as load_joint_angles

@@ -174,7 +174,7 @@ def _water_rows(water: Water) -> list[Row]:
         ("drag", water.drag.words),
         *([("friction_taper", f"{water.friction_taper:g}")] if water.friction_taper else []),
         ("trailing_edge", water.trailing_edge),
-        ("current", f"({', '.join(f'{one:g}' for one in water.current)}) m/s"),
+        ("current", water.current_words),
         ("depth", "far below the surface" if water.depth is None else f"{water.depth:g} m"),
     ]
 

@@ -4,18 +4,21 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal, TypeAlias, cast
 
+import numpy as np
+
 from laticauda.errors import BadArgument, label, one_of
 from laticauda.extensions import Extensible, name_of
+from laticauda.fluid.flow import Flow
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.quantities import option, quantity, value
 from laticauda.robot.robot import Robot
 
-Current: TypeAlias = tuple[float, float] | tuple[float, float, float]
+Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 
 
 @value
 class Water:
-    """Still or uniformly moving water, the coefficients of its loads and the form that they take.
+    """Still or moving water, the coefficients of its loads and the form that they take.
 
     The coefficients hold for every module and the fin, apart from those that bring their own.
     """
@@ -46,8 +49,15 @@ class Water:
     trailing_edge: Literal["none", "elongated"] = option(
         "`elongated` adds Lighthill's wake force at the fin's or the tail's end; it needs `kirchhoff`", default="none"
     )
-    current: Current = quantity("m/s", "V, velocity that it moves to, world axes", default=(0.0, 0.0))
-    depth: float | None = quantity("m", "Of the body's axis; far below the surface if left out", gt=0.0, default=None)
+    current: Current = quantity(
+        "m/s", "V, velocity that it moves to, world axes, or a flow, which says it anywhere", default=(0.0, 0.0)
+    )
+    depth: float | None = quantity(
+        "m",
+        "Of the body's axis; far below the surface if left out (a flow in the plane is then that at the surface)",
+        gt=0.0,
+        default=None,
+    )
 
     former: ClassVar[Mapping[str, str]] = {
         "linear_drag": "drag.linear",
@@ -57,14 +67,51 @@ class Water:
     }
 
     def __post_init__(self) -> None:
-        if self.current[2:] == (0.0,):
-            object.__setattr__(self, "current", self.current[:2])
+        current = self.current if not isinstance(self.current, Flow) else self.current.constant or self.current
+        if not isinstance(current, Flow) and current[2:] == (0.0,):
+            current = current[:2]
+        object.__setattr__(self, "current", current)
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
                 "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that carries the momentum which "
                 f"an edge sheds (here it is `{self.added_mass_form}`), got 'elongated'",
             )
+
+    @property
+    def flow(self) -> Flow | None:
+        """How it moves, if not everywhere and always the same."""
+        return self.current if isinstance(self.current, Flow) else None
+
+    @property
+    def uniform(self) -> tuple[float, float, float]:
+        """Its velocity, if that is everywhere and always the same, else none: a flow has it all [m/s]."""
+        x, y, z = (0.0,) * 3 if isinstance(self.current, Flow) else (*self.current, 0.0)[:3]
+        return x, y, z
+
+    @property
+    def current_words(self) -> str:
+        """What its motion is, for people."""
+        if isinstance(self.current, Flow):
+            return self.current.words
+        return f"({', '.join(f'{one:g}' for one in self.current)}) m/s"
+
+    def velocity(self, points: Any, t: Any = 0.0) -> np.ndarray:
+        """Velocity of the water at many points.
+
+        Args:
+            points: In space, or x and y in the plane, which is at `-depth`, or at the surface; world axes [m].
+            t: Since the start of the run, the same for all or one for each [s].
+
+        Returns:
+            As many components as the points have [m/s].
+        """
+        points = np.asarray(points, dtype=float)
+        size = points.shape[-1]
+        if self.flow is None:
+            return np.broadcast_to(self.uniform[:size], points.shape)
+        height = np.broadcast_to(-(self.depth or 0.0), (*points.shape[:-1], 3 - size))
+        return self.flow.velocity(np.concatenate((points, height), axis=-1), t)[..., :size]
 
 
 @value

@@ -130,7 +130,8 @@ class SpatialPlant(Plant[Spatial]):
         """
         if not isinstance(self.environment, Water):
             raise BadArgument("environment", "must be a Water to have a current, got a Ground")
-        current = (*velocity, *self.environment.current[2:])
+        x, y = velocity
+        current = x, y, self.environment.uniform[2]
         other = replace(self, environment=replace(self.environment, current=current))
         vars(other)["_twin"] = self._twin
         return other
@@ -207,7 +208,7 @@ class SpatialPlant(Plant[Spatial]):
     def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector, and log it."""
         values = values.copy()
-        current = self.environment.current if isinstance(self.environment, Water) else None
+        current = self.environment.uniform if isinstance(self.environment, Water) else None
         return values, self._twin.run([values], [given], steps, dt, every, current)
 
     def _as_it_is(self, state: PlantState) -> np.ndarray:

@@ -26,7 +26,7 @@ class Together:
         self.plants, first = plants, plants[0]
         others = [(plant.robot, plant.settings) for plant in plants[1:]]
         self.twin = Twin(first.robot, first.environment, first.settings, others)
-        self._current = first.environment.current if isinstance(first.environment, Water) else None
+        self._current = first.environment.uniform if isinstance(first.environment, Water) else None
 
     def init(self, starts: Sequence[Start], commands: Sequence[Command]) -> list[PlantState]:
         """The states at time 0; see `Plant.init`.

@@ -69,7 +69,7 @@ class Twin:
             self.model,
             elements,
             density=environment.density,
-            current=(*environment.current, 0.0)[:3],
+            current=environment.uniform,
             surface=around.level if floats(setup) else None,
             form=environment.added_mass_form,
             terrain=around.terrain,
@@ -143,7 +143,7 @@ class Twin:
             self.model.opt.timestep = dt
             registry.install()  # somebody else may have taken the callback since
             if current is not None:
-                self.water.set_current((*current, 0.0)[:3])
+                self.water.set_current(current)
             records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
             for end, (_, _, effectors) in zip(self._ends, given, strict=True):
                 for record, element in zip(records[end - len(effectors) : end], effectors, strict=True):

@@ -217,10 +217,11 @@ def electrical_power(trial: Contents) -> float:
 
 
 def speed_through_water(trial: Contents) -> float:
-    """As `forward_velocity` of a trial, relative to the water: the current is taken off [m/s]."""
+    """As `forward_velocity` of a trial, relative to the water: the current where it is is taken off [m/s]."""
     velocity = mean_velocity(trial.time, trial.center_of_mass)
-    if isinstance(trial.environment, Water):
-        velocity[: len(trial.environment.current)] -= trial.environment.current
+    if isinstance(water := trial.environment, Water):
+        around = water.velocity(trial.center_of_mass, trial.time)
+        velocity -= around[0] if water.flow is None else integral(trial.time, around)[-1] / np.ptp(trial.time)
     return float(np.linalg.norm(velocity))
 
 

@@ -108,7 +108,7 @@ def _compiled(law: DragLaw, joints: JointLaw) -> bytes:
         with compiling_for(_target()):  # the law alone first, which takes no time
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
-        move = _move(specialize(1, law, joints, _target()).run)
+        move = _move(specialize(1, law, joints, target=_target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())

@@ -177,7 +177,7 @@ def _references(plant: PlanarPlant) -> Iterator[Variable]:
 
 
 def _current(water: Water) -> Iterator[Variable]:
-    for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.current, strict=True):
+    for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
         text = "Velocity that the water moves to, world axes."
         yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)
 

@@ -1,0 +1,91 @@
+"""Flows: values whose formulas are compiled, sums of parts, what a small body meets in them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.codec import decode, encode
+from laticauda.fluid.flow import Flow, FunctionFlow, Sum, rows_of
+from laticauda.quantities import quantity, value
+from laticauda.robot import Current, load_robot, load_water
+
+GAIT = lc.Gait(amplitude=0.5, frequency=2.2, phase_shift=0.7)
+WATER = load_water("paper-lateral")
+
+
+@value
+class Swirl(Flow):
+    """Water that moves as one, and turns as one about a point."""
+
+    v_x: float = quantity("m/s", "velocity", default=0.0)
+    v_y: float = quantity("m/s", "velocity", default=0.0)
+    rate: float = quantity("rad/s", "angular velocity", default=0.0)
+
+    def __call__(self, x, y, z, t):
+        return self.v_x - self.rate * y, self.v_y + self.rate * x, 0.0
+
+
+def test_a_small_body_in_water_that_turns_as_one_meets_its_rotation_and_its_centripetal_acceleration():
+    felt = Swirl(rate=0.7).felt(0.3, -0.2, 0.0, 5.0)
+    assert felt.s_z == pytest.approx(0.7, abs=1e-9)
+    assert (felt.a_x, felt.a_y) == pytest.approx((-0.49 * 0.3, 0.49 * 0.2), abs=1e-9)
+    assert (felt.s_x, felt.s_y, felt.a_z, felt.elevation) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("form", ["relative", "kirchhoff", "classic"])
+@pytest.mark.parametrize("robot", ["mamba", "mamba-fin"])
+def test_a_flow_that_is_everywhere_the_same_is_that_current_to_rounding(robot, form):
+    water = replace(WATER, added_mass_form=form)
+    known = lc.swim(robot, GAIT, duration=3.0, environment=replace(water, current=(0.05, -0.03)))
+    found = lc.swim(robot, GAIT, duration=3.0, environment=replace(water, current=Swirl(v_x=0.05, v_y=-0.03)))
+    assert np.abs(found.center_of_mass - known.center_of_mass).max() < 1e-14
+    assert found.speed_through_water == pytest.approx(known.speed_through_water, rel=1e-12)
+
+
+def test_runs_side_by_side_in_flows_with_other_numbers_are_those_of_each_alone():
+    swirls = [Swirl(v_x=0.02 * k, rate=0.05 * k) for k in range(3)]
+    scenarios = [lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(WATER, current=one)) for one in swirls]
+    together = lc.swim_many(scenarios).center_of_mass
+    for scenario, end in zip(scenarios, together, strict=True):
+        assert np.array_equal(lc.swim(scenario).center_of_mass[-1], end)
+
+
+def test_a_sum_of_flows_is_the_flow_of_their_sum_accelerations_too():
+    both = Swirl(v_x=0.1) + Swirl(rate=0.4) + Swirl(v_y=-0.2)
+    one = Swirl(v_x=0.1, v_y=-0.2, rate=0.4)
+    assert both.felt(0.5, 0.6, 0.0, 1.0) == pytest.approx(one.felt(0.5, 0.6, 0.0, 1.0), abs=1e-8)
+    rows = rows_of(both)
+    assert len(rows.kinds) == 1
+    assert rows.counts == (3,)
+    assert rows.numbers.tolist() == [3.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.4, 0.0, -0.2, 0.0]
+
+
+def test_a_flow_gives_the_velocity_at_many_points_at_once():
+    points = np.array([[[0.1, 0.2, 0.0], [0.3, 0.4, -1.0]]])
+    assert Swirl(rate=2.0, v_x=0.1).velocity(points, 0.0) == pytest.approx(
+        np.array([[[-0.3, 0.2, 0.0], [-0.7, 0.6, 0.0]]])
+    )
+
+
+def test_a_water_with_a_flow_goes_through_files():
+    class_water = replace(WATER, current=Swirl(rate=0.1) + Swirl(v_x=0.2))
+    table = encode(class_water)
+    assert table["current"]["kind"] == "sum"
+    assert decode(type(class_water), table) == class_water
+    assert decode(Current, [0.1, 0.2]) == (0.1, 0.2)
+    assert decode(Current, {"kind": "swirl", "rate": 0.1}) == Swirl(rate=0.1)
+
+
+@pytest.mark.parametrize(
+    ("flow", "message"),
+    [
+        (FunctionFlow(function=lambda x, y, z, t: (x, y)), "must return 3 numbers .* or the 16 of a `Motion`, got"),
+        (FunctionFlow(function=lambda x, y, z, t: 0.3), "must return 3 numbers .* or the 16 of a `Motion`, got 0.3"),
+        (Sum(flows=(FunctionFlow(function=lambda x, y, z, t: open(x)),)), "."),
+    ],
+)
+def test_a_flow_that_no_kernel_can_compile_is_refused(flow, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        flow.check()
